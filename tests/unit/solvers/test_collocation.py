@@ -66,17 +66,6 @@ def test_the_miss_falls_as_radaus_order_says(points):
     assert order == pytest.approx(2 * points - 1, abs=1.5)
 
 
-def test_multipliers_turn_with_the_vehicle():
-    """In the world frame: straight at the end, they are the final heading."""
-    scenario = Scenario(0, 0, 2.2, 3, -4, 1.5)
-    answer = solve(scenario, "collocation")
-
-    final = answer.path.end.heading
-    expected = (math.cos(final), math.sin(final))
-    # the last element, nearly straight, turns by what the barrier leaves
-    assert (answer.multiplier_x, answer.multiplier_y) == pytest.approx(expected, abs=1e-4)
-
-
 def test_a_warm_start_comes_first():
     """A path in the world, at its radius, becomes the first guess, and a word may need no other."""
     scenario = EDGES["huge radius"]

@@ -11,11 +11,12 @@ from dubins_study.conformance import check_solver
 from dubins_study.conformance.questions import AXIS, GENERAL
 from dubins_study.conformance.report import Status
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.protocol import Guarantee
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES, FORMULATIONS, Outcome, Verdict
+from dubins_study.study.words import BRANCHES, FORMULATIONS, Claim, Outcome, Verdict
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.
@@ -128,3 +129,23 @@ def test_multipliers_are_the_costates(name):
     assert math.hypot(
         answer.multiplier_x - math.cos(heading), answer.multiplier_y - math.sin(heading)
     ) == pytest.approx(0, abs=allowed)
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        *("slsqp", "ipopt", "nlp", "penalty", "shooting", "heading-milp", "turn-rate-qp"),
+        *("turn-rates", "multiple-shooting", "collocation"),
+    ],
+)
+@pytest.mark.parametrize("limit", [0.0, 1e-9])
+def test_no_time_is_a_limit(spec, limit):
+    """No exception, and nothing claimed of a point, if there is one."""
+    solver, question = load(spec), Question(PAPER["problem 1"])
+    solution = solver.solve(solver.build(question), limit)
+
+    assert solution.claim is Claim.LIMIT
+    assert not attempt(solver, question, limit or 1e-9).false_claim
+    if spec == "turn-rate-qp":  # its best point so far, whatever it is worth
+        assert solution.path is not None
+        assert solution.iterations == 0 or limit > 0

@@ -243,14 +243,6 @@ def test_every_engine_proves_the_disjunction(engine, transformation, target, cap
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("engine", INSTALLED)
-def test_every_engine_sees_that_a_word_is_not_there(engine):
-    answer = ask(0.3, 1.2, "LS", engine=engine, feastol=1e-6)
-
-    assert answer.claim is Claim.INFEASIBLE, answer.message
-    assert answer.verdict is Verdict.NONE_EXISTS
-
-
 def test_far_away_nothing_is_claimed_to_be_proven():
     """Here SCIP's bound is 2e-6 above the shortest length (`solvers.global_minlp.disjunctive`)."""
     answer = ask(25.422563016520616, -2538547.0079247607)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import time
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,9 +13,16 @@ from cases import PAPER
 
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
+from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
 from dubins_study.solvers.minlp_engines import scip
-from dubins_study.solvers.minlp_engines.program import ProvenResult
+from dubins_study.solvers.minlp_engines.program import (
+    MixedProgram,
+    ProvenResult,
+    Row,
+    Settings,
+    Written,
+)
 from dubins_study.solvers.paper_nlp.model import equations
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import shortest
@@ -44,19 +53,6 @@ def test_the_optimum_is_proven(engine, model, target):
     names = "LRS RLS" if model == "joint" else "LS RS LR RL"
     assert answer.subproblems == names
     assert answer.best_run_s in answer.subproblem_s
-
-
-@pytest.mark.parametrize("engine", INSTALLED)
-def test_a_word_without_a_path_is_called_infeasible(engine):
-    """No LS path ends inside the left disc, and RL does: its own program says so."""
-    none = ask(0.3, 1.2, "LS", engine=engine, feastol=1e-6)
-    some = ask(0.3, 1.2, "RL", engine=engine, feastol=1e-6)
-
-    assert none.claim is Claim.INFEASIBLE
-    assert none.verdict is Verdict.NONE_EXISTS
-    assert none.path is None
-    assert some.claim is Claim.OPTIMAL
-    assert some.length == pytest.approx(shortest(some.scenario, "RL").total)
 
 
 @pytest.mark.slow
@@ -161,3 +157,107 @@ def test_claims_and_bounds_of_all_programs_together(monkeypatch, results, claim,
     assert solution.lower_bound == (None if bound is None else 10.0 * bound)
     assert (solution.path is not None) == (results[0] is FOUND)
     assert ("licence expired" in solution.message) == any(one is BROKEN for one in results)
+
+
+SETTINGS = Settings(1e-6, 1e-6)
+
+
+def linear(n):
+    """A linear program of n variables and n equations, whose optimum is n."""
+
+    def write(x, functions):
+        return Written(sum(x), [Row(variable, 1.0, 1.0) for variable in x])
+
+    return MixedProgram(np.zeros(n), np.full(n, 2.0), np.zeros(n, bool), write)
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+@pytest.mark.parametrize("lean", [False, True])
+def test_a_program_with_binaries_and_curves(name, lean):
+    """min x - b with x >= sin(2) b, b binary, x^2 + cos(x) <= 2: the bound meets the optimum.
+
+    For b = 1 the least x is sin(2) = 0.909, whose square and cosine add up to 1.44: the optimum
+    is sin(2) - 1; for b = 0 it is 0.
+    """
+
+    def write(x, functions):
+        curve = x[0] ** 2 + functions.cos(x[0]) - 2
+        rows = [Row(x[0] - math.sin(2) * x[1], 0.0, 9.0), Row(curve, -math.inf, 0.0)]
+        return Written(x[0] - x[1], rows)
+
+    program = MixedProgram(np.zeros(2), np.array((3.0, 1.0)), np.array((False, True)), write)
+    result = ENGINES[name].load()(Settings(1e-6, 1e-6, lean))(program, 20.0)
+
+    assert result.claim is Claim.OPTIMAL
+    assert result.x == pytest.approx([math.sin(2), 1], abs=1e-5)
+    assert result.bound == pytest.approx(math.sin(2) - 1, abs=1e-5)
+    assert result.nodes is None or result.nodes >= 0
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_what_has_no_point_is_infeasible(name):
+    """x = y and x = y + 2 - sin(x) / 10 cannot both be."""
+
+    def write(x, functions):
+        return Written(x[0], [Row(x[0] - x[1]), Row(x[0] - x[1] - 2 + functions.sin(x[0]) / 10)])
+
+    program = MixedProgram(np.zeros(2), np.full(2, 3.0), np.zeros(2, bool), write)
+    result = ENGINES[name].load()(SETTINGS)(program, 20.0)
+
+    assert result.claim is Claim.INFEASIBLE
+    assert result.x is None
+    assert result.bound == math.inf
+
+
+@pytest.mark.parametrize("name", [name for name in ("gurobi", "xpress") if name in INSTALLED])
+def test_a_program_too_large_for_the_licence_is_a_message(name):
+    """The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints."""
+    result = ENGINES[name].load()(SETTINGS)(linear(6000), 20.0)
+
+    if result.claim is Claim.OPTIMAL:  # here is a licence without limits
+        assert result.bound == pytest.approx(6000)
+    else:
+        assert result.claim is Claim.FAILED
+        assert result.x is None
+        assert any(words in result.message for words in ("size-limited license", "maximum is"))
+
+
+@pytest.mark.parametrize(
+    ("name", "starter", "error", "message"),
+    [
+        ("gurobi", "_environment", ("gurobipy", "GurobiError"), "License expired 2020-01-01"),
+        ("xpress", "_start", ("xpress", "InterfaceError"), "Failed to initialise: no licence"),
+    ],
+)
+def test_a_licence_that_has_expired_or_is_missing_is_a_message(
+    name, starter, error, message, monkeypatch
+):
+    library, kind = pytest.importorskip(error[0]), error[1]
+    module = importlib.import_module(f"dubins_study.solvers.minlp_engines.{name}")
+    raised = getattr(library, kind)(*[10009] * (name == "gurobi"), message)
+    monkeypatch.setattr(module, starter, Mock(side_effect=raised))
+    result = ENGINES[name].load()(SETTINGS)(linear(2), 20.0)
+
+    assert result.claim is Claim.FAILED
+    assert message in result.message
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+@pytest.mark.parametrize("solver", [GlobalNlp, Disjunctive])
+def test_a_word_without_a_path_is_called_infeasible(solver, engine):
+    """No LS path ends inside the left disc: its own program says so."""
+    question = Question(Scenario(0, 0, 0, 0.3, 1.2, 1), "LS")
+    none = attempt(solver(engine=engine, feastol=1e-6), question, 20.0)
+
+    assert none.claim is Claim.INFEASIBLE, none.message
+    assert none.verdict is Verdict.NONE_EXISTS
+    assert none.path is None
+
+
+@pytest.mark.parametrize("engine", INSTALLED)
+def test_a_word_with_a_path_is_proven(engine):
+    """RL ends there, where LS does not."""
+    some = ask(0.3, 1.2, "RL", engine=engine, feastol=1e-6)
+
+    assert some.claim is Claim.OPTIMAL
+    assert some.length == pytest.approx(shortest(some.scenario, "RL").total)

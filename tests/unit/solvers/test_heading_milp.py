@@ -239,14 +239,6 @@ def test_a_grid_without_a_path_does_not_say_that_there_is_none(monkeypatch):
     assert "HiGHS proves that there is none, on this grid only" in solution.message
 
 
-def test_no_time_is_a_limit():
-    """Neither a time limit reached nor one that leaves no time to begin is an exception."""
-    for limit in (0.0, 1e-5):
-        solution, _ = ask(PAPER["problem 1"], limit=limit)
-        assert solution.claim is Claim.LIMIT
-        assert solution.path is None
-
-
 OTHERS = [name for name in ("scip", "gurobi", "xpress") if HeadingMilp(name).unavailable() is None]
 
 

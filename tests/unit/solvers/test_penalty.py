@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from itertools import count
 
@@ -206,14 +205,6 @@ def test_the_time_limit_ends_the_search(name, monkeypatch):
     assert next(clock) == 12
 
 
-def test_time_that_is_over_is_a_limit():
-    solver = load("penalty")
-    solution = solver.solve(solver.build(Question(LEFT_DISC)), 0.0)
-
-    assert solution.claim is Claim.LIMIT
-    assert solution.message == "no time to begin"
-
-
 def test_raw_points_are_the_engine_s_own():
     """Without the correction they miss by what the engine left; with it by rounding."""
     question = Question(PAPER["problem 1"])
@@ -246,17 +237,6 @@ def test_a_word_without_a_path_is_never_called_infeasible_by_a_search(presolve):
     assert answer.presolved is presolve
     assert not answer.false_claim
     assert answer.claim in ((Claim.INFEASIBLE,) if presolve else (Claim.LIMIT, Claim.FAILED))
-
-
-def test_an_engine_that_is_not_installed_is_a_reason(monkeypatch):
-    find = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda n: None if n == "cma" else find(n))
-
-    answer = attempt(load("penalty[engine=cma-es]"), Question(LEFT_DISC))
-
-    assert answer.outcome is Outcome.UNAVAILABLE
-    assert answer.message == "the package cma is not installed"
-    assert attempt(load("penalty[evaluations=100]"), Question(LEFT_DISC)).outcome == "returned"
 
 
 def test_every_engine_is_listed_with_its_guess():

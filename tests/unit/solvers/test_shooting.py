@@ -17,7 +17,6 @@ from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.indirect.shooting import Shooting
 from dubins_study.solvers.indirect.structure import Conditions, Structure, examine
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.registry import load
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Verdict
@@ -295,13 +294,6 @@ def test_a_start_that_fails_says_so_and_keeps_its_point():
     assert "misses the target" in answer.message
     assert answer.native_status.startswith("hybr")
     assert answer.path is not None
-
-
-def test_no_time_is_a_limit():
-    solver = load("shooting")
-    solution = solver.solve(solver.build(Question(PAPER["problem 1"])), 0.0)
-
-    assert solution.claim is Claim.LIMIT
 
 
 @pytest.mark.parametrize("root", ["hybr", "lm"])

@@ -170,6 +170,26 @@ def test_multipliers_of_two_arcs_point_along_the_chord(spec, error):
     assert (answer.multiplier_x, answer.multiplier_y) == pytest.approx(expected, abs=error)
 
 
+@pytest.mark.parametrize(
+    ("spec", "error"),
+    [
+        (
+            "collocation",
+            1e-4,
+        ),  # the last element turns by what the barrier leaves
+        ("turn-rate-qp[n=200]", 3e-4),  # a hundredth of a step's turn of 0.03 rad
+    ],
+)
+@pytest.mark.parametrize("radius", [1.5, 2.5])
+def test_multipliers_turn_with_the_vehicle(spec, error, radius):
+    """In the world frame; straight at the end, they are the final heading."""
+    answer = solve(Scenario(0, 0, 2.2, 3, -4, radius), spec)
+
+    final = answer.path.end.heading
+    expected = (math.cos(final), math.sin(final))
+    assert (answer.multiplier_x, answer.multiplier_y) == pytest.approx(expected, abs=error)
+
+
 @pytest.mark.parametrize("spec", ["collocation", "turn-rate-qp"])
 @pytest.mark.parametrize(
     ("curvature", "length"),
