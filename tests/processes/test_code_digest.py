@@ -160,27 +160,29 @@ target_y = 3
 """
 
 
+def run_changed(file, patience, out):
+    """Run an experiment of the plug-in `mine.py` beside it, whose code is another by `patience`."""
+    plugin = file.with_name("mine.py")
+    plugin.write_text(PLUGIN.format(patience=patience, remark=""))
+    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
+    return output(finished("run", file, "--trust-plugins", "--out", out))
+
+
 @pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     """They are kept, counted, and left out of everything else."""
-    plugin, file = tmp_path / "mine.py", tmp_path / "changing.toml"
-    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
-    out = tmp_path / "out"
+    spec, out = f"{tmp_path}/mine.py:Mine", tmp_path / "out"
     for patience in (1, 2):
-        plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        done = output(finished("run", file, "--trust-plugins", "--out", out))
+        done = run_changed(tmp_path / "changing.toml", patience, out)
         assert "4 of 4 cells done, finished" in done
 
     kept = read_rows(out, ["run_id"]).to_pandas()
-    assert kept.groupby("solver")["code_digest"].nunique().to_dict() == {
-        f"{plugin}:Mine": 2,
-        "analytic": 1,
-    }
-    assert kept.groupby("solver").size().to_dict() == {f"{plugin}:Mine": 4, "analytic": 2}
+    assert kept.groupby("solver")["code_digest"].nunique().to_dict() == {spec: 2, "analytic": 1}
+    assert kept.groupby("solver").size().to_dict() == {spec: 4, "analytic": 2}
     assert "2 rows of earlier code" in output(finished("status", out))
     shown = load([out])
     assert len(shown.rows) == 4
-    newest = json.loads((out / "manifest.json").read_text())["solvers"][f"{plugin}:Mine"]
+    newest = json.loads((out / "manifest.json").read_text())["solvers"][spec]
     assert set(shown.rows["code_digest"]) == {newest["code_digest"], code_digest("analytic")}
     assert newest["settings"]["patience"] == 2
     assert newest["cells"] == 2
@@ -202,12 +204,9 @@ def test_cells_know_their_code(tmp_path):
 @pytest.mark.slow
 def test_folders_of_two_codes(tmp_path):
     """Of a cell that both hold the first is kept, and the page says what was left out."""
-    plugin, file = tmp_path / "mine.py", tmp_path / "changing.toml"
-    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
-    for patience in (1, 2):
-        plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-        output(finished("run", file, "--trust-plugins", "--out", tmp_path / str(patience)))
     one, two = tmp_path / "1", tmp_path / "2"
+    run_changed(tmp_path / "changing.toml", 1, one)
+    run_changed(tmp_path / "changing.toml", 2, two)
 
     found = load([one, two])
 

@@ -6,12 +6,14 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import venv
 from pathlib import Path
 
 import pytest
+from live_run import finished, interpreted, output
 
 from dubins_study import check_solver
 from dubins_study.conformance import CHECKS
@@ -211,7 +213,7 @@ def test_the_solver_in_eight_lines():
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """The environment of a user who has installed both plug-ins with pip, without a network."""
+    """What a user's environment has more who has installed both plug-ins with pip, offline."""
     folder = tmp_path_factory.mktemp("installed")
     venv.create(folder / "env", with_pip=True, system_site_packages=True)
     libraries = os.pathsep.join(entry for entry in sys.path if "site-packages" in entry)
@@ -219,7 +221,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     pip = (folder / "env" / "bin" / "python", "-m", "pip", "--disable-pip-version-check", "install")
     for name in ("plugin-honest", "plugin-lying"):
         copy = folder / name
-        subprocess.run(["cp", "-r", EXAMPLES / name, copy], check=True)
+        shutil.copytree(EXAMPLES / name, copy)
         done = subprocess.run(
             [*pip, *options, folder / "site", copy],
             capture_output=True,
@@ -227,26 +229,25 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
             env=os.environ | {"PYTHONPATH": libraries},
         )
         assert done.returncode == 0, done.stdout + done.stderr
-    return os.environ | {"PYTHONPATH": str(folder / "site")}
-
-
-def called(environment: dict[str, str], *arguments: object, cwd: Path, code: int = 0) -> str:
-    """Standard output of a Python module that must end with a code."""
-    command = [sys.executable, "-m", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=cwd)
-    assert done.returncode == code, done.stdout + done.stderr
-    return done.stdout
+    return {"PYTHONPATH": str(folder / "site")}
 
 
 @pytest.mark.slow
 def test_an_installed_plugin_is_one_of_the_solvers(installed, tmp_path):
     """Listed, checked, run and reported under its name."""
-    assert "two-arcs" in called(installed, "dubins_study", "solvers", cwd=tmp_path)
-    checked = called(installed, "dubins_study", "check-solver", "two-arcs", "--json", cwd=tmp_path)
-    called(installed, "dubins_study", "run", "paper", "--solver", "two-arcs", cwd=tmp_path)
-    called(installed, "dubins_study", "report", "results/paper", cwd=tmp_path)
+    commands = {
+        "solvers": ("solvers",),
+        "checked": ("check-solver", "two-arcs", "--json"),
+        "run": ("run", "paper", "--solver", "two-arcs"),
+        "report": ("report", "results/paper"),
+    }
+    shown = {
+        name: output(finished(*words, cwd=tmp_path, **installed))
+        for name, words in commands.items()
+    }
 
-    report = json.loads(checked)
+    assert "two-arcs" in shown["solvers"]
+    report = json.loads(shown["checked"])
     assert report["passed"]
     assert {check["name"] for check in report["checks"]} == set(CHECKS)
     assert (tmp_path / "results" / "paper" / "report" / "index.html").is_file()
@@ -255,17 +256,18 @@ def test_an_installed_plugin_is_one_of_the_solvers(installed, tmp_path):
 @pytest.mark.slow
 def test_the_installed_lie_ends_with_exit_code_1(installed, tmp_path):
     arguments = ("check-solver", "lying[lie=heading in degrees]", "--check", "controls")
-    shown = called(installed, "dubins_study", *arguments, cwd=tmp_path, code=1)
+    done = finished(*arguments, cwd=tmp_path, **installed)
 
-    assert "FAIL  controls" in shown
-    assert "your path arrives if the heading is taken for degrees" in shown
+    assert done.returncode == 1, done.stderr
+    assert "FAIL  controls" in done.stdout
+    assert "your path arrives if the heading is taken for degrees" in done.stdout
 
 
 @pytest.mark.slow
 def test_the_tests_of_the_honest_plugin(installed, tmp_path):
     """As its author runs them: one test for each check."""
-    tests = tmp_path / "tests"
-    subprocess.run(["cp", "-r", EXAMPLES / "plugin-honest" / "tests", tests], check=True)
-    shown = called(installed, "pytest", "-q", "-p", "no:cacheprovider", tests, cwd=tmp_path)
+    shutil.copytree(EXAMPLES / "plugin-honest" / "tests", tmp_path / "tests")
+    program = "import pytest; raise SystemExit(pytest.main(['-q', '-p', 'no:cacheprovider']))"
+    shown = output(interpreted(program, cwd=tmp_path, **installed))
 
     assert f"{len(CHECKS) + 1} passed" in shown
