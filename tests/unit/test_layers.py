@@ -50,7 +50,7 @@ BUDGETS = {
 BUDGETS |= {
     "study": Size(5_600, 43),
     "solvers": Size(10_600, 92),
-    "experiments": Size(6_510, 41),
+    "experiments": Size(6_400, 41),
     "conformance": Size(1_940, 9),
     "report": Size(18_720, 204),
     "package": Size(47_210, 442),

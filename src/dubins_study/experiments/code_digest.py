@@ -41,9 +41,6 @@ def code_digest(spec: str, profile: str = "default") -> str:
 
     It covers the canonical spec, the values of all settings, the versions of the solver's packages,
     and the sources that `solver_sources` lists. Each file is read once per process.
-
-    Raises:
-        SolverError: as `solvers.registry.load`.
     """
     solver = load(spec, profile)
     description = {

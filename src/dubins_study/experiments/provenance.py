@@ -71,11 +71,7 @@ def host() -> str:
 
 
 def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
-    """The policy that sets the cores' clock: performance, powersave, ...; several if cores differ.
-
-    Args:
-        cpus: the folder in which Linux describes the cores.
-    """
+    """The policy that sets the cores' clock: performance, ...; several if cores differ."""
     governors = set()
     for file in cpus.glob("cpu[0-9]*/cpufreq/scaling_governor"):
         with suppress(OSError, UnicodeDecodeError):

@@ -10,23 +10,14 @@ EXECUTOR_NAMES = ("local", "dask")
 
 
 class RunSettings(NamedTuple):
-    """The settings of one run, the same for all its cells and rows.
-
-    Args:
-        run_id: identifies the run in its rows, its parts and the manifest.
-        time_limit_s: seconds that one solve may take.
-        memory_limit_bytes: bytes that a worker process and its children may hold.
-        jobs: how many cells are solved at the same time.
-        executor: one of `EXECUTOR_NAMES`.
-        seed: seed of the random order of the cells.
-    """
+    """The settings of one run, the same for all its cells and rows."""
 
     run_id: str
-    time_limit_s: float
-    memory_limit_bytes: int = 4 * BYTES_PER_GIB
-    jobs: int = 1
-    executor: str = "local"
-    seed: int = 0
+    time_limit_s: float  # of one solve
+    memory_limit_bytes: int = 4 * BYTES_PER_GIB  # of a worker process and its children
+    jobs: int = 1  # cells that are solved at the same time
+    executor: str = "local"  # one of `EXECUTOR_NAMES`
+    seed: int = 0  # of the random order of the cells
 
     @property
     def memory_limit_gib(self) -> float:

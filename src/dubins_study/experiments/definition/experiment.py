@@ -74,11 +74,7 @@ class ExperimentText(NamedTuple):
     text: str
 
     def fields(self) -> dict[str, Any]:
-        """The keys of the file and their values.
-
-        Raises:
-            ExperimentError: if it is not TOML; the reader stops at the first mistake.
-        """
+        """The keys of the file and their values; what is not TOML is refused at once."""
         if long := _LONG_KEY.search(self.text):
             line = self.text.count("\n", 0, long.start()) + 1
             raise ExperimentError(
@@ -93,11 +89,7 @@ class ExperimentText(NamedTuple):
 
 
 def text_of(name: str) -> ExperimentText:
-    """The file of a packaged experiment by its name, or any by the path of its TOML file.
-
-    Raises:
-        ExperimentError: naming the file and why it cannot be read.
-    """
+    """The file of a packaged experiment by its name, or any by the path of its TOML file."""
     packaged_file = _packaged_files().get(name)
     if packaged_file is not None:
         return ExperimentText(name, packaged_file.name, packaged_file.read_text(encoding="utf-8"))
@@ -238,17 +230,10 @@ TABLE_KEYS = {
 
 
 class ExperimentFile(NamedTuple):
-    """An experiment and the file that it was read from.
+    """An experiment and the file that it was read from."""
 
-    Args:
-        name: the name of the packaged experiment, or the stem of the file's name.
-        path: the file's path, as it appears in messages.
-        text: the text of the file.
-        experiment: what the text says.
-    """
-
-    name: str
-    path: str
+    name: str  # of the packaged experiment, or the stem of the file's name
+    path: str  # as it appears in messages
     text: str
     experiment: Experiment
 
@@ -265,26 +250,13 @@ def read(name: str) -> ExperimentFile:
 
 
 def parse(name: str, file: str, text: str) -> ExperimentFile:
-    """Read an experiment from the text of its file; `file` is named in messages.
-
-    Raises:
-        ExperimentError: as `read`.
-    """
+    """Read an experiment from the text of its file; `file` is named in messages."""
     fields = ExperimentText(name, file, text).fields()
     return ExperimentFile(name, file, text, validated(file, fields, text))
 
 
 def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
-    """Check the fields of an experiment.
-
-    Args:
-        file: named in messages.
-        fields: the keys and their values.
-        text: the text of the file, for the numbers of lines in messages.
-
-    Raises:
-        ExperimentError: naming every wrong key, its line, its value and what was expected.
-    """
+    """Check the fields of an experiment; the error names every wrong key, with the text's line."""
     try:
         return Experiment.model_validate(fields)
     except ValidationError as error:

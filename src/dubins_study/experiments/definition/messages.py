@@ -126,13 +126,7 @@ class Problem(NamedTuple):
 
 
 def refusal(file: str, problems: list[Problem], text: str = "") -> str:
-    """All problems of a file in one message; a line each if there are several.
-
-    Args:
-        file: its path, as in messages.
-        problems: at least one.
-        text: the text of the file, for the lines' numbers; empty where there is none.
-    """
+    """All problems of a file in one message, with lines if there is a text; a line each."""
     lines = key_lines(text)
     placed = [(line_of(path, lines) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
@@ -188,9 +182,9 @@ def _keys_beside(location: KeyPath, known: TableKeys) -> Iterable[str]:
 def _sentence(error: Any, known: TableKeys) -> str:
     """The key, its value and what was expected."""
     kind, location, value = error["type"], error["loc"], error["input"]
-    variants = [i for i, step in enumerate(location) if _is_variant(step)]
-    if variants:
-        message = _union_error(kind, location, variants[0], value)
+    variant = len(_before_variant(location))
+    if variant < len(location):
+        message = _union_error(kind, location, variant, value)
         if message is not None:
             return message
     key = _key(location) or "the file"
@@ -210,14 +204,8 @@ def _sentence(error: Any, known: TableKeys) -> str:
 def _union_error(kind: str, location: KeyPath, variant: int, value: object) -> str | None:
     """The message for a value that may be written in several ways and fits none of them.
 
-    Args:
-        kind: pydantic's type of the error.
-        location: the steps to the value; one of them names a variant of the union, not a key.
-        variant: index of that step in `location`.
-        value: the value.
-
-    Returns:
-        None if the error is not about which variant was meant.
+    The step of the location at `variant` names one of the ways. None if the error is not about
+    which of them was meant.
     """
     after = location[variant + 1 :]
     ways, items = _AXIS, "[first, last, count]"

@@ -255,11 +255,7 @@ def one_target(given: set[str]) -> bool:
 
 
 def known_branches(branches: list[str]) -> list[str]:
-    """The branches, unchanged.
-
-    Raises:
-        ValueError: naming the branches that do not exist.
-    """
+    """The branches, unchanged; `ValueError` names those that do not exist."""
     if unknown := [branch for branch in branches if branch not in BRANCHES]:
         names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
         near = next(filter(None, (did_you_mean(branch, BRANCHES) for branch in unknown)), "")

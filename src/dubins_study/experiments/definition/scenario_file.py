@@ -52,14 +52,7 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
 
     A CSV file is UTF-8 with commas and a line of column names. In both formats `speed` and `label`
     may be left out, a heading is in radians or a text such as `120deg`, and columns may come in any
-    order.
-
-    Args:
-        file: a path ending in .csv or .parquet.
-
-    Raises:
-        ScenarioFileError: naming the file and every line with a column, a value, and what was
-            expected; or why the file cannot be read.
+    order. The error names the file and every line with a column, a value and what was expected.
     """
     place = FilePath(file)
     read = {".csv": _csv_rows, ".parquet": _parquet_rows}.get(place.suffix)
@@ -91,11 +84,7 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
 
 
 def _checked(file: str, rows: list[_Row]) -> pd.DataFrame:
-    """The rows as a checked frame.
-
-    Raises:
-        ScenarioFileError: naming all rows that are not valid.
-    """
+    """The rows as a checked frame; all rows that are not valid are refused together."""
     import pandas as pd
 
     try:
@@ -133,11 +122,7 @@ def _wrong(values: dict[str, Any]) -> list[str]:
 
 
 def _number(name: str, value: Any) -> float:
-    """A number from a cell, which holds a text in a CSV file.
-
-    Raises:
-        ScenarioFileError: naming column, value and what was expected.
-    """
+    """A number from a cell, which holds a text in a CSV file."""
     if value is None or value == "":
         raise ScenarioFileError(f"{name} is empty; expected a number")
     if not isinstance(value, str):
@@ -227,13 +212,7 @@ def listed_experiment(
 ) -> ExperimentFile:
     """The experiment that asks solvers about the scenarios of a file.
 
-    Args:
-        scenarios: the path of the file.
-        base: the experiment whose solvers, branches and limits hold; None: the defaults.
-        solvers: specs that replace those of `base`.
-
-    Raises:
-        ScenarioFileError, ExperimentError: naming file, line, value and what was expected.
+    The branches and limits of `base` hold, and its solvers, unless others are named.
     """
     frame = read_scenarios(scenarios)
     name = FilePath(scenarios).stem

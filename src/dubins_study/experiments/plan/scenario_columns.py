@@ -97,13 +97,9 @@ def axis_size(axis: Axis | None) -> int:
 
 
 def columns(block: Block, key: str) -> Columns:
-    """The scenarios of a block, but for their label.
+    """The scenarios of a block, but for their label; the block's key stands in messages.
 
     From row to row the last of `FIELDS` varies fastest, and the sample's point slowest.
-
-    Args:
-        block: the scenarios.
-        key: the block's key in the experiment, such as `scenarios.0`, for messages.
 
     Raises:
         ExperimentError: naming key, row, field and value, if a scenario is not valid.
@@ -114,7 +110,16 @@ def columns(block: Block, key: str) -> Columns:
         fields |= {
             name: values[row // combinations] for name, values in sampled(block.sample).items()
         }
-    return _checked(fields, key)
+    every = _target_columns(fields)
+    try:
+        check_frame(pd.DataFrame(every, copy=False))
+    except ScenarioError:
+        for i, numbers in enumerate(zip(*every.values(), strict=True)):
+            try:
+                Scenario(**dict(zip(NUMBERS, map(float, numbers), strict=True)), label="")
+            except ScenarioError as error:
+                raise ExperimentError(f"{key}, scenario {i}: {error}") from None
+    return every
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
@@ -150,27 +155,8 @@ def axis_values(axis: Axis) -> FloatArray:
     return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)
 
 
-def _checked(fields: Columns, key: str) -> Columns:
-    """The columns of `NUMBERS` with computed targets; an error if a row is not valid."""
-    every = _target_columns(fields)
-    try:
-        check_frame(pd.DataFrame(every, copy=False))
-    except ScenarioError:
-        for i, numbers in enumerate(zip(*every.values(), strict=True)):
-            try:
-                Scenario(**dict(zip(NUMBERS, map(float, numbers), strict=True)), label="")
-            except ScenarioError as error:
-                raise ExperimentError(f"{key}, scenario {i}: {error}") from None
-    return every
-
-
 def _target_columns(fields: Columns) -> Columns:
-    """The columns of `NUMBERS`; the target is computed if the fields give it in another way.
-
-    Args:
-        fields: start, radius, speed and target (see `definition.scenario_block.Block`), one array
-            of shape (n,) per field.
-    """
+    """The columns of `NUMBERS` from those of `FIELDS`, whichever way these give the target."""
     targets: Columns = {}
     if "distance" in fields:
         targets = _from_bearing(fields)

@@ -71,15 +71,10 @@ class MatrixEntry(_Record):
 
 
 class RunEntry(_Record):
-    """A run: what it was asked, where, and how it went.
+    """A run: what it was asked, where, and how it went (or goes, so far).
 
-    Args:
-        run_id: stands in every row of the run.
-        load_start, load_end: processes that wanted a core in the last 1, 5 and 15 minutes.
-        started, ended: UTC, ISO 8601.
-        seconds: how long it took, or has taken so far.
-        state: `running`, `finished` or `interrupted`; a run that is killed stays `running`.
-        probes: how long the calibration probe took.
+    Moments are UTC, ISO 8601. The loads are processes that wanted a core in the last 1, 5 and 15
+    minutes. The state is `running`, `finished` or `interrupted`; a killed run stays `running`.
     """
 
     run_id: str = ""

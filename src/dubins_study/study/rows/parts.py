@@ -39,12 +39,7 @@ def part_files(folder: FilePath) -> list[FilePath]:
 
 
 def read_footer(file: FilePath) -> Part:
-    """What a part says about itself; no row is read.
-
-    Raises:
-        DamagedPartError: if the file was cut off or changed.
-        ResultsError: if it is of another schema, or cannot be read at all.
-    """
+    """What a part says about itself; no row is read. Errors as `read_batches`."""
     with _open(file) as content:
         return _footer(file, content)
 
@@ -54,13 +49,8 @@ def read_batches(
 ) -> Iterator[pa.Table]:
     """A part's rows in tables of at most `BATCH_ROWS` rows, as the schema has them.
 
-    A column that was declared after the part was written is null.
-
-    Args:
-        file: the part.
-        columns: in the order wanted; all by default.
-        dictionaries: whether to leave texts (`scenario_id` excepted) as dictionaries, which takes
-            far less memory where a column repeats few texts.
+    A column that was declared after the part was written is null. `dictionaries` leaves texts
+    (`scenario_id` excepted) as dictionaries: far less memory where a column repeats few texts.
 
     Raises:
         DamagedPartError: if the file was cut off or changed.
