@@ -57,6 +57,21 @@ def scenarios(draw: st.DrawFn, far: float = 30.0) -> Scenario:
     )
 
 
+def placed(
+    X: float,
+    Y: float,
+    x: float = 0.0,
+    y: float = 0.0,
+    heading: float = 0.0,
+    radius: float = 1.0,
+    speed: float = 1.0,
+) -> Scenario:
+    """A target at (X, Y) of the vehicle's frame (radii), computed in doubles as a user does."""
+    c, s = math.cos(heading), math.sin(heading)
+    target = x + radius * (X * c - Y * s), y + radius * (X * s + Y * c)
+    return Scenario(x, y, heading, *target, radius, speed)
+
+
 def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
     """One row a scenario, the columns of `COLUMNS` in that order."""
     rows = list(scenarios)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pandas as pd
-from cases import scenario_frame
+from cases import placed, scenario_frame
 
 from dubins_study.study.scenario import Scenario
 
@@ -26,9 +26,7 @@ def _scenario(rng: np.random.Generator, row: int) -> Scenario:
         heading *= 10 ** rng.uniform(3, 15)
     X, Y = _target(rng, row % 6)
     x, y = rng.uniform(-5, 5, 2) * R if row % 2 else (0.0, 0.0)
-    c, s = math.cos(heading), math.sin(heading)
-    speed = rng.uniform(0.5, 3)
-    return Scenario(x, y, heading, x + R * (X * c - Y * s), y + R * (X * s + Y * c), R, speed)
+    return placed(X, Y, x, y, heading, R, speed=rng.uniform(0.5, 3))
 
 
 def _target(rng: np.random.Generator, kind: int) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 from brute_force import shortest_by_search
-from cases import EDGES, PAPER
+from cases import EDGES, PAPER, placed
 from flint import acb, ctx
 from hard_cases import hard_frame
 from hypothesis import given
@@ -72,18 +72,11 @@ def test_one_part_away_from_the_edges(branch):
             assert len(interval.parts) == (not interval.absent), scenario
 
 
-def at(X: float, Y: float) -> Scenario:
-    """A target at (X, Y) of the frame of a vehicle that stands askew, R = 2."""
-    cos, sin = math.cos(0.7), math.sin(0.7)
-    return Scenario(
-        0.5, -0.25, 0.7, 0.5 + 2 * (X * cos - Y * sin), -0.25 + 2 * (X * sin + Y * cos), 2
-    )
+_PLACES = [(0.3, 0.9), (-0.4, 1.2), (0.5, -0.7), (-0.2, -1.5)]
+INSIDE = [placed(X, Y, 0.5, -0.25, 0.7, 2) for X, Y in _PLACES]
 
 
-INSIDE = {place: at(*place) for place in [(0.3, 0.9), (-0.4, 1.2), (0.5, -0.7), (-0.2, -1.5)]}
-
-
-@pytest.mark.parametrize("scenario", [*PAPER.values(), *INSIDE.values()])
+@pytest.mark.parametrize("scenario", [*PAPER.values(), *INSIDE])
 def test_intervals_hold_sixty_digits(scenario):
     """The oracle's shortest length, which a search along all words finds too; a few delta wide."""
     found = enclose(scenario)

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from cases import PAPER, scenario_frame
+from cases import PAPER, placed, scenario_frame
 
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
@@ -213,8 +213,7 @@ def test_frames_and_scenarios_go_round():
 
 def test_local_coordinates():
     """A target two radii ahead and one to the left, whatever the pose."""
-    scenario = Scenario(5, -3, 2.0, 5 + 2 * (2 * math.cos(2.0) - math.sin(2.0)),
-                        -3 + 2 * (2 * math.sin(2.0) + math.cos(2.0)), radius=2)  # fmt: skip
+    scenario = placed(2, 1, x=5, y=-3, heading=2.0, radius=2)
 
     np.testing.assert_allclose(scenario.local(), (2, 1), rtol=1e-14)
 
