@@ -62,7 +62,6 @@ def test_every_entry_says_what_it_is():
 )
 @pytest.mark.parametrize("problem", PAPER)
 def test_paper_problems(name, branch, problem):
-    """Every solver finds the shortest path of every branch of the paper's problems."""
     answer = solve(PAPER[problem], name, branch)
 
     assert answer.outcome is Outcome.RETURNED, answer.message
@@ -92,7 +91,6 @@ def test_every_solver_keeps_the_promise(name):
 
 @pytest.mark.parametrize("name", available_solvers())
 def test_a_branch_it_cannot_answer_is_a_row(name):
-    """An unsupported branch is an outcome with a reason, not an exception."""
     for branch in set(BRANCHES) - set(load(name).branches):
         answer = solve(EASY, name, branch)
         assert answer.outcome is Outcome.UNSUPPORTED

@@ -100,7 +100,6 @@ def test_the_exact_length_of_the_doubles_lies_in_the_interval():
 
 
 def test_a_full_turn_to_a_target_that_is_the_start_exactly_is_longer():
-    """All coordinates are zero, and so is delta."""
     scenario = Scenario(0, 0, 0.4, 0, 0, 1)
     for branch in ("best", "LS", "RL"):
         assert enclose(scenario, branch)[:3] == (0.0, math.ulp(0.0), False)

@@ -77,7 +77,6 @@ def test_every_answer_of_the_closed_form_is_optimal_or_rightly_absent():
 @pytest.mark.parametrize("solver", ["analytic", "slsqp"])
 @pytest.mark.parametrize("rows", [slice(None), slice(0, 0), slice(1, 2)])
 def test_same_columns_and_index_whatever_the_solver(solver, rows):
-    """Also for empty frames."""
     frame = FRAME[rows]
     answers = solve_frame(frame, solver=solver)
 

@@ -193,7 +193,6 @@ def test_least_legs_is_the_linear_program():
 
 @pytest.mark.parametrize("place", ["centre", "rear"])
 def test_multipliers_inside_a_disc_are_the_slope_of_the_length(place):
-    """Duals are how the length changes with the target, there by a difference of references."""
     X, Y = DISCS[place]
     solution, _ = ask(Scenario(0, 0, 0, X, Y, 1), solver=HeadingMilp(headings=144))
     h = 1e-6

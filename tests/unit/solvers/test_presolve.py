@@ -248,7 +248,6 @@ def test_some_word_is_always_left(place):
 
 
 def test_the_mark_travels_from_a_worker():
-    """As a plain value."""
     solution = Solution(Claim.INFEASIBLE, message="presolve: so", presolved=True)
     sent = WorkerReply(Reply(Outcome.RETURNED, solution, Times(0.0, 0.0, 0.0)))
 
@@ -266,7 +265,6 @@ def test_rows_of_frames_are_marked():
 
 
 def test_the_command_says_who_answered():
-    """In the lines and in the JSON object."""
     for presolve in ("true", "false"):
         solver = load(f"slsqp[presolve={presolve}]")
         answer = attempt(solver, Question(Scenario(0, 0, 0, 0.3, 0.8, 1), "LS"))
