@@ -106,8 +106,8 @@ def quartile_lines(
     figure, axes = named_lines(table, label, panels=panels, width=width)
     looks = palette.looks(table["solver"])
     values = table[[f"{mark.key}{end}" for mark in marks for end in ("_q1", "", "_q3")]]
-    shown = values.where(values > 0).stack().to_numpy(dtype=np.float64)
-    ends = [*shown, *([] if limit is None else [limit])] or [1.0]
+    positive = values.to_numpy(dtype=np.float64)
+    ends = [*positive[positive > 0], *([] if limit is None else [limit])] or [1.0]
     low, high = 0.8 * min(ends), 1.25 * max(ends)
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
