@@ -17,8 +17,8 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.export import export
 from dubins_study.study.words import Claim, Outcome, Verdict
+from tests.unit.solvers.test_disjunctive import INSTALLED
 from tests.unit.solvers.test_export import CASES, KINDS
-from tests.unit.solvers.test_minlp_engines import INSTALLED
 from tests.unit.solvers.test_nlp_engines import ALONE
 
 FORK = """
