@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import (
+    FrameSolution,
+    Guarantee,
+    Method,
+    Question,
+    Solution,
+    Solver,
+)
 from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.scenario import NUMBERS
 from dubins_study.study.words import BRANCHES, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from dubins_study.solvers.frame_solution import FrameSolution
 
 _NONE = "no {} path exists"
 
@@ -47,7 +52,6 @@ class Analytic(Solver):
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.solvers.frame_solution import FrameSolution
         from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
         from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
         from dubins_study.study.path import CLAIMS, Paths

@@ -171,7 +171,7 @@ ENGINES = {
         "KNITRO",
         NLP,
         ("knitro",),
-        check="paper_nlp.pyomo_case:unlicensed",
+        check="paper_nlp.program:unlicensed",
         keeps_limit=False,
     ),
     "scip": Engine(

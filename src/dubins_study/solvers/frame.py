@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dubins_study.solvers.attempt import Answer, attempt, check_request
-from dubins_study.solvers.frame_solution import FrameSolution
 from dubins_study.solvers.profiles import tolerances
-from dubins_study.solvers.protocol import Method, Question
+from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.path import FloatArray

@@ -18,8 +18,7 @@ from dubins_study.experiments.isolation.messages import WorkerReply, decode_repl
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
-from dubins_study.solvers.frame_solution import FrameSolution
-from dubins_study.solvers.protocol import MAX_ARCS, Question, Solution, Solver
+from dubins_study.solvers.protocol import MAX_ARCS, FrameSolution, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.reply import ask
 from dubins_study.study.closed_form.shortest import shortest_path

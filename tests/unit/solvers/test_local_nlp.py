@@ -23,7 +23,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, as_path, equations, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve as solve_program
-from dubins_study.solvers.paper_nlp.pyomo_case import solve as solve_direct
+from dubins_study.solvers.paper_nlp.program import solve_in_pyomo
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.study.closed_form.shortest import margin, shortest
@@ -336,8 +336,8 @@ def test_knitros_route_with_a_solver_that_needs_no_licence():
     """Pyomo's direct interfaces answer alike; SCIP's stands in for KNITRO's."""
     start = np.array((1.0, 0.0, 5.0))
 
-    point = solve_direct(_ls(PAPER["problem 1"]), start, 20.0, "scip_direct")
-    none = solve_direct(_ls(Scenario(0, 0, 0, 0.3, 0.8, 1)), start, 20.0, "scip_direct")
+    point = solve_in_pyomo(_ls(PAPER["problem 1"]), start, 20.0, "scip_direct")
+    none = solve_in_pyomo(_ls(Scenario(0, 0, 0, 0.3, 0.8, 1)), start, 20.0, "scip_direct")
 
     expected = shortest(PAPER["problem 1"], "LS")
     assert point.claim is Claim.LOCAL
@@ -354,7 +354,7 @@ def test_knitro_losing_its_licence_in_a_run_is_a_failure():
     if ENGINES["knitro"].unavailable() is None:
         pytest.skip("there is a licence")
 
-    point = solve_direct(_ls(PAPER["problem 1"]), np.ones(3), 5.0, "knitro_direct")
+    point = solve_in_pyomo(_ls(PAPER["problem 1"]), np.ones(3), 5.0, "knitro_direct")
 
     assert point.claim is Claim.FAILED
     assert "not available" in point.message

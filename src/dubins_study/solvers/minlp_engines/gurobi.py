@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.program import (
-    MinlpEngine,
+    MinlpCall,
     MixedProgram,
     ProvenResult,
     Settings,
@@ -30,7 +30,7 @@ _STATUSES = {
 LEAST_TOLERANCE = 1e-9
 
 
-def gurobi(settings: Settings) -> MinlpEngine:
+def gurobi(settings: Settings) -> MinlpCall:
     """Gurobi with MIPGap and FeasibilityTol; `lean` changes nothing."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:

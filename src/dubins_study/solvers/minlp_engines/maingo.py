@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.program import (
-    MinlpEngine,
+    MinlpCall,
     MixedProgram,
     ProvenResult,
     Settings,
@@ -26,7 +26,7 @@ _CLAIMS = {
 }
 
 
-def maingo(settings: Settings) -> MinlpEngine:
+def maingo(settings: Settings) -> MinlpCall:
     """MAiNGO with epsilonR, deltaEq and deltaIneq; `lean` changes nothing.
 
     Its time limit counts whole seconds of the processor.

@@ -84,4 +84,4 @@ class ProvenResult(NamedTuple):
 
 
 # (the program, the seconds left) -> the result
-MinlpEngine = Callable[[MixedProgram, float], ProvenResult]
+MinlpCall = Callable[[MixedProgram, float], ProvenResult]

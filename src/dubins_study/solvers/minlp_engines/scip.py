@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.program import (
-    MinlpEngine,
+    MinlpCall,
     MixedProgram,
     ProvenResult,
     Settings,
@@ -52,7 +52,7 @@ _CLAIMS = {
 }
 
 
-def scip(settings: Settings) -> MinlpEngine:
+def scip(settings: Settings) -> MinlpCall:
     """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:

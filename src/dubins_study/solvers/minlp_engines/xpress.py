@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.program import (
-    MinlpEngine,
+    MinlpCall,
     MixedProgram,
     ProvenResult,
     Settings,
@@ -26,7 +26,7 @@ _CLAIMS = {
 }
 
 
-def xpress(settings: Settings) -> MinlpEngine:
+def xpress(settings: Settings) -> MinlpCall:
     """Xpress' global solver with MIPRELSTOP and FEASTOL; `lean` changes nothing."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:

@@ -19,7 +19,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -41,7 +41,7 @@ _MODEL = "model"  # APMonitor's names of its files
 _ROUNDINGS = 64 * EPS
 
 
-def apopt(tol: float, max_iter: int) -> Engine:
+def apopt(tol: float, max_iter: int) -> NlpCall:
     """APOPT; `tol` is its RTOL (equations) and OTOL (objective)."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

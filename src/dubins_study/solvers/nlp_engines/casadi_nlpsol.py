@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, Deadline
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -156,7 +156,7 @@ def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) 
     return _Compiled(again, deadline)
 
 
-def nlpsol(tol: float, max_iter: int, plugin: str) -> Engine:
+def nlpsol(tol: float, max_iter: int, plugin: str) -> NlpCall:
     """A plug-in of `nlpsol` by its name; what `tol` is to it stands in `_PLUGINS`."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

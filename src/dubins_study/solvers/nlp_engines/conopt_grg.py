@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.gams import status
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Functions, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, Functions, NlpCall, Program
 from dubins_study.study.path import FloatArray
 
 
-def conopt(tol: float, max_iter: int) -> Engine:
+def conopt(tol: float, max_iter: int) -> NlpCall:
     """CONOPT 4 with first and second derivatives; it does not take `tol`."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

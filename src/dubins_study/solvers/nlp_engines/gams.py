@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import signal
+import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib import import_module
@@ -21,8 +23,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
-from dubins_study.solvers.nlp_engines.external_program import exit_code
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -81,13 +82,11 @@ def unavailable() -> str | None:
     """Why GAMS cannot run here although its packages are installed, or None."""
     if sys.platform != "linux":
         return "GAMS's wheels are run on Linux only"
-    exit_code = _exit_code()
-    if exit_code == 0:
+    code = _exit_code()
+    if code == 0:
         return None
-    licence = (
-        ": its demo licence is missing, invalid or expired" if exit_code == _NO_LICENCE else ""
-    )
-    return f"GAMS ends with exit code {exit_code}{licence}"
+    licence = ": its demo licence is missing, invalid or expired" if code == _NO_LICENCE else ""
+    return f"GAMS ends with exit code {code}{licence}"
 
 
 @cache
@@ -98,7 +97,7 @@ def _exit_code() -> int | None:
         return _run(folder, _START_S)
 
 
-def gams(tol: float, max_iter: int, solver: str) -> Engine:
+def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
     """A solver of GAMS, by its name in files of options."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -109,15 +108,15 @@ def gams(tol: float, max_iter: int, solver: str) -> Engine:
             minor = _MINOR_ITERATIONS * max_iter
             (folder / "program.gms").write_text(_model(program, guess, solver, minor))
             (folder / f"{solver}.opt").write_text("".join(lines))
-            exit_code = _run(folder, seconds)
+            code = _run(folder, seconds)
             file = folder / "results.txt"
             words = file.read_text().split() if file.is_file() else []
         nothing = np.full(guess.size, math.nan)
-        if exit_code is None:
+        if code is None:
             return EngineResult(nothing, Claim.LIMIT, None, None, None, "time limit", "stopped")
         if len(words) < 3 + guess.size:
             return EngineResult(
-                nothing, Claim.FAILED, None, None, None, f"exit code {exit_code}", "no results"
+                nothing, Claim.FAILED, None, None, None, f"exit code {code}", "no results"
             )
         numbers = np.array([_NUMBERS.get(word) or float(word) for word in words])
         ending, model, iterations = (int(number) for number in numbers[:3])
@@ -195,3 +194,33 @@ def _run(folder: FilePath, seconds: float) -> int | None:
     command: list[str | FilePath] = [system / "gams", "program.gms", "lo=0"]
     environment = os.environ | {"LD_LIBRARY_PATH": str(system)}
     return exit_code(command, folder, seconds, environment)
+
+
+def exit_code(
+    command: Sequence[str | FilePath],
+    folder: FilePath,
+    seconds: float,
+    environment: Mapping[str, str] | None = None,
+) -> int | None:
+    """The exit code of a program that reads and prints nothing; None if its time was up.
+
+    It works in the folder, with this process's environment by default. When its time is up it is
+    killed, and its children too.
+    """
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that its children can be ended with it
+    )
+    try:
+        return process.wait(max(seconds, 0.0))
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        with suppress(ProcessLookupError):  # it and its children may have ended already
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -40,7 +40,7 @@ Objective = Callable[[FloatArray, FloatArray], float]
 Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
 
 
-def nlopt(tol: float, max_iter: int, algorithm: str, inner: str = "") -> Engine:
+def nlopt(tol: float, max_iter: int, algorithm: str, inner: str = "") -> NlpCall:
     """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
 
     `tol` is the violation of each equation, and the relative change of length and variables.

@@ -130,4 +130,4 @@ class EngineResult(NamedTuple):
 
 
 # (the program, an initial guess of shape (n,), the seconds left) -> the result
-Engine = Callable[[Program, FloatArray, float], EngineResult]
+NlpCall = Callable[[Program, FloatArray, float], EngineResult]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -44,7 +44,7 @@ _LARGEST_FACTOR = 1e3
 _ROUNDINGS = 64 * EPS
 
 
-def slsqp(tol: float, max_iter: int) -> Engine:
+def slsqp(tol: float, max_iter: int) -> NlpCall:
     """SLSQP after Kraft: sequential quadratic programs.
 
     `tol` is SciPy's ftol, on the objective's change and the sum of violations; it grows with the
@@ -80,7 +80,7 @@ def slsqp(tol: float, max_iter: int) -> Engine:
     return run
 
 
-def cobyqa(tol: float, max_iter: int) -> Engine:
+def cobyqa(tol: float, max_iter: int) -> NlpCall:
     """COBYQA of Ragonneau and Zhang: quadratic models by interpolation; it takes no derivatives.
 
     `tol` is the violation of each equation, and the trust region's last radius.
@@ -196,7 +196,7 @@ def _stationary(program: Program, x: FloatArray) -> bool:
     return bool(np.abs(step).max() <= _STATIONARY_VIOLATION * math.hypot(*violation))
 
 
-def trust_constr(tol: float, max_iter: int) -> Engine:
+def trust_constr(tol: float, max_iter: int) -> NlpCall:
     """trust-constr; `tol` is SciPy's gtol and barrier_tol.
 
     It is more where the equations' magnitude is so large that rounding alone leaves more.

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -24,7 +24,7 @@ _LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
 _ROUNDINGS = 64 * EPS
 
 
-def filtersqp(tol: float, max_iter: int) -> Engine:
+def filtersqp(tol: float, max_iter: int) -> NlpCall:
     """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD.
 
     `tol` is the violation of the equations, and the residual of stationarity.

@@ -25,7 +25,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.nlp_engines.program import Engine, EngineResult, Expressions, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
     Ask,
@@ -42,7 +42,7 @@ from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.study.path import FloatArray
 
 
-def asked(model: PyomoProgram, data: slice, engine: Engine, deadline: Deadline) -> Ask:
+def asked(model: PyomoProgram, data: slice, engine: NlpCall, deadline: Deadline) -> Ask:
     """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times.
 
     `data` are the places of the data among the variables; their bounds pin them. The result has

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.arcs import (
     INTEGRATORS,
     MOST_TURN,
@@ -75,7 +75,7 @@ class Segments:
     n: int
     equal: bool
     integrator: str
-    engine: Engine
+    engine: NlpCall
 
     @property
     def shares(self) -> FloatArray | None:

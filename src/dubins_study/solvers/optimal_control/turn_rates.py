@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.nlp_engines.program import Engine, Expressions, Program
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.arcs import (
     MOST_TURN_EACH,
     SHARINGS,
@@ -74,7 +74,7 @@ class Steps:
     n: int
     shares: FloatArray  # of the length, shape (n,), summing to 1
     most: FloatArray  # the largest turn rates, shape (n,), at most 1
-    engine: Engine
+    engine: NlpCall
 
     def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
         """As `transcription.Template.solve`."""

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.external_program import exit_code
+from dubins_study.solvers.nlp_engines.gams import exit_code
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.pyomo_case import no_point, posed
+from dubins_study.solvers.paper_nlp.program import no_point, posed
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 

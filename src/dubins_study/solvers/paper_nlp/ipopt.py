@@ -26,7 +26,7 @@ from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
 )
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
-from dubins_study.solvers.paper_nlp.pyomo_case import pyomo_model
+from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.path import FloatArray

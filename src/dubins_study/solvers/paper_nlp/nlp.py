@@ -19,9 +19,9 @@ from dubins_study.solvers.engines import (
     names,
     packages,
 )
-from dubins_study.solvers.paper_nlp import ampl, pyomo_case
+from dubins_study.solvers.paper_nlp import ampl
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
-from dubins_study.solvers.paper_nlp.program import solve
+from dubins_study.solvers.paper_nlp.program import solve, solve_in_pyomo
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import positive, within
 from dubins_study.study.values import did_you_mean
@@ -110,5 +110,5 @@ class Nlp(LocalNlp, _Named):
         if self.engine in NLP_ENGINES:
             return partial(solve, engine=ENGINES[self.engine].load()(self.tol, self.max_iter))
         if self.engine == _KNITRO:
-            return partial(pyomo_case.solve, interface="knitro_direct")
+            return partial(solve_in_pyomo, interface="knitro_direct")
         return partial(ampl.solve, executable=self.engine)

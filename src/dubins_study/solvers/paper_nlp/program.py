@@ -1,28 +1,32 @@
-"""Cases of the paper's model (4.12) as programs for the engines of `solvers.nlp_engines`.
+"""Cases of the paper's model (4.12) as programs for NLP engines, in casadi's terms and in Pyomo's.
 
-A program has the free lengths of its case alone: min z1 + z2 + z3 such that the two equations
-(`paper_nlp.model.equations`) are zero and 0 <= z <= upper.
+A program for the engines of `solvers.nlp_engines` has the free lengths of its case alone:
+min z1 + z2 + z3 such that the two equations (`paper_nlp.model.equations`) are zero and
+0 <= z <= upper. KNITRO and AMPL's solvers read Pyomo's model.
 """
 
 from __future__ import annotations
 
 import math
+import os
 from functools import cache
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
-    Engine,
     EngineResult,
     Expressions,
     Functions,
+    NlpCall,
     Program,
 )
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import end_point, equations, hessian, jacobian
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 
 def program(case: Case) -> Program:
@@ -40,7 +44,7 @@ def program(case: Case) -> Program:
     return Program(*posed, _written(case), unit * math.hypot(X, Y))
 
 
-def solve(case: Case, guess: FloatArray, seconds: float, engine: Engine) -> EngineResult:
+def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:
     """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
@@ -119,3 +123,136 @@ def _full(z: FloatArray, free: list[int]) -> FloatArray:
     full = np.zeros(3)
     full[free] = z
     return full
+
+
+def pyomo_model(units: str = "radius") -> Any:
+    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
+
+    Lengths are in turning radii, or as in the paper in the scenario's unit, with the radius
+    R = 1 / b as one more variable to be fixed.
+    """
+    from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
+
+    m = ConcreteModel(name="dubins-4.12")
+    m.z = Var((1, 2, 3), bounds=(0, None), initialize=1.0)
+    m.X = Var(initialize=1.0)
+    m.Y = Var(initialize=1.0)
+    z1, z2, z3 = m.z[1], m.z[2], m.z[3]
+    R: Any = 1.0
+    if units == "scenario":
+        R = m.R = Var(initialize=1.0)
+        z1, z2 = z1 / R, z2 / R
+    m.x_end = Constraint(expr=m.X - R * (2 * sin(z1) - sin(z1 - z2)) - z3 * cos(z1 - z2) == 0)
+    m.y_end = Constraint(expr=m.Y - R * (1 - 2 * cos(z1) + cos(z1 - z2)) - z3 * sin(z1 - z2) == 0)
+    m.length = Objective(expr=m.z[1] + m.z[2] + z3)
+    return m
+
+
+# One model serves all subproblems: everything that differs between them is set anew.
+_shared_model = cache(pyomo_model)
+
+
+def posed(case: Case, guess: FloatArray) -> Any:
+    """The Pyomo model of a subproblem, its free lengths at `guess`, shape (3,)."""
+    model = _shared_model()
+    for i, z in enumerate(model.z.values()):
+        z.setub(case.upper[i] if math.isfinite(case.upper[i]) else None)
+        z.set_value(guess[i], skip_validation=True)
+        z.fixed = i not in case.subproblem.free
+    model.X.fix(case.target[0])
+    model.Y.fix(case.target[1])
+    return model
+
+
+def no_point(claim: Claim, status: str, message: str) -> EngineResult:
+    """The point of a run that returned none: all its numbers are NaN."""
+    return EngineResult(np.full(3, np.nan), claim, None, None, None, status, message)
+
+
+# Pyomo's termination conditions (pyomo.contrib.solver.common.results)
+_CLAIMS = {
+    "convergenceCriteriaSatisfied": Claim.LOCAL,
+    "provenInfeasible": Claim.INFEASIBLE,
+    "locallyInfeasible": Claim.INFEASIBLE,
+    "infeasibleOrUnbounded": Claim.INFEASIBLE,
+    "maxTimeLimit": Claim.LIMIT,
+    "iterationLimit": Claim.LIMIT,
+}
+
+
+_LICENCE_VARIABLES = ("ARTELYS_", "ZIENA_")
+_LICENCE_FILES = ("artelys", "ziena")
+
+
+def unlicensed() -> str | None:
+    """Why KNITRO cannot solve here although it is installed, or None."""
+    if _licensed():
+        return None
+    return "knitro is installed, but no licence was found (its wheel installs without one)"
+
+
+@cache
+def _licensed() -> bool:
+    # looked for once: a licence is a file, or a seat at a server that takes its time to answer
+    return _licence_in_sight() and bool(_interface("knitro_direct").available())
+
+
+def _licence_in_sight() -> bool:
+    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager
+    User's Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds, most of them Pyomo's import."""
+    if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
+        return True
+    places = FilePath.home(), FilePath.home() / ".ziena", FilePath.cwd()
+    return any(next(place.glob(f"{start}_*"), None) for place in places for start in _LICENCE_FILES)
+
+
+def _interface(name: str) -> Any:
+    import pyomo.environ  # noqa: F401  (registers the interfaces)
+    from pyomo.contrib.solver.common.factory import SolverFactory
+
+    return SolverFactory(name)
+
+
+def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str) -> EngineResult:
+    """The point that one of Pyomo's solver interfaces reaches from `guess`, shape (3,)."""
+    from pyomo.common.errors import ApplicationError, PyomoException
+
+    model = posed(case, guess)
+    solver = _interface(interface)
+    if "knitro_warm_start" in solver.config:
+        solver.config.knitro_warm_start = True  # else KNITRO starts from a point of its own
+        # Pyomo reads what KNITRO prints only after the solve: a full pipe would block both
+        solver.config.solver_options = {"outlev": 0}
+    try:
+        results = solver.solve(
+            model,
+            load_solutions=False,
+            raise_exception_on_nonoptimal_result=False,
+            time_limit=max(seconds, 1e-3),
+        )
+    except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
+        return no_point(Claim.FAILED, type(error).__name__, str(error))
+    return _loaded(model, results)
+
+
+def _loaded(model: Any, results: Any) -> EngineResult:
+    from pyomo.common.errors import PyomoException
+
+    condition = results.termination_condition.name
+    claim = _CLAIMS.get(condition, Claim.FAILED)
+    message = f"{results.solver_name}: {results.solution_status.name} solution"
+    free = [z for z in model.z.values() if not z.fixed]
+    try:
+        values = results.solution_loader.get_vars(free)
+    except PyomoException:  # each interface has its own way to say that there is no point
+        return no_point(claim, condition, message)
+    z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
+    try:
+        of_row = results.solution_loader.get_duals([model.x_end, model.y_end])
+        # Pyomo's dual is the objective's change per unit of right-hand side, the paper's minus that
+        duals = -np.array([of_row[model.x_end], of_row[model.y_end]])
+    except (PyomoException, NotImplementedError):
+        duals = None
+    counted = "number_iters" in results.extra_info
+    iterations = int(results.extra_info.number_iters) if counted else None
+    return EngineResult(z, claim, duals, iterations, None, condition, message)

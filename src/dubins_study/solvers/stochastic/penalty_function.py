@@ -150,4 +150,4 @@ class Task(NamedTuple):
 
 
 # Minimises until the engine has enough; returns the engine's own message.
-Engine = Callable[[Task], str]
+SearchCall = Callable[[Task], str]
