@@ -40,9 +40,6 @@ def unreachable(scenario: Scenario, word: str) -> str | None:
 
     In doubt a word exists: of all targets within delta of the scenario's (docs/derivation.md,
     section 5) none can be reached where this says so.
-
-    Args:
-        word: `LS`, `RS`, `LR` or `RL`.
     """
     X, Y, delta = local(scenario)
     side = Y if word[0] == "L" else -Y

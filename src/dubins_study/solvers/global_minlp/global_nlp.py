@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start
+from dubins_study.solvers.answers import at_start, total
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
@@ -182,11 +182,10 @@ class GlobalNlp(EngineSolver):
         R = question.scenario.radius
         claim = _claim(runs, covers) if complete else Claim.LIMIT
         bound = min((run.result.bound for run in runs), default=-math.inf)
-        nodes = [run.result.nodes for run in runs]
         solution = Solution(
             claim,
             lower_bound=bound * R if complete and covers and math.isfinite(bound) else None,
-            iterations=None if None in nodes else sum(node or 0 for node in nodes),
+            iterations=total(run.result.nodes for run in runs),
             native_status="; ".join(f"{run.subproblem.name} {run.result.status}" for run in runs),
             message="; ".join(f"{run.subproblem.name}: {run.result.message}" for run in runs),
             efforts=tuple(run.effort for run in runs),

@@ -161,28 +161,19 @@ def rounding(bridged: FloatArray) -> FloatArray:
 
 
 class Legs(NamedTuple):
-    """The straights of a path.
+    """The straights of a path: lengths in radii, in the order of the family's legs."""
 
-    Args:
-        length: shape (m,), radii, in the order of the family's legs.
-        duals: gradient (2,) of the least length by the target, body coordinates; None without legs.
-    """
-
-    length: FloatArray
-    duals: FloatArray | None
+    length: FloatArray  # shape (m,)
+    duals: FloatArray | None  # (2,), of the least length by the target; None without legs
 
 
 def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
-    """The shortest legs that together bridge a gap; None if no legs do.
+    """The shortest legs along headings (m,) that bridge a gap (2,), in radii; None if none do.
 
     A linear program in two equations has a solution with two legs, so every pair is tried. The
     duals are the vector whose product with both legs' directions is 1. For a leg at the switch and
     one at the end that is Pontryagin's condition on the costates of a CC path; for two neighbouring
     headings it is nearly the unit vector between them.
-
-    Args:
-        heading: directions of the legs, shape (m,), rad.
-        gap: from the end of the turns to the target, (2,), radii.
     """
     length = np.zeros(heading.size)
     bridged = np.hypot(*gap)

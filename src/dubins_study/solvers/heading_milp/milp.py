@@ -124,7 +124,7 @@ _STATUSES = {
 
 
 class Stated:
-    """The same MILP as `solvers.heading_milp.template.Template`, with the same attributes."""
+    """The same MILP as `Template` has, with the same attributes."""
 
     def __init__(self, n: int, m: int, name: str) -> None:
         self.n, self.m, self.name = n, m, name

@@ -31,7 +31,7 @@ import numpy as np
 from dubins_study.solvers.answers import at_start
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Conditions, Structure, examine
-from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.nlp_engines.program import EngineResult, no_point
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
     initial_guesses,
@@ -139,10 +139,6 @@ class Shooting(Solver):
         ]
         return answer(question, attempts, limit)
 
-    def _allowed(self, structure: Structure) -> float:
-        """The largest miss in radii: `tol`, or what the rounding of a far target leaves."""
-        return max(self.tol, ROUNDED * structure.scale)
-
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
         """Initial guesses: durations (3,) in the order of `paper_nlp.model`, then costates (4,)."""
         kind, subproblem, structure = self.initial_guess, case.subproblem, case.structure
@@ -175,9 +171,10 @@ class Shooting(Solver):
                 result = self._root(structure, result.x, until)
                 evaluations += int(result.nfev)
         except _OutOfTimeError:
-            nowhere = np.full(3, np.nan)
-            return EngineResult(nowhere, Claim.LIMIT, None, None, None, self.root, "out of time")
-        conditions = Conditions(self.tol, self._allowed(structure), prescribed)
+            return no_point(3, Claim.LIMIT, self.root, "out of time")
+        # a miss of `tol`, or of what the rounding of a far target leaves
+        missed = max(self.tol, ROUNDED * structure.scale)
+        conditions = Conditions(self.tol, missed, prescribed)
         candidate, fault = examine(structure, result.x, conditions)
         z = np.zeros(3)
         z[free] = candidate.durations

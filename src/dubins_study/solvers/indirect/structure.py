@@ -42,12 +42,9 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """Two pieces of constant control: bang-singular (CS) or bang-bang (CC).
+    """Two pieces of constant control: bang-singular (CS) or bang-bang (CC), and the target.
 
-    Args:
-        turns: the two controls; the first is +1 or -1, the second 0 (singular) or the first's
-            opposite (bang).
-        X, Y: the target.
+    The first of the turns is +1 or -1, the second 0 (singular) or the first's opposite (bang).
     """
 
     turns: tuple[float, float]

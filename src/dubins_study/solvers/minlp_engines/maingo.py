@@ -87,15 +87,9 @@ def _model_class() -> type[Any]:
 
         def get_variables(self) -> list[Any]:
             kinds = maingopy.VT_CONTINUOUS, maingopy.VT_BINARY
-            bounds = zip(
-                self.program.lower.tolist(),
-                self.program.upper.tolist(),
-                self.program.binary.tolist(),
-                strict=True,
-            )
             return [
                 maingopy.OptimizationVariable(maingopy.Bounds(lower, upper), kinds[binary])
-                for lower, upper, binary in bounds
+                for lower, upper, binary in self.program.variables
             ]
 
         def evaluate(self, variables: Sequence[Any]) -> Any:

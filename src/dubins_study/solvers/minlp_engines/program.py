@@ -7,7 +7,7 @@ engine gets it in expressions of its own interface.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -56,6 +56,11 @@ class MixedProgram:
     upper: FloatArray
     binary: NDArray[np.bool_]
     write: Callable[[Sequence[Any], Any], Written]
+
+    @property
+    def variables(self) -> Iterator[tuple[float, float, bool]]:
+        """Lower bound, upper bound, and whether it is binary, of each variable."""
+        return zip(self.lower.tolist(), self.upper.tolist(), self.binary.tolist(), strict=True)
 
 
 class Settings(NamedTuple):

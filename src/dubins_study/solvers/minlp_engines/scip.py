@@ -120,9 +120,7 @@ def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
             ub=upper if math.isfinite(upper) else None,
             vtype="B" if binary else "C",
         )
-        for lower, upper, binary in zip(
-            program.lower.tolist(), program.upper.tolist(), program.binary.tolist(), strict=True
-        )
+        for lower, upper, binary in program.variables
     ]
     written = program.write(x, pyscipopt)
     for row in written.rows:

@@ -49,9 +49,7 @@ def _run(library: Any, program: MixedProgram, settings: Settings, seconds: float
         problem.addVariable(
             lb=lower, ub=upper, vartype=library.binary if binary else library.continuous
         )
-        for lower, upper, binary in zip(
-            program.lower.tolist(), program.upper.tolist(), program.binary.tolist(), strict=True
-        )
+        for lower, upper, binary in program.variables
     ]
     written = program.write(x, library)
     problem.setObjective(written.objective)

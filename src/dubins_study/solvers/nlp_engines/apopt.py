@@ -20,7 +20,6 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -37,15 +36,12 @@ _LANGUAGE = Language("APMonitor", "x[{}]", "(({})^({}))", 2000)
 
 _MODEL = "model"  # APMonitor's names of its files
 
-# of the equations' rounding: nearer to zero than that they do not come
-_ROUNDINGS = 64 * EPS
-
 
 def apopt(tol: float, max_iter: int) -> NlpCall:
     """APOPT; `tol` is its RTOL (equations) and OTOL (objective)."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        residual = max(tol, _ROUNDINGS * program.magnitude)
+        residual = program.attainable(tol)
         options = {"solver": 1, "imode": 3, "rtol": residual, "otol": tol, "max_iter": max_iter}
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
             folder = FilePath(name)

@@ -14,7 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import (
+    EngineResult,
+    Expressions,
+    NlpCall,
+    Program,
+    no_point,
+)
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, Deadline
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -122,12 +128,7 @@ class _Silence(io.TextIOBase):
 
 
 class _Compiled(NamedTuple):
-    """A program compiled for an engine.
-
-    Args:
-        solver: gives the object that solves it once.
-        deadline: stops it, if there is one.
-    """
+    """A program compiled: what gives the object that solves it once, and what stops it, if any."""
 
     solver: Callable[[], Any]
     deadline: Deadline | None
@@ -174,8 +175,8 @@ def nlpsol(tol: float, max_iter: int, plugin: str) -> NlpCall:
             except RuntimeError as error:
                 if not _PLUGINS[plugin].raises:
                     raise
-                nowhere, reason = np.full(guess.size, np.nan), str(error).splitlines()[-1]
-                return EngineResult(nowhere, Claim.FAILED, None, None, None, "raised", reason)
+                reason = str(error).splitlines()[-1]
+                return no_point(guess.size, Claim.FAILED, "raised", reason)
         return _result(plugin, end, solve.stats())
 
     return run

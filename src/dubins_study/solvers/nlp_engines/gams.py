@@ -23,8 +23,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.body_coordinates import EPS
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program, no_point
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -47,9 +46,6 @@ _SOLVER_STATUS = {
 }
 
 _LANGUAGE = Language("GAMS", "x{}", "power({}, {})", sys.maxsize)
-
-# of the equations' rounding: nearer to zero than that they do not come
-_ROUNDINGS = 64 * EPS
 
 # the names of feasibility, optimality and the limit of iterations in files of options
 _OPTIONS = {
@@ -101,7 +97,7 @@ def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
     """A solver of GAMS, by its name in files of options."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        residual = max(tol, _ROUNDINGS * program.magnitude)
+        residual = program.attainable(tol)
         values = zip(_OPTIONS[solver], (residual, tol, max_iter), strict=True)
         lines = [f"{option} {value!r}\n" for option, value in values]
         with _folder(solver) as folder:
@@ -111,13 +107,10 @@ def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
             code = _run(folder, seconds)
             file = folder / "results.txt"
             words = file.read_text().split() if file.is_file() else []
-        nothing = np.full(guess.size, math.nan)
         if code is None:
-            return EngineResult(nothing, Claim.LIMIT, None, None, None, "time limit", "stopped")
+            return no_point(guess.size, Claim.LIMIT, "time limit", "stopped")
         if len(words) < 3 + guess.size:
-            return EngineResult(
-                nothing, Claim.FAILED, None, None, None, f"exit code {code}", "no results"
-            )
+            return no_point(guess.size, Claim.FAILED, f"exit code {code}", "no results")
         numbers = np.array([_NUMBERS.get(word) or float(word) for word in words])
         ending, model, iterations = (int(number) for number in numbers[:3])
         message, claim = status(ending, model)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -32,9 +31,6 @@ _STATUSES = (
 
 # NLopt limits evaluations, not iterations; a line search of SLSQP takes up to ten in an iteration
 _EVALUATIONS_PER_ITERATION = 10
-
-# of the equations' rounding: nearer to zero than that they do not come
-_ROUNDINGS = 64 * EPS
 
 Objective = Callable[[FloatArray, FloatArray], float]
 Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
@@ -93,8 +89,8 @@ def _functions(
         if jacobian.size:
             jacobian[:] = functions.jacobian(x)
 
-    violation = max(tol, _ROUNDINGS * program.magnitude)
-    return objective, equations, np.full(functions.equations(guess).size, violation)
+    violation = np.full(functions.equations(guess).size, program.attainable(tol))
+    return objective, equations, violation
 
 
 @cache

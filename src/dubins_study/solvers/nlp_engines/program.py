@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -111,6 +112,10 @@ class Program:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
 
+    def attainable(self, tol: float) -> float:
+        """A tolerance on the equations, but no less than what their rounding leaves of them."""
+        return max(tol, 64 * EPS * self.magnitude)
+
 
 class EngineResult(NamedTuple):
     """The end of one run of an engine.
@@ -127,6 +132,11 @@ class EngineResult(NamedTuple):
     evaluations: int | None
     status: str
     message: str
+
+
+def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
+    """The end of a run that returned no point of the n variables, and counts nothing."""
+    return EngineResult(np.full(n, np.nan), claim, None, None, None, status, message)
 
 
 # (the program, an initial guess of shape (n,), the seconds left) -> the result

@@ -1,8 +1,8 @@
 """SciPy's SLSQP, COBYQA and trust-constr.
 
-It has no test for infeasibility of its own and goes on to its last iteration. Here a run ends where
-the constraint violation is stationary, which is what Ipopt, too, calls locally infeasible, and
-where the violation does not fall any more.
+trust-constr has no test for infeasibility of its own and goes on to its last iteration. Here a run
+of it ends where the constraint violation is stationary, which is what Ipopt, too, calls locally
+infeasible, and where the violation does not fall any more.
 """
 
 from __future__ import annotations
@@ -39,9 +39,8 @@ _QUICK_ITERATIONS = 1000
 _FEW_VARIABLES = 10
 
 # a tolerance times the equations' magnitude, at most so many times larger, since the path misses by
-# what the engine leaves of the equations; but never below the rounding of the sums themselves
+# what the engine leaves of the equations
 _LARGEST_FACTOR = 1e3
-_ROUNDINGS = 64 * EPS
 
 
 def slsqp(tol: float, max_iter: int) -> NlpCall:
@@ -55,8 +54,8 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import minimize
 
-        functions, magnitude = program.functions, program.magnitude
-        larger = tol * min(max(1.0, magnitude), _LARGEST_FACTOR)
+        functions = program.functions
+        larger = tol * min(max(1.0, program.magnitude), _LARGEST_FACTOR)
         result = minimize(
             functions.objective,
             guess,
@@ -65,7 +64,7 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
             bounds=list(zip(program.lower.tolist(), program.upper.tolist(), strict=True)),
             constraints={"type": "eq", "fun": functions.equations, "jac": functions.jacobian},
             callback=_stop_after(seconds) if long_run or guess.size > _FEW_VARIABLES else None,
-            options={"ftol": max(larger, _ROUNDINGS * magnitude), "maxiter": max_iter},
+            options={"ftol": program.attainable(larger), "maxiter": max_iter},
         )
         return EngineResult(
             result.x,
@@ -98,7 +97,7 @@ def cobyqa(tol: float, max_iter: int) -> NlpCall:
             constraints=NonlinearConstraint(functions.equations, 0.0, 0.0),
             callback=_stop_after(seconds),
             options={
-                "feasibility_tol": max(tol, _ROUNDINGS * program.magnitude),
+                "feasibility_tol": program.attainable(tol),
                 "final_tr_radius": tol,
                 "maxiter": max_iter,
             },
@@ -157,7 +156,7 @@ _STATIONARY_VIOLATION = 1e-2
 # d and a violation near d^2 / 2; a violation above this with a gradient below that is none.
 _INFEASIBLE = 1e-3
 
-# of the equations' rounding, as `_ROUNDINGS`: trust-constr comes nearer
+# of the equations' rounding: trust-constr comes nearer than `Program.attainable`
 _TRUST_CONSTR_ROUNDINGS = 16 * EPS
 
 

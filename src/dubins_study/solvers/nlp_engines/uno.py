@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -19,9 +18,6 @@ _SUCCESS = {
     "INFEASIBLE_STATIONARY_POINT": Claim.INFEASIBLE,
 }
 _LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
-
-# of the equations' rounding: nearer to zero than that they do not come
-_ROUNDINGS = 64 * EPS
 
 
 def filtersqp(tol: float, max_iter: int) -> NlpCall:
@@ -37,7 +33,7 @@ def filtersqp(tol: float, max_iter: int) -> NlpCall:
         solver.set_preset("filtersqp")
         for name, value in {
             "logger": "SILENT",
-            "primal_tolerance": max(tol, _ROUNDINGS * program.magnitude),
+            "primal_tolerance": program.attainable(tol),
             "dual_tolerance": tol,
             "max_iterations": max_iter,
             "time_limit": float(seconds),

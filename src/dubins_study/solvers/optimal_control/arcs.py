@@ -165,10 +165,7 @@ def rollout(controls: Controls, shares: FloatArray) -> Rollout:
     """End point of the path, its exact gradient by the headings, and the chords.
 
     The derivative by the length at fixed headings is `end / length`: every chord grows with it.
-
-    Args:
-        controls: headings and whole length.
-        shares: shape (n,), the steps' shares of the length, summing to 1.
+    The steps' `shares` (n,) of the length sum to 1.
     """
     half = controls.turns / 2
     lengths = shares * controls.length

@@ -106,7 +106,8 @@ class Template:
     def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the states of the guess follow its controls."""
         n, durations = self.n, 1 if self.equal else self.n
-        values = np.concatenate((self._durations(guess), guess.turn, target, self._states(guess)))
+        times = np.array([guess.total]) if self.equal else guess.length
+        values = np.concatenate((times, guess.turn, target, self._states(guess)))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
         lower[:durations] = 0.0
         turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
@@ -121,9 +122,6 @@ class Template:
             length = np.full(n, length[0] / n)
         turn = np.clip(result.x[turns], rates.lower * length, rates.upper * length)
         return Transcribed(Elements(turn, length), result)
-
-    def _durations(self, guess: Elements) -> FloatArray:
-        return np.array([guess.total]) if self.equal else guess.length
 
     def _states(self, guess: Elements) -> FloatArray:
         """x, y, theta at the collocation points and their derivatives by tau, shape (6 m,)."""
@@ -144,9 +142,7 @@ def template(
 ) -> Template:
     """The transcription into n elements of so many points each, compiled once per setting.
 
-    Args:
-        engine, tol, max_iter: as `Collocation` has them.
-        by_executable: whether Ipopt is the executable on PATH.
+    With `by_executable` Ipopt is the executable on PATH; the rest as in `Collocation`.
     """
     model, deadline = program(n, points, equal), Deadline()
     if engine == "ipopt":
@@ -227,7 +223,7 @@ class Collocation(Transcription):
 
     Args:
         points: collocation points in each element.
-        engine: Ipopt reads Pyomo's file as it is; the others read `collocation_program`.
+        engine: Ipopt reads Pyomo's file as it is; the others get it by `asked`.
         via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
             one.
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -82,12 +83,7 @@ def trials(
         yield from cold
         return
     (only,) = cold
-    yield Trial(_chain(warm, only.guesses), only.every)
-
-
-def _chain(warm: list[Guess], cold: Iterator[Guess]) -> Iterator[Guess]:
-    yield from warm
-    yield from cold
+    yield Trial(chain(warm, only.guesses), only.every)
 
 
 def _words(

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.gams import exit_code
-from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.nlp_engines.program import EngineResult, no_point
 from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.program import no_point, posed
+from dubins_study.solvers.paper_nlp.program import posed
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -48,15 +48,15 @@ def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Eng
         code = _run(executable, folder, seconds)
         file = folder / f"{_STUB}.sol"
         if code is None:
-            return no_point(Claim.LIMIT, "time limit", f"{executable} was stopped")
+            return no_point(3, Claim.LIMIT, "time limit", f"{executable} was stopped")
         status = f"exit code {code}"
         if not file.is_file():
             lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
-            return no_point(Claim.FAILED, status, lacking)
+            return no_point(3, Claim.FAILED, status, lacking)
         try:
             solution = read_sol(file.read_text(errors="replace"))
         except ValueError as error:
-            return no_point(Claim.FAILED, status, f"{executable}'s .sol file: {error}")
+            return no_point(3, Claim.FAILED, status, f"{executable}'s .sol file: {error}")
     return _point(model, info, solution)
 
 
@@ -66,7 +66,7 @@ def _point(model: Any, info: Any, solution: SolFile) -> EngineResult:
     if len(solution.primals) != len(info.variables):
         if claim is not Claim.INFEASIBLE:  # which needs no point
             claim = Claim.FAILED
-        return no_point(claim, status, solution.message)
+        return no_point(3, claim, status, solution.message)
     values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
     z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
     duals = None

@@ -51,16 +51,12 @@ def initial_guesses(
 ) -> Iterator[FloatArray]:
     """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
 
-    Args:
-        question: its `initial_guess` goes first, if that is a path of the subproblem's word.
-        subproblem: which lengths are free, and in which order the turns come.
-        kind: `bearing` (turn towards the target and by half the radius' apparent size more, then
-            go straight; some turns to either side follow), `zero` (AMPL's default), `random`, or
-            `given`: only the question's own guess, if it has one.
-        seed, count: of the random points: arcs uniform in [0, 2 pi], straights up to twice the
-            target's distance plus a turning circle's diameter.
-
-    `suffices` says when to solve from no more of them.
+    The question's own guess goes first, if that is a path of the subproblem's word. The kinds are
+    `bearing` (turn towards the target and by half the radius' apparent size more, then go straight;
+    some turns to either side follow), `zero` (AMPL's default), `random` (`count` points: arcs
+    uniform in [0, 2 pi], straights up to twice the target's distance plus a turning circle's
+    diameter), and `given`: only the question's own guess, if it has one. `suffices` says when to
+    solve from no more of them.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:

@@ -45,13 +45,9 @@ def meet_target(
     """A solver's point made to meet the target, and its word.
 
     Where one arc leads to the target several words share it, all within the solver's tolerance,
-    and not each of them can be made to meet the target: if `word` cannot, the others are tried.
-
-    Args:
-        scenario: says where the target is, and how finely that is known.
-        words: those that may be driven.
-        word: the solver's.
-        z: shape (3,): how far it turns to the left and to the right (rad), then goes straight.
+    and not each of them can be made to meet the target: if the solver's `word` cannot, the others
+    of the `words` are tried. z, shape (3,), is how far the point turns to the left and to the right
+    (rad), then goes straight.
     """
     X, Y = scenario.local()
     rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
@@ -97,19 +93,12 @@ def one_sided_only(question: Question, path: Path) -> str | None:
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
-    """The point of a word near z whose end is nearest to the target.
+    """The point of a word near z whose end is nearest to the target, and its miss (radii).
 
     Newton's step on the two equations of the word, or the shortest least squares step where
     their derivative is singular, cut to the lengths that the word allows and halved until it
-    gains.
-
-    Args:
-        word: `LS`, `RS`, `LR` or `RL`.
-        z: shape (3,), in the word's own order of turns; lengths that it lacks are set to zero.
-        X, Y: target in the word's frame (mirrored for `RL`), in radii.
-
-    Returns:
-        The point, shape (3,), and by how much it misses the target (radii).
+    gains. z, shape (3,), is in the word's own order of turns; lengths that the word lacks are set
+    to zero. The target (X, Y) is in the word's frame (mirrored for `RL`), in radii.
     """
     subproblem = SUBPROBLEMS[word]
     free = list(subproblem.free)

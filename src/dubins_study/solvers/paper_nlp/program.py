@@ -22,6 +22,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Functions,
     NlpCall,
     Program,
+    no_point,
 )
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import end_point, equations, hessian, jacobian
@@ -164,11 +165,6 @@ def posed(case: Case, guess: FloatArray) -> Any:
     return model
 
 
-def no_point(claim: Claim, status: str, message: str) -> EngineResult:
-    """The point of a run that returned none: all its numbers are NaN."""
-    return EngineResult(np.full(3, np.nan), claim, None, None, None, status, message)
-
-
 # Pyomo's termination conditions (pyomo.contrib.solver.common.results)
 _CLAIMS = {
     "convergenceCriteriaSatisfied": Claim.LOCAL,
@@ -231,7 +227,7 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
             time_limit=max(seconds, 1e-3),
         )
     except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
-        return no_point(Claim.FAILED, type(error).__name__, str(error))
+        return no_point(3, Claim.FAILED, type(error).__name__, str(error))
     return _loaded(model, results)
 
 
@@ -245,7 +241,7 @@ def _loaded(model: Any, results: Any) -> EngineResult:
     try:
         values = results.solution_loader.get_vars(free)
     except PyomoException:  # each interface has its own way to say that there is no point
-        return no_point(claim, condition, message)
+        return no_point(3, claim, condition, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
     try:
         of_row = results.solution_loader.get_duals([model.x_end, model.y_end])

@@ -80,15 +80,7 @@ class PenaltyFunction:
 
 
 class SearchEndError(Exception):
-    """The search is over, whatever the engine would still do."""
-
-
-class BudgetSpentError(SearchEndError):
-    """As many evaluations as were granted; the next would be too many."""
-
-
-class OutOfTimeError(SearchEndError):
-    """The time limit."""
+    """The evaluations or the time are spent, whatever the engine would still do."""
 
 
 class CountedFunction:
@@ -125,9 +117,9 @@ class CountedFunction:
 
     def _spend(self, evaluations: int) -> None:
         if self.evaluations + evaluations > self.budget:
-            raise BudgetSpentError(f"{self.budget} evaluations are spent")
+            raise SearchEndError(f"{self.budget} evaluations are spent")
         if perf_counter() > self._until:
-            raise OutOfTimeError("out of time")
+            raise SearchEndError("out of time")
         self.evaluations += evaluations
 
 
