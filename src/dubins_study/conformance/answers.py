@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from dubins_study.conformance.causes import cause_of, length_cause
-from dubins_study.conformance.interview import Interview, Seen
+from dubins_study.conformance.interview import SUCCESS, Interview, Seen
 from dubins_study.conformance.questions import check_command, command, name_of
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.solvers.attempt import Answer
@@ -38,8 +38,6 @@ class Problem(NamedTuple):
 
 
 _Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
-# claims that say that a path was found
-_SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
@@ -98,7 +96,7 @@ def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
 def _of_path(answer: Answer, tolerances: Tolerances) -> list[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
     path, claim = answer.path, answer.claim
-    honest = claim not in _SUCCESS
+    honest = claim not in SUCCESS
     if path is None:
         return _without_path(answer)
     if claim is Claim.INFEASIBLE:
@@ -116,7 +114,7 @@ def _of_path(answer: Answer, tolerances: Tolerances) -> list[_Observed]:
 
 def _without_path(answer: Answer) -> list[_Observed]:
     claim = answer.claim
-    if claim in _SUCCESS:
+    if claim in SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
         return [(Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice)]
     if answer.verdict is Verdict.NONE_EXISTS or answer.reference is None:
@@ -195,7 +193,7 @@ def _longer(answer: Answer, guarantee: str) -> _Observed:
     if answer.claim is Claim.OPTIMAL:
         advice = cause or "claim LOCAL unless the method proves that no path is shorter"
         return Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
-    if guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
+    if guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in SUCCESS:
         advice = cause or "declare another guarantee, or claim LIMIT where the time did not suffice"
         observed = f"it declares the guarantee {guarantee!r}, but {how}"
         return Kind.CLAIM, Status.FAIL, observed, advice
@@ -215,14 +213,14 @@ def _of_bound(answer: Answer) -> list[_Observed]:
     return [(Kind.BOUND, Status.FAIL, observed, advice)]
 
 
-def unanswered(interview: Interview, asked: Iterable[Seen]) -> tuple[Finding, ...]:
-    """Findings about questions that were not answered."""
-    listed = [
+def of_kind(kind: Kind, interview: Interview, asked: Iterable[Seen]) -> tuple[Finding, ...]:
+    """Findings of one kind about some answers."""
+    return united(
         problem
         for seen in asked
         for problem in problems(interview, seen, name_of(seen.question.scenario))
-    ]
-    return united(problem for problem in listed if problem.kind is Kind.OUTCOME)
+        if problem.kind is kind
+    )
 
 
 def united(found: Iterable[Problem]) -> tuple[Finding, ...]:

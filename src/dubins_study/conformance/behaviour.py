@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dubins_study.conformance import questions
-from dubins_study.conformance.answers import unanswered
+from dubins_study.conformance.answers import Kind, of_kind
 from dubins_study.conformance.interview import GRACE_S, Interview, NotApplicableError, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
@@ -109,7 +109,7 @@ def limits(interview: Interview) -> Checked:
     first = interview.ask(question)  # the libraries are loaded by now
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
-    silent = unanswered(interview, [first] if timed_out else [first, seen])
+    silent = of_kind(Kind.OUTCOME, interview, [first] if timed_out else [first, seen])
     seconds = seen.answer.wall_s or seen.seconds
     # a run ends a solve sooner than the promise asks for
     beyond = _BEYOND_S if promised else RUN_GRACE_S
@@ -157,7 +157,7 @@ def determinism(interview: Interview) -> Checked:
             if difference := _difference(one, again):
                 found.append(_changed(one, again, difference, when, place))
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    silent = unanswered(interview, [*first, *second, *third])
+    silent = of_kind(Kind.OUTCOME, interview, [*first, *second, *third])
     notes = [*_kept_answers(first, second), *_repeat(interview, first[0])]
     listed = [*silent, *worst, *notes]
     if not listed and all(seen.answer.path is None for seen in first):
@@ -258,7 +258,7 @@ def state(interview: Interview) -> Checked:
     for other in questions.GENERAL:
         interview.ask(_question(interview, other))
     seen = interview.seen
-    found = [*unanswered(interview, seen[before:])]
+    found = [*of_kind(Kind.OUTCOME, interview, seen[before:])]
     changed = Counter(change for one in seen for change in one.changes)
     for change, count in changed.items():
         status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")

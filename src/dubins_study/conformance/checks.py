@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.conformance import behaviour, questions
-from dubins_study.conformance.answers import Kind, Problem, problems, unanswered, united
+from dubins_study.conformance.answers import Kind, Problem, of_kind, problems, united
 from dubins_study.conformance.behaviour import Checked
 from dubins_study.conformance.causes import cause_of
 from dubins_study.conformance.interview import (
@@ -120,27 +120,18 @@ def _bounds(interview: Interview) -> Checked:
     """The lower bounds of all answers so far; of the usual questions if none was asked yet."""
     before = len(interview.seen)
     if interview.answers("best"):
-        for scenario in _BOUNDED.values():
-            interview.ask(Question(scenario))
+        asked = [Question(scenario) for scenario in _BOUNDED.values()]
     else:
-        for word in filter(interview.answers, questions.WORDS):
-            for scenario in questions.WORDS[word]:
-                interview.ask(Question(scenario, word))
-    silent = unanswered(interview, interview.seen[before:])
-    bounded = [
-        seen
-        for seen in interview.seen
-        if seen.answer.lower_bound is not None or seen.answer.false_bound
-    ]
-    if not (bounded or silent):
+        words = filter(interview.answers, questions.WORDS)
+        asked = [Question(scenario, word) for word in words for scenario in questions.WORDS[word]]
+    for question in asked:
+        interview.ask(question)
+    silent = of_kind(Kind.OUTCOME, interview, interview.seen[before:])
+    answers = [seen.answer for seen in interview.seen]
+    bounds = len([one for one in answers if one.lower_bound is not None or one.false_bound])
+    if not (bounds or silent):
         raise NotApplicableError("the solver gives no lower bounds")
-    found = [
-        problem
-        for seen in bounded
-        for problem in problems(interview, seen, questions.name_of(seen.question.scenario))
-        if problem.kind is Kind.BOUND
-    ]
-    return (*silent, *united(found)), f"{len(bounded)} bounds"
+    return (*silent, *of_kind(Kind.BOUND, interview, interview.seen)), f"{bounds} bounds"
 
 
 # What a full set of checks has asked before it looks at the bounds.
@@ -281,7 +272,8 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             summary, applied = str(reason), Status.NOT_APPLICABLE
         except UnfinishedError as reason:
             stopped = summary = str(reason)
-            findings, applied = unanswered(interview, interview.seen[before:]), Status.NOT_ASKED
+            findings = of_kind(Kind.OUTCOME, interview, interview.seen[before:])
+            applied = Status.NOT_ASKED
         shown = questions.check_command(interview.spec, name)
         listed = tuple(replace(one, command=one.command or shown) for one in findings)
         yield CheckResult(name, title, listed, summary, applied)

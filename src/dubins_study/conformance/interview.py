@@ -278,12 +278,13 @@ _BY_VERDICT = {
     Verdict.LONGER: "longer",
     Verdict.MISSES: "missing",
 }
-_SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
+# claims that say that a path was found
+SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 
 
 def _ending(answer: Answer) -> str:
     if answer.outcome is not Outcome.RETURNED:
         return "unanswered"
-    if answer.reference is None and answer.claim not in _SUCCESS:
+    if answer.reference is None and answer.claim not in SUCCESS:
         return "right that there is none"
     return _BY_VERDICT.get(answer.verdict, "none")

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import psutil
 
-from dubins_study.experiments.code_digest import plain_settings
 from dubins_study.experiments.isolation.messages import (
     Channel,
     WorkerReply,
@@ -72,21 +71,20 @@ class Observer:
         self.solver = load(spec, profile)
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state = ProcessState(MEMORY_BYTES)
-        self._raised: BaseException | None = None
         self._children = _children()
         self._interruptible = interruptible
 
     def ask(self, question: Question, limit: float) -> Observation:
         """The reply to a question, the exception's traceback, and the state that changed."""
         seed()
-        self._raised = None
+        raised: list[BaseException] = []
         generators, modules = _generators(), len(sys.modules)
         try:
-            reply = ask(self.solver, question, limit, self._note)
+            reply = ask(self.solver, question, limit, raised.append)
         except KeyboardInterrupt as error:  # Ctrl-C does not reach a worker
             if self._interruptible:
                 raise
-            self._raised = error
+            raised.append(error)
             reply = no_answer(Outcome.RAISED, exception_text(error))
         loaded = len(sys.modules) != modules
         changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
@@ -96,7 +94,7 @@ class Observer:
             changes.append("child processes")
         self._state.accept()
         self._children = _children()
-        text = "" if self._raised is None else own_frames(self._raised, type(self.solver))
+        text = own_frames(raised[-1], type(self.solver)) if raised else ""
         return Observation(reply, text, tuple(changes), loaded)
 
     def ask_frame(self, questions: list[Question]) -> list[Observation]:
@@ -111,9 +109,6 @@ class Observer:
             Observation(_row_reply(question, row))
             for question, (_, row) in zip(questions, rows.iterrows(), strict=True)
         ]
-
-    def _note(self, error: BaseException) -> None:
-        self._raised = error
 
 
 def _row_reply(question: Question, row: Any) -> Reply:
@@ -152,7 +147,14 @@ def own_frames(error: BaseException, kind: type[Any] | None = None) -> str:
         if not frame.filename.startswith("<frozen")
         and ((ours and "reply.py" not in frame.filename) or not frame.filename.startswith(_PACKAGE))
     ]
-    near = [frame for frame in outside if folder and _within(frame.filename, folder)]
+    near = [
+        frame
+        for frame in outside
+        if folder
+        and frame.filename.startswith(folder)
+        # an environment may lie inside the solver's folder
+        and "site-packages" not in frame.filename.removeprefix(folder)
+    ]
     kept = near or outside
     entries = "".join(traceback.format_list(kept)).splitlines(keepends=True)
     lines = [line for line in entries if line.strip(" ^~\n")]  # no marks below parts of the source
@@ -160,11 +162,6 @@ def own_frames(error: BaseException, kind: type[Any] | None = None) -> str:
         last = outside[-1]
         lines.append(f'  raised in "{last.filename}", line {last.lineno}, in {last.name}\n')
     return ("".join(lines) + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
-
-
-def _within(file: str, folder: str) -> bool:
-    """Whether a file lies in a folder, and not in an environment inside it."""
-    return file.startswith(folder) and "site-packages" not in file.removeprefix(folder)
 
 
 def declaration(solver: Solver, spec: str) -> dict[str, Any]:
@@ -185,7 +182,6 @@ def declaration(solver: Solver, spec: str) -> dict[str, Any]:
         "method": list(stated_method(solver)),
         "keeps_limit": bool(solver.keeps_limit),
         "whole_frames": kind.solve_frame is not None,
-        "settings": plain_settings(solver),
         "no_settings": _no_settings(kind),
         "frozen": not is_dataclass(kind) or kind.__dataclass_params__.frozen,
         "setting_problems": _setting_problems(solver, spec),

@@ -54,11 +54,6 @@ DISCS = {
 }
 
 
-def _on_left_circle(angle: float, distance: float) -> tuple[float, float]:
-    """The point at an arc angle (rad) of the left circle, `distance` radii outside it."""
-    return (1 + distance) * math.sin(angle), 1 - (1 + distance) * math.cos(angle)
-
-
 def _circles() -> dict[str, Scenario]:
     on = {
         "on the left circle, (R, R)": Scenario(target_x=1, target_y=1),
@@ -68,9 +63,10 @@ def _circles() -> dict[str, Scenario]:
     for angle, part in ((1.0, "front"), (4.5, "rear")):
         for distance in (1e-2, 1e-4, -1e-2, -1e-4):
             side = "outside" if distance > 0 else "inside"
-            X, Y = _on_left_circle(angle, distance)
-            name = f"{abs(distance):g} R {side} the left circle's {part}"
-            on[name] = Scenario(target_x=X, target_y=Y)
+            name, reach = f"{abs(distance):g} R {side} the left circle's {part}", 1 + distance
+            # the point at an arc angle (rad) of the circle, `distance` radii outside it
+            x, y = reach * math.sin(angle), 1 - reach * math.cos(angle)
+            on[name] = Scenario(target_x=x, target_y=y)
     return on
 
 

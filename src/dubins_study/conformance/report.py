@@ -141,42 +141,34 @@ class ConformanceReport:
 
 
 _WIDTH, _LEAST_WIDTH = 100, 30
-_MARKS = {
-    Status.PASS: "pass",
-    Status.NOTE: "note",
-    Status.FAIL: "FAIL",
-    Status.NOT_APPLICABLE: "  – ",
-    Status.NOT_ASKED: "  ? ",
-}
 _MARGIN = " " * 6
-_COUNTED = {
-    Status.FAIL: "failed",
-    Status.NOT_ASKED: "not asked",
-    Status.NOTE: "with notes",
-    Status.PASS: "passed",
-    Status.NOT_APPLICABLE: "not applicable",
+# status -> its mark before a check, and how the verdict counts such checks, worst first
+_STATUS_TEXTS = {
+    Status.FAIL: ("FAIL", "failed"),
+    Status.NOT_ASKED: ("  ? ", "not asked"),
+    Status.NOTE: ("note", "with notes"),
+    Status.PASS: ("pass", "passed"),
+    Status.NOT_APPLICABLE: ("  – ", "not applicable"),
 }
 
 
 def report_text(report: ConformanceReport, width: int | None = None) -> str:
     """All checks, a line each, with their findings below; the verdict last.
 
-    Args:
-        report: of a solver.
-        width: of the terminal; lines are shorter than that and 100 characters. Commands and
-            tracebacks are never broken.
+    Lines fit the terminal's `width` and 100 characters; commands and tracebacks are never broken.
     """
     width = max(min(width or _WIDTH, _WIDTH), _LEAST_WIDTH)
     shown: dict[str, str] = {}  # advice -> the check that gave it first
     blocks = []
     for (status, _), group in groupby(report, key=_together):
         result, *others = group
+        mark, _ = _STATUS_TEXTS[status]
         if others:
             names = ", ".join(one.name for one in (result, *others))
-            line = f"{_MARKS[status]}  {names}: {plain(result.summary)}"
+            line = f"{mark}  {names}: {plain(result.summary)}"
         else:
             summary = f" ({plain(result.summary)})" if result.summary else ""
-            line = f"{_MARKS[status]}  {result.name:<12} {result.title}{summary}"
+            line = f"{mark}  {result.name:<12} {result.title}{summary}"
         blocks.append(_wrapped(line, width, _MARGIN))
         for place, found in enumerate(result.findings, 1):
             later = [one for one in result.findings[place:] if one.status is Status.FAIL]
@@ -221,7 +213,7 @@ def _verdict(report: ConformanceReport) -> tuple[str, str]:
     """Whether the report passed and how many checks ended how; and so the answers."""
     counts = ", ".join(
         f"{len(results)} {name}"
-        for status, name in _COUNTED.items()
+        for status, (_, name) in _STATUS_TEXTS.items()
         if (results := report.with_status(status))
     )
     ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
