@@ -29,12 +29,7 @@ _BINS, _LEAST_GAP = 200, 1e-16
 
 
 class Attempts:
-    """The attempts of some experiments, without duplicates.
-
-    Args:
-        database: a database with the view `attempts` of `report.data.selection`.
-        experiments: names of the experiments.
-    """
+    """The attempts of some experiments, without duplicates: the view `attempts` of a database."""
 
     def __init__(self, database: Database, experiments: Collection[str]) -> None:
         self._database = database

@@ -16,9 +16,7 @@ SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius")
 def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
     """The `dubins-study solve` command of a row; numbers with all their digits, quoted for a shell.
 
-    Args:
-        row: the columns of a scenario, branch, solver, and, if it has them, profile and
-            `time_limit_s`, which the command then states.
+    It states the profile and `time_limit_s` if the row has them.
     """
     x, y, heading, target_x, target_y, radius = (number_text(row[name]) for name in SCENARIO)
     parts = ["dubins-study solve"]
@@ -47,11 +45,8 @@ def run_command(manifest: Manifest, options: str) -> str:
     """The `dubins-study run` command that asks a folder's questions of other solvers.
 
     The folder's own command names its experiment's file, or its file of scenarios, which the
-    experiment's name does not; the name stands where there is no such command.
-
-    Args:
-        manifest: of the folder.
-        options: what to append, as a shell reads it.
+    experiment's name does not; the name stands where there is no such command. The `options` are
+    appended as a shell reads them.
     """
     words = _asked_words(manifest.command) or [manifest.experiment.name]
     return f"dubins-study run {shlex.join(words)} {options}"

@@ -72,7 +72,7 @@ def regions(attempts: Attempts) -> pd.DataFrame:
     Attempts at questions that have a path. Of a question that was never judged no region is known.
     """
     return attempts.frame(
-        f"""SELECT region, {_DISTANCE} <= {REACH} AS near, count(*) AS attempts, {_counts()}
+        f"""SELECT region, {_DISTANCE} <= {REACH} AS near, count(*) AS attempts, {_COUNTS}
         FROM {_WITH_KIND} WHERE answerable GROUP BY ALL ORDER BY ALL"""
     )
 
@@ -80,7 +80,4 @@ def regions(attempts: Attempts) -> pd.DataFrame:
 _WARM = "initial_guess IS DISTINCT FROM 'cold'"
 _DISTANCE = "sqrt((target_x - x) ** 2 + (target_y - y) ** 2) / radius"
 _WITH_KIND = f"(SELECT *, CASE WHEN {_FAILED} THEN {_KIND} END AS kind FROM chosen)"
-
-
-def _counts() -> str:
-    return ", ".join(f"count(*) FILTER (kind = '{kind}') AS \"{kind}\"" for kind in KINDS)
+_COUNTS = ", ".join(f"count(*) FILTER (kind = '{kind}') AS \"{kind}\"" for kind in KINDS)

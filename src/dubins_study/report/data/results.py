@@ -64,26 +64,20 @@ class Folder:
 class Results:
     """The attempts of one or more folders.
 
-    Args:
-        folders: the results folders, in the order of the arguments.
-        attempts: all attempts, for counting.
-        rows: one row per attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that a
-            report needs, `experiment`, and `answerable` (the question has an answer, so that a gap
-            can be measured).
-        controls: the columns `curvatures`, `lengths`, `x`, `y` and `heading`, kept in Arrow because
-            most sections draw no path. A row's index is its position here, even if `rows` is a
-            selection.
-        solvers: all specs in the folders, even if `rows` is a selection.
-        methods: solver, formulation, engine and guess of all specs, even if `rows` is a selection.
-        selections: what `only` has selected so far, since several sections are about the same rows.
+    `rows` has one row per attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that
+    a report needs, `experiment`, and `answerable` (the question has an answer, so that a gap can be
+    measured). In a selection (`only`) the other fields but `folders` and `attempts` are unchanged.
     """
 
-    folders: tuple[Folder, ...]
-    attempts: Attempts
+    folders: tuple[Folder, ...]  # in the order of the arguments
+    attempts: Attempts  # for counting
     rows: pd.DataFrame
+    # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
     controls: pa.Table
-    solvers: tuple[str, ...] = ()
+    solvers: tuple[str, ...] = ()  # specs
+    # solver, formulation, engine, guess
     methods: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
+    # by `only`, since several sections are about the same rows
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
 
     @property
@@ -140,9 +134,6 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 def load(folders: Iterable[str | FilePath]) -> Results:
     """Read and join results folders; if two hold the same cell, the first folder's row is kept.
 
-    Args:
-        folders: at least one results folder.
-
     Raises:
         ResultsError: naming the folder and what is wrong with it.
     """
@@ -173,11 +164,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
 def load_with_rows(
     folders: Iterable[str | FilePath],
 ) -> tuple[Results | None, tuple[Folder, ...]]:
-    """As `load`, with folders that hold no rows set apart: the results, and those folders.
-
-    Returns:
-        None instead of results if no folder has rows.
-    """
+    """As `load`, with the folders that hold no rows set apart; no results if none has rows."""
     left = [FilePath(folder) for folder in folders]
     empty: list[Folder] = []
     while left or not empty:

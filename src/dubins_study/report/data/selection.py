@@ -21,9 +21,7 @@ _CELL = ("experiment", *names(CELL))
 class Database:
     """The rows of some folders as DuckDB's table `stored`, with NaN as null.
 
-    Args:
-        rows: columns of the schema, and `part`, the number of the file, and `place`, the row's
-            number in it.
+    Its columns are those of the schema, `part` (number of the file) and `place` (the row's in it).
     """
 
     def __init__(self, rows: pa.Table) -> None:
@@ -60,48 +58,30 @@ class Database:
 
 
 class Source(NamedTuple):
-    """One results folder, with the values that decide which of its rows count.
+    """One results folder, with the values that decide which of its rows count."""
 
-    Args:
-        experiment: name of the experiment.
-        code_digests: solver -> digest of the code whose rows count; for a solver that is not
-            listed, all rows count.
-        gap_tolerance: two attempts whose gaps differ by more than this contradict each other.
-        parts: the folder's parts.
-    """
-
-    experiment: str
+    experiment: str  # its name
+    # solver -> digest of the code whose rows count; for a solver that is not listed, all rows count
     code_digests: Mapping[str, str]
-    gap_tolerance: float
+    gap_tolerance: float  # attempts whose gaps differ by more contradict each other
     parts: Sequence[Part]
 
 
 class RowCounts(NamedTuple):
-    """Numbers of rows of a folder.
+    """Numbers of rows of a folder."""
 
-    Args:
-        current: rows of the current code, counted in the report or not.
-        stale: rows of earlier code.
-        replaced: rows of cells that an earlier folder holds with other code.
-        contradicting: rows of cells that an earlier folder holds with the same code but another
-            result.
-    """
-
-    current: int
-    stale: int
-    replaced: int
-    contradicting: int
+    current: int  # of the current code, counted in the report or not
+    stale: int  # of earlier code
+    replaced: int  # of cells that an earlier folder holds with other code
+    contradicting: int  # of cells that an earlier folder holds with this code and another result
 
 
 def select_attempts(database: Database, sources: Sequence[Source]) -> list[RowCounts]:
     """Add the view `attempts` to a database, and count the rows of each source.
 
     The view has the columns of `stored`, `experiment`, and `answerable`: whether the question has
-    an answer, so that a gap can be measured.
-
-    Args:
-        database: a database of the sources' parts, in the same order.
-        sources: results folders; if two hold the same cell, the earlier one's attempt counts.
+    an answer, so that a gap can be measured. The database has the sources' parts in the same order;
+    if two sources hold the same cell, the earlier one's attempt counts.
     """
     blocks = _blocks(database, sources)
     columns = ["part", "solver", "code_digest", "experiment"]

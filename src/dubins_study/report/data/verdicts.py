@@ -111,9 +111,7 @@ _VARIED = ("repeat", "initial_guess", "profile", "experiment")
 def _weighted(attempts: Attempts, also: str = "") -> str:
     """The query of the attempts with a `weight` that is 1 over the attempts at their trial.
 
-    Args:
-        attempts: the attempts.
-        also: another column whose values are trials of their own, such as the initial guess.
+    The values of the column `also`, such as the initial guess, are trials of their own.
     """
     weight = "1.0"
     # Where no two attempts are at one trial, to look for pairs would take memory.

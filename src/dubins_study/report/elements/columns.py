@@ -14,20 +14,16 @@ from dubins_study.report.elements.formats import ABSENT, Format
 class Column:
     """How one column of a frame is shown.
 
-    Args:
-        key: name of the column in the frame and in the CSV file.
-        title: its heading, with the unit.
-        show: converts a value to text; a missing value is shown as a dash instead.
-        kind: `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec),
-            `command` (a long line for a shell, which the page shows when asked),
-            `section` (the title of a section, perhaps with a colon and a part of it; the page
-            links it), `cell` (a number with its interval, over several lines), `pick` (a name, and
-            numbers below it), or `solver` (a spec, of which the page shows the short name).
+    Its kind is `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec),
+    `command` (a long line for a shell, which the page shows when asked), `section` (the title of a
+    section, perhaps with a colon and a part of it; the page links it), `cell` (a number with its
+    interval, over several lines), `pick` (a name, and numbers below it), or `solver` (a spec, of
+    which the page shows the short name).
     """
 
-    key: str
-    title: str
-    show: Format = str
+    key: str  # name of the column in the frame and in the CSV file
+    title: str  # its heading, with the unit
+    show: Format = str  # converts a value to text; a missing value is shown as a dash instead
     kind: str = "number"
 
     def text(self, value: Any) -> str:

@@ -35,34 +35,22 @@ class Show(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A frame and how to show it.
+    """A frame and how to show it."""
 
-    Args:
-        name: stem of its file names.
-        caption: what the table shows, with units.
-        frame: raw values.
-        columns: the columns that are shown, in order.
-        marks: (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says,
-            for readers who do not see the colour.
-        numbers: more columns of the frame for the CSV file, such as the ends of an interval that
-            is shown as text.
-        dense: whether it has so many columns that its letters are smaller.
-        stacked: whether a narrow screen shows every line as a list of its cells.
-        labels: spec -> the solver's short name on the page; in columns of the kind `solver` the
-            page shows it, with the spec as its hover text.
-        show: `Show.FILE` for a table that repeats a figure.
-    """
-
-    name: str
-    caption: str
-    frame: pd.DataFrame
-    columns: tuple[Column, ...]
+    name: str  # stem of its file names
+    caption: str  # what the table shows, with units
+    frame: pd.DataFrame  # raw values
+    columns: tuple[Column, ...]  # those that are shown, in order
+    # (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says, for
+    # readers who do not see the colour.
     marks: dict[tuple[int, str], str] | None = None
+    # more columns for the CSV file, such as the ends of an interval that is shown as text
     numbers: tuple[str, ...] = ()
-    dense: bool = False
-    stacked: bool = False
+    dense: bool = False  # whether it has so many columns that its letters are smaller
+    stacked: bool = False  # whether a narrow screen shows every line as a list of its cells
+    # spec -> the solver's short name, which columns of the kind `solver` show
     labels: Mapping[str, str] = field(default_factory=dict)
-    show: Show = Show.PAGE
+    show: Show = Show.PAGE  # `Show.FILE` for a table that repeats a figure
 
     def texts(self) -> list[list[str]]:
         """Every cell as text, row by row."""
@@ -96,23 +84,14 @@ def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure with its caption, and a text for readers who cannot see it.
+    """A figure with its caption, and a text for readers who cannot see it."""
 
-    Args:
-        name: stem of its file names.
-        caption: what the figure shows, with units.
-        figure: the drawn figure, not yet saved.
-        alt: what the figure shows, in a few words.
-        half: whether the figure takes half of the page's width.
-        show: `Show.FILE` for a figure of which the page needs only a link.
-    """
-
-    name: str
-    caption: str
-    figure: Figure
-    alt: str
-    half: bool = False
-    show: Show = Show.PAGE
+    name: str  # stem of its file names
+    caption: str  # what the figure shows, with units
+    figure: Figure  # drawn, not yet saved
+    alt: str  # what the figure shows, in a few words
+    half: bool = False  # whether it takes half of the page's width
+    show: Show = Show.PAGE  # `Show.FILE` for a figure of which the page needs only a link
 
 
 def picture(
@@ -125,14 +104,10 @@ def picture(
     width: float = HALF,
     legend: int = 0,
 ) -> Picture:
-    """A figure with one panel, drawn by `plot(ax, *data)`.
+    """A figure (inches) with one panel, drawn by `plot(ax, *data)`.
 
-    Args:
-        name, caption, alt: as in `Picture`.
-        plot, data: the drawing function and its arguments after the axes. The function may return
-            the legend's entries.
-        height, width: inches.
-        legend: number of columns of the legend below the panel; 0 for no legend.
+    `plot` may return the legend's entries; `legend` is the number of columns of the legend below
+    the panel, 0 for no legend.
     """
     figure = new_figure(width, height)
     entries = plot(figure.add_subplot(), *data)
@@ -144,21 +119,16 @@ def picture(
 
 @dataclass(frozen=True, eq=False)
 class Widget:
-    """A part of the page that scripts bring to life; only the HTML page shows it.
+    """A part of the page that scripts bring to life; only the HTML page shows it."""
 
-    Args:
-        name: its anchor is `widget-NAME`.
-        caption: what it shows, with units.
-        body: HTML that says enough without scripts. It must hold no text from outside that is not
-            escaped; `markupsafe.Markup.format` escapes.
-        data: name -> value of JSON; the page embeds it as `data-NAME`.
-        packed: name -> bytes, embedded as `data-NAME-gz`: compressed by gzip, in base64.
-    """
-
-    name: str
-    caption: str
+    name: str  # its anchor is `widget-NAME`
+    caption: str  # what it shows, with units
+    # HTML that says enough without scripts. It must hold no text from outside that is not escaped;
+    # `markupsafe.Markup.format` escapes.
     body: Markup
+    # name -> value of JSON; the page embeds it as `data-NAME`
     data: Mapping[str, Any] = field(default_factory=dict)
+    # name -> bytes, embedded as `data-NAME-gz`: compressed by gzip, in base64
     packed: Mapping[str, bytes] = field(default_factory=dict)
 
 
@@ -167,23 +137,13 @@ Block: TypeAlias = Table | Picture | Widget
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A heading, what to see below it, a paragraph, and tables and pictures.
+    """A heading, what to see below it, a paragraph, and tables and pictures."""
 
-    Args:
-        key: its anchor.
-        title: its heading.
-        text: how the numbers come about, and what follows from them.
-        blocks: tables, pictures and widgets, the one that carries the section first: the page
-            folds those after it.
-        lead: the one sentence at its top that says what to see.
-        place: where it stands.
-    """
-
-    key: str
-    title: str
-    text: str
-    blocks: tuple[Block, ...]
-    lead: str = ""
+    key: str  # its anchor
+    title: str  # its heading
+    text: str  # how the numbers come about, and what follows from them
+    blocks: tuple[Block, ...]  # the one that carries the section first: the page folds the others
+    lead: str = ""  # the one sentence at its top that says what to see
     place: Place = Place.FRONT
 
     @property

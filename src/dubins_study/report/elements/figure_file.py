@@ -37,11 +37,9 @@ def fix_layout(figure: Figure) -> None:
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
-    """The figure as the bytes of a file. Equal figures give equal bytes: no dates, fixed ids.
+    """A figure whose layout is fixed (`fix_layout`) as the bytes of a file: svg, pdf or png.
 
-    Args:
-        figure: a drawn figure whose layout is fixed (`fix_layout`).
-        kind: `svg`, `pdf` or `png`.
+    Equal figures give equal bytes: no dates, fixed ids.
     """
     buffer = BytesIO()
     if kind not in ("svg", "pdf"):

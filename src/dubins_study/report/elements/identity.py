@@ -76,11 +76,7 @@ def best_first(
 ) -> tuple[Table, ...]:
     """A short table of the best methods, then the whole one; only the whole if it is short.
 
-    Args:
-        table: one line or more per solver.
-        solvers: the solver of each line.
-        best: the solvers of the short table.
-        which: what they are, for its caption.
+    `solvers` has the solver of each line; `which` says in the caption what the `best` are.
     """
     lines = [line for line, solver in enumerate(solvers) if solver in best]
     if len(table.frame) <= MOST_LINES or not lines:
@@ -109,9 +105,8 @@ def with_share(
 ) -> pd.DataFrame:
     """The frame with a share of trials and its interval.
 
-    Returns:
-        With the columns `name`_of (the trials), `name`_share (NaN of no trials), `name`_low and
-        `name`_high (95 %), and `name`_text, in which all of them are written out.
+    New columns: `name`_of (the trials), `name`_share (NaN of no trials), `name`_low and `name`_high
+    (95 %), and `name`_text, in which all of them are written out.
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)

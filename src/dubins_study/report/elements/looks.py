@@ -50,18 +50,12 @@ class Look(NamedTuple):
 
 @dataclass(frozen=True)
 class Palette:
-    """A hue and a marker per engine.
+    """A hue and a marker per engine."""
 
-    Args:
-        hues: engine -> colour and marker.
-        engines: spec -> its engine; a spec that is missing counts as an engine by its solver's
-            name.
-        labels: spec -> its short name on the page.
-    """
-
-    hues: dict[str, tuple[str, str]]
+    hues: dict[str, tuple[str, str]]  # engine -> colour and marker
+    # spec -> its engine; a spec that is missing counts as an engine by its solver's name
     engines: Mapping[str, str] = field(default_factory=dict)
-    labels: Mapping[str, str] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)  # spec -> its short name on the page
 
     @classmethod
     def of_page(cls, results: Results) -> Self:

@@ -22,10 +22,9 @@ _KNOWN: WeakKeyDictionary[Results, pd.DataFrame] = WeakKeyDictionary()
 
 
 def names_of(results: Results) -> pd.DataFrame:
-    """All methods of a page and their short names, also if `results` is a selection.
+    """All methods of a page as `methods_of`, indexed by solver, also if `results` is a selection.
 
-    Returns:
-        As `methods_of`, indexed by solver, with `label`: e.g. `Ipopt, joint LRS, zero start`.
+    The column `label` has their short names, e.g. `Ipopt, joint LRS, zero start`.
     """
     if results not in _KNOWN:
         methods = methods_of(results.methods)
@@ -46,21 +45,13 @@ def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
 
 
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
-    """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct.
-
-    Args:
-        methods: from `methods_of`, of all solvers of a page.
-    """
+    """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct."""
     rows = methods.reset_index(names="solver").to_dict("records")
     return distinct([str(row["solver"]) for row in rows], [short_label(row) for row in rows])
 
 
 def short_label(row: Mapping[Hashable, Any]) -> str:
-    """A method's short name, which another method may share.
-
-    Args:
-        row: solver, and formulation, engine and variant of `methods_of`.
-    """
+    """The short name of a method (a row of `methods_of`), which another method may share."""
     formulation, engine = str(row["formulation"]), str(row["engine"])
     if engine == UNSTATED:
         return one_line(str(row["solver"]))
@@ -93,11 +84,7 @@ _KEPT = 2  # items of a short name that a figure always shows: engine and formul
 
 
 def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
-    """Solver -> name for a figure: engine, formulation, and what else tells its solvers apart.
-
-    Args:
-        labels: solver -> short name on the page, of the solvers that the figure shows.
-    """
+    """Solver -> name for a figure: engine, formulation, and what else tells its solvers apart."""
     items = {solver: label.split(", ") for solver, label in labels.items()}
     groups: dict[tuple[str, ...], list[str]] = {}
     for solver, parts in items.items():
@@ -118,8 +105,7 @@ _USUAL_START = "bearing start"
 def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
     """What all names but the engine share, for a title, e.g. ` (presolve)`; the names without it.
 
-    Args:
-        names: engine, guess and settings, with commas between them.
+    A name has engine, guess and settings, with commas between them.
     """
     plain = [one_line(name, _MOST_IN_PANEL) for name in names]
     names = list(distinct([str(place) for place in range(len(plain))], plain).values())

@@ -50,23 +50,14 @@ _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 @dataclass(frozen=True)
 class Mark:
-    """How one column of a table, or one kind of its rows, is drawn.
+    """How one column of a table, or one kind of its rows, is drawn."""
 
-    Args:
-        key: the column, or the kind.
-        label: its name in the legend; empty for none.
-        colour: empty for the colour of the row's solver.
-        marker: empty for the marker of the row's solver.
-        filled: whether the marker is filled.
-        hatch: of bars; neighbours differ in it, so that grey print keeps them apart.
-    """
-
-    key: str
-    label: str = ""
-    colour: str = ""
-    marker: str = ""
-    filled: bool = True
-    hatch: str = ""
+    key: str  # the column, or the kind
+    label: str = ""  # its name in the legend; empty for none
+    colour: str = ""  # empty for the colour of the row's solver
+    marker: str = ""  # empty for the marker of the row's solver
+    filled: bool = True  # whether the marker is filled
+    hatch: str = ""  # of bars; neighbours differ in it, so that grey print keeps them apart
 
     def dots(self, look: Look | None = None) -> Style:
         """Keywords for markers without a line; `look` is the solver's."""
@@ -93,15 +84,8 @@ def quartile_lines(
 ) -> Figure:
     """Median and quartiles of positive numbers on a logarithmic axis, a named line per row.
 
-    Args:
-        table: columns of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3.
-        marks: what each line shows; the first is the highest.
-        palette: of the page.
-        label: of the axis.
-        seconds: whether the numbers are durations (s).
-        limit: where to draw a dotted line.
-        panels: as for `named_lines`.
-        width: of the figure (inches).
+    Columns: those of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3. In a
+    line the first mark is the highest. A dotted line is drawn at `limit`.
     """
     figure, axes = named_lines(table, label, panels=panels, width=width)
     looks = palette.looks(table["solver"])
@@ -137,11 +121,8 @@ def stacked_shares(
 ) -> Figure:
     """One bar per row, stacked of shares; marks that no row has are left out.
 
-    Args:
-        table: columns of `named_lines`, and a share for each mark.
-        marks: with colours and hatches, in the order of the stack, from dark to light.
-        label: of the axis.
-        panels: as for `named_lines`.
+    Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
+    in the order of the stack, from dark to light.
     """
     figure, axes = named_lines(table, label, panels=panels)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
@@ -165,17 +146,11 @@ _THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
 def named_lines(
     table: pd.DataFrame, label: str, *, panels: bool = False, width: float = WIDE
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A figure of named lines; the first row is the highest, and the last is at the height 0.
+    """A figure of named lines and its panels, each with its rows.
 
-    Args:
-        table: one row per line; its `name`, and `note`, a text at its right, if there is such a
-            column.
-        label: of the horizontal axes.
-        panels: whether each `formulation` has its panel, with the names in `short`.
-        width: of the figure (inches).
-
-    Returns:
-        The figure; each panel with its rows.
+    The first row is the highest, and the last is at the height 0. Columns: name, and if it is given
+    note (a text at the right). With `panels` each `formulation` has its panel, with the names in
+    `short`.
     """
     size, inches = (6.0, 0.145) if panels else (8.0, 0.27)
     groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
@@ -263,14 +238,8 @@ def share_curves(
 ) -> Figure:
     """Rising shares over a logarithmic axis, in one wide panel or several small ones.
 
-    Args:
-        shares: title of a panel -> shares in [0, 1], indexed by x (ascending), a column per solver.
-        names: solver -> its name; the curves of the others are grey and have none.
-        palette: of the page.
-        xlabel, ylabel: of all panels.
-        seconds: whether x is a duration (s).
-        limit: where to draw a dotted line.
-        same_x: whether the panels share the horizontal axis.
+    `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
+    solver; curves of solvers that are not in `names` are grey. A dotted line is drawn at `limit`.
     """
     across = min(_ACROSS, len(shares))
     down, small = -(-len(shares) // across), 6.5
@@ -330,14 +299,7 @@ def parameter_lines(
     width: float = HALF,
     height: float = 3.3,
 ) -> Figure:
-    """Lines over a parameter, both axes logarithmic; see `draw_lines`.
-
-    Args:
-        table, x, y, palette: as for `draw_lines`.
-        xlabel, ylabel: of the axes.
-        seconds: whether x is a duration (s).
-        width, height: of the figure (inches).
-    """
+    """Lines over a parameter, which may be a duration (s), both axes logarithmic: `draw_lines`."""
     figure = new_figure(width, height)
     ax = figure.add_subplot()
     draw_lines(ax, table, x, y, palette)
@@ -351,15 +313,10 @@ def parameter_lines(
 
 
 def draw_lines(ax: Axes, table: pd.DataFrame, x: str, y: str, palette: Palette) -> None:
-    """Draw a line per series, with open marks of growing size: lines that coincide stay visible.
+    """Draw a line per name, with open marks of growing size: lines that coincide stay visible.
 
-    Args:
-        ax: where to draw.
-        table: columns solver, `name` (in the legend), x, y, and if there are quartiles `y`_q1 and
-            `y`_q3, drawn as a band. A line per name, in the order of the rows. Only positive
-            finite values are drawn.
-        x, y: columns.
-        palette: of the page.
+    Columns: solver, name (in the legend), x, y, and if there are quartiles `y`_q1 and `y`_q3, drawn
+    as a band. Lines are in the order of the rows; only positive finite values are drawn.
     """
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
     looks = palette.looks(shown["solver"])

@@ -22,20 +22,14 @@ class General(Enum):
 
 
 class Topic(NamedTuple):
-    """One section of the page.
+    """One section of the page."""
 
-    Args:
-        title: its name in progress reports.
-        write: attempts -> the section; None if there is nothing to show.
-        about: its attempts: a general kind, or the key that experiments give as `section = "..."`
-            in their TOML file.
-        enters: the general kinds that include those experiments too.
-        place: where its section stands. That of a study stands in the details where there is a
-            benchmark, which the page is about then, and else on the front.
-    """
-
-    title: str
-    write: Callable[[Results], Section | None]
+    title: str  # its name in progress reports
+    write: Callable[[Results], Section | None]  # None if there is nothing to show
+    # its attempts: a general kind, or the key that experiments give as `section = "..."` in their
+    # TOML file
     about: General | str
-    enters: tuple[General, ...] = ()
+    enters: tuple[General, ...] = ()  # the general kinds that include those experiments too
+    # That of a study stands in the details where there is a benchmark, which the page is about
+    # then, and else on the front.
     place: Place = Place.DETAILS
