@@ -9,7 +9,6 @@ from dubins_study.report.data.results import load
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.methods import methods_of, without_setting
 from dubins_study.report.topics.comparison import (
-    best_of_formulations,
     comparison_section,
     engine_tests,
     formulation_tests,
@@ -80,7 +79,6 @@ def test_means_ranks_and_shares(results):
     logs = np.log(np.array([*joint_times, *[2.0] * 6]) + shift)
     assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
     assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
-    assert list(best_of_formulations(ranked).index) == ["slsqp", "ipopt[model=joint]"]
 
 
 def test_paired_tests_share_a_formulation_or_an_engine(results):

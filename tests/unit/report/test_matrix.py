@@ -7,12 +7,12 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.identity import share_text, with_share
+from dubins_study.report.statistics.compared import stratum_order
 from dubins_study.report.statistics.methods import best_methods, drawn_methods
 from dubins_study.report.topics.matrix import (
     matrix,
     matrix_section,
     strata,
-    stratum_order,
     whole_percent,
 )
 from dubins_study.study.path import Path

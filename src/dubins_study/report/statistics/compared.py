@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import cached_property, wraps
 from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
@@ -21,20 +21,17 @@ from dubins_study.study.rows.schema import ROW
 _NEVER_SOLVED = ("unavailable", "unsupported")
 
 
+Rows = TypeVar("Rows")
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Cold attempts of engines that could be called.
+    """Cold attempts of engines that could be called, and the time limit of an attempt.
 
-    Args:
-        rows: one row per attempt, with most columns of the schema and `question` and `scenario`
-            (whole numbers), `right` (the check accepts the answer, and an engine gave it) and
-            `stratum` (the scenario's label).
-        methods: indexed by solver, in the order of tables; columns of `methods_of`.
-        limit_s: the time limit of an attempt.
-        strata: the strata in the order of the experiment's file.
+    `rows` has most columns of the schema, and question and scenario (whole numbers), right (the
+    check accepts the answer, and an engine gave it) and stratum (the scenario's label). `methods`
+    is the frame of `methods_of`; `strata` are in the order of the experiment's file.
     """
 
     rows: pd.DataFrame
@@ -48,59 +45,40 @@ class Compared:
         return self.rows[self.rows["answerable"]]
 
     @cached_property
-    def scenario_of(self) -> pd.Series[int]:
-        """Question -> scenario, for resampling."""
-        first = self.rows.drop_duplicates("question").set_index("question")
-        return first["scenario"]
-
-    @cached_property
     def engines(self) -> pd.DataFrame:
         """The methods without the closed form."""
         return self.methods[self.methods.index != EXACT]
 
-    def select(self, keep: pd.Series[bool]) -> Compared:
-        """Some of the attempts; a method without attempts is left out."""
-        rows = self.rows[keep]
-        methods = self.methods[self.methods.index.isin(rows["solver"].unique())]
-        return replace(self, rows=rows, methods=methods)
-
     def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:
         """A table of questions, indexed by their scenarios, as the bootstrap needs it."""
-        return table.set_axis(self.scenario_of.reindex(table.index).to_numpy(), axis=0)
+        first = self.rows.drop_duplicates("question").set_index("question")
+        return table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
 
 
-def once(compute: Callable[[Compared], T]) -> Callable[[Compared], T]:
-    """The function, computed once for the same attempts; nobody may change its result."""
-    known: WeakKeyDictionary[Compared, T] = WeakKeyDictionary()
+def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
+    """The function, computed once for the same rows; nobody may change its result."""
+    known: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
 
     @wraps(compute)
-    def look_up(compared: Compared) -> T:
-        if compared not in known:
-            known[compared] = compute(compared)
-        return known[compared]
+    def look_up(rows: Rows) -> T:
+        if rows not in known:
+            known[rows] = compute(rows)
+        return known[rows]
 
     return look_up
-
-
-def compared(results: Results) -> Compared | None:
-    """The attempts by which solvers are compared; None if there are none.
-
-    Left out: attempts from another solver's path, and those of engines that are not installed or
-    cannot read the question. Sections share the answer, so nobody may change it.
-    """
-    if results not in _KNOWN:
-        _KNOWN[results] = _compared(results)
-    return _KNOWN[results]
-
-
-_KNOWN: WeakKeyDictionary[Results, Compared | None] = WeakKeyDictionary()
 
 
 # Columns that no comparison reads: every selection of rows would copy them.
 _UNREAD = [column.name for column in ROW if column.detail]
 
 
-def _compared(results: Results) -> Compared | None:
+@once
+def compared(results: Results) -> Compared | None:
+    """The attempts by which solvers are compared; None if there are none.
+
+    Left out: attempts from another solver's path, and those of engines that are not installed or
+    cannot read the question.
+    """
     rows = results.rows.drop(columns=_UNREAD)
     kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
     if kept.empty:
@@ -116,14 +94,15 @@ def _compared(results: Results) -> Compared | None:
         stratum=kept["label"].fillna(""),
         **{str(name): kept["solver"].map(values) for name, values in stated.items()},
     )
-    return Compared(kept, methods, _limit(results, kept), _strata(results, kept))
+    strata = tuple(stratum_order(results, kept["stratum"]))
+    return Compared(kept, methods, _limit(results, kept), strata)
 
 
-def _strata(results: Results, rows: pd.DataFrame) -> tuple[str, ...]:
-    """The labels of the scenarios, in the order in which the experiments' files name them."""
+def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
+    """Distinct labels of scenarios, in the order in which the experiments' files name them."""
     text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
-    places = {name: text.find(json.dumps(name)) for name in sorted(set(rows["stratum"]))}
-    return tuple(sorted(places, key=lambda name: (places[name] < 0, places[name])))
+    places = {name: text.find(json.dumps(name)) for name in sorted(set(labels))}
+    return sorted(places, key=lambda name: (places[name] < 0, places[name]))
 
 
 def _limit(results: Results, rows: pd.DataFrame) -> float:

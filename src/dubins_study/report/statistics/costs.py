@@ -24,21 +24,18 @@ GAP_TARGETS = tuple(10.0 ** (-step / 5) for step in range(41))
 
 
 def cost_table(
-    rows: pd.DataFrame, *, cost: str, right: str, question: Sequence[str], solver: str = "solver"
+    rows: pd.DataFrame, *, cost: str, right: str, question: Sequence[str]
 ) -> pd.DataFrame:
     """The cost table of attempts: the median over repeats, infinite unless all repeats are right.
 
-    Args:
-        rows: one row per attempt.
-        cost: name of the column with the cost of an attempt, in any unit; NaN if not counted.
-        right: name of the column that says whether the answer is right.
-        question: names of the columns that tell questions apart; a missing value is a value.
-        solver: name of the column that tells solvers apart.
+    The column `cost` holds the cost of an attempt in any unit, NaN if not counted; the column
+    `right` says whether the answer is right. In the columns of `question`, which tell questions
+    apart, a missing value is a value.
     """
-    groups = rows.groupby([*question, solver], observed=True, dropna=False)
+    groups = rows.groupby([*question, "solver"], observed=True, dropna=False)
     table = groups.agg(cost=(cost, "median"), right=(right, "all"))
     costs = table["cost"].where(table["right"].astype(bool), np.inf)
-    return pd.DataFrame(costs.unstack(solver)).astype(np.float64)
+    return pd.DataFrame(costs.unstack("solver")).astype(np.float64)
 
 
 def checked_costs(table: pd.DataFrame) -> pd.DataFrame:
@@ -76,13 +73,8 @@ def shifted_geometric_mean(values: ArrayLike, shift: float) -> float:
     2007, Constraint Integer Programming, PhD thesis, TU Berlin, appendix A). With shift 0 it is
     the geometric mean; as the shift grows it tends to the arithmetic mean.
 
-    Args:
-        values: costs; infinity (a failure) gives infinity, NaN (not asked) is left out.
-        shift: in the unit of the values, finite and at least 0.
-    Returns:
-        The mean; NaN if there are no values.
-    Raises:
-        ValueError: if the shift or a value is negative, or the shift is not finite.
+    An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
+    A ValueError if the shift or a value is negative, or the shift is not finite.
     """
     costs = np.asarray(values, dtype=np.float64).ravel()
     costs = costs[~np.isnan(costs)]
@@ -121,14 +113,7 @@ def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.Data
     Hoos, Leyton-Brown and Stuetzle 2009, "ParamILS", J. Artif. Intell. Res. 36; PAR-2 ranks
     the solvers of the SAT competitions).
 
-    Args:
-        table: a cost table.
-        limit: the limit of an attempt, in the unit of the table; finite, above 0.
-        factor: at least 1.
-    Returns:
-        The table with finite values; NaN stays NaN.
-    Raises:
-        ValueError: if the limit or the factor is out of range.
+    The limit of an attempt is in the unit of the table. NaN stays NaN.
     """
     if not (np.isfinite(limit) and limit > 0):
         raise ValueError(f"a limit of {limit!r}: a limit is finite and above 0")
@@ -155,8 +140,7 @@ def ranking(
         table: a cost table.
         limit: the limit of an attempt, in the unit of the table.
         shift: by default `chosen_shift` of the questions put to all.
-        shift_factors: what the shift is multiplied by.
-        penalties: what the limit is multiplied by for a failure.
+        shift_factors, penalties: of the shift, and of the limit for a failure.
     Returns:
         Indexed by solver. mean: with the shift itself and failures at the limit; rank: 1 is best,
         equal means share the better rank, <NA> if it is none; best and worst: the rank's range.
@@ -195,11 +179,7 @@ def performance_ratios(table: pd.DataFrame) -> pd.DataFrame:
     Infinite where this solver failed, and for all solvers where all failed. Beside a cheapest cost
     of 0 any other cost is infinite; clip evaluations at 1 to prevent that. (Dolan and More 2002,
     "Benchmarking optimization software with performance profiles", Math. Program. 91, sec. 2.)
-
-    Args:
-        table: a cost table.
-    Returns:
-        The questions put to every solver, by solvers; at least 1, no unit.
+    The rows are the questions put to every solver.
     """
     costs = shared_questions(table)
     least = costs.min(axis=1)
@@ -213,13 +193,7 @@ def performance_profile(table: pd.DataFrame, factors: ArrayLike) -> pd.DataFrame
     rho_s(1) is how often it is the cheapest, the limit for large tau how often it is right at all
     (Dolan and More 2002, sec. 2). Adding a solver may change the order of the others: only the
     best curve may be read as "best" (Gould and Scott 2016, "A note on performance profiles for
-    benchmarking software", ACM Trans. Math. Softw. 43, article 15).
-
-    Args:
-        table: a cost table.
-        factors: tau, shape (n,), at least 1.
-    Returns:
-        Indexed by factor, one column per solver; shares.
+    benchmarking software", ACM Trans. Math. Softw. 43, article 15). Indexed by factor, tau >= 1.
     """
     return shares_within(performance_ratios(table), factors, "factor")
 
@@ -230,14 +204,8 @@ def shares_within(table: pd.DataFrame, points: ArrayLike, name: str = "cost") ->
     Of a cost table of function evaluations it is the data profile of More and Wild 2009
     ("Benchmarking derivative-free optimization algorithms", SIAM J. Optim. 20, sec. 2) in plain
     evaluations, without their division by the number of unknowns. A curve does not depend on the
-    other solvers.
-
-    Args:
-        table: a cost table.
-        points: costs, shape (n,), in the unit of the table.
-        name: of the index.
-    Returns:
-        Indexed by the points, one column per solver; shares of the questions put to every solver.
+    other solvers. Indexed by the points, which are in the unit of the table and of which `name` is
+    the name; shares of the questions put to every solver.
     """
     costs, index = shared_questions(table), pd.Index(np.asarray(points, np.float64), name=name)
     ordered = np.sort(costs.to_numpy(), axis=0)
@@ -269,8 +237,6 @@ def target_ecdf(
     Returns:
         Indexed by cost, one column per solver; shares of the pairs of the questions put to every
         solver.
-    Raises:
-        ValueError: if there is no target, one is NaN, or the two tables differ in shape or names.
     """
     goals = np.sort(np.asarray(targets, dtype=np.float64).ravel())
     if not goals.size or np.isnan(goals).any():

@@ -31,10 +31,8 @@ _READ = [
 class Split(NamedTuple):
     """Right answers at questions with a path, and what each cost; three frames of one index.
 
-    Args:
-        answers: columns solver, question, stratum; one row per attempt, with its index.
-        evaluations: columns `KINDS` and total; NaN where the engine does not count them.
-        seconds: columns `KINDS` and total (the whole attempt).
+    `answers` has the columns solver, question and stratum, and a row per attempt; the others have
+    the columns `KINDS` and total (of the whole attempt), NaN where the engine does not count.
     """
 
     answers: pd.DataFrame
@@ -102,8 +100,7 @@ def _lines(rows: pd.DataFrame) -> pd.DataFrame:
         }
     )
     for amount, column in AMOUNTS.items():
-        values = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
-        frame[amount] = values
+        frame[amount] = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
     return frame
 
 

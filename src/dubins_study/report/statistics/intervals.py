@@ -37,14 +37,8 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, level: float = 0.9
     over their repeats: their variance is at most p (1 - p), so that the interval is, if anything,
     too wide. Of no trials nothing is known: the interval is (0, 1), which the formula tends to.
 
-    Args:
-        successes: k, any shape that broadcasts with `trials`.
-        trials: n.
-        level: confidence level, in (0, 1).
-    Returns:
-        The shape of k / n and a last axis of 2: low, high. Shares.
-    Raises:
-        ValueError: if `level` is outside (0, 1), or k and n are not finite with 0 <= k <= n.
+    k and n have shapes that broadcast; the result has that of k / n and a last axis of 2: low,
+    high. A ValueError if `level` is outside (0, 1), or k and n are not finite with 0 <= k <= n.
     """
     z = NormalDist().inv_cdf((1 + _checked_level(level)) / 2)
     k, n = np.broadcast_arrays(
@@ -75,21 +69,15 @@ def scenario_shares(
     by: Sequence[str],
     success: str,
     scenario: Sequence[str],
-    level: float = 0.95,
 ) -> pd.DataFrame:
     """The share of successes in every group of attempts; repeats of a scenario are one trial.
 
     The share is the mean over scenarios of each scenario's success rate, the interval Wilson's for
     as many trials as there are scenarios (see `wilson_intervals` on fractional successes).
 
-    Args:
-        rows: one row per attempt.
-        by: names of the columns that make a group, e.g. solver and region.
-        success: name of the column that says whether an attempt succeeded.
-        scenario: names of the columns that tell scenarios apart.
-        level: confidence level, in (0, 1).
-    Returns:
-        Indexed by `by`; columns successes (a sum of rates), trials, share, low, high.
+    Columns `by` make a group of attempts, columns `scenario` tell scenarios apart, the column
+    `success` says whether an attempt succeeded. Indexed by `by`; columns successes (a sum of
+    rates), trials, share, low, high.
     """
     keys = [*by, *(name for name in scenario if name not in by)]
     rates = (
@@ -102,7 +90,7 @@ def scenario_shares(
     # A sum of rates may exceed their number by rounding.
     frame["successes"] = frame["successes"].clip(upper=frame["trials"])
     frame["share"] = frame["successes"] / frame["trials"]
-    ends = wilson_intervals(frame["successes"], frame["trials"], level)
+    ends = wilson_intervals(frame["successes"], frame["trials"])
     return frame.assign(low=ends[:, 0], high=ends[:, 1])
 
 
@@ -141,8 +129,6 @@ def bootstrap(
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the statistic. NaN for a
         column without values.
-    Raises:
-        ValueError: if `level` or `resamples` is out of range, or `base` is no column.
     """
     scenario, names = pd.factorize(table.index)
     affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))

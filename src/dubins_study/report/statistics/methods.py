@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import pandas as pd
 
@@ -46,7 +47,8 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         settings |= _differing(group.index.tolist(), named=named, also=shared[str(formulation)])
     frame = stated.assign(settings=[settings[spec] for spec in stated.index])
     guesses = given.groupby([frame["formulation"], frame["engine"]]).transform("nunique")
-    guess = given.map(_guess_text).where((guesses > 1) | ~given.isin(_USUAL), "")
+    starts = given.replace("none", "no") + " start"
+    guess = starts.where((guesses > 1) | ~given.isin(_USUAL), "")
     variant = _joined(guess, frame["settings"])
     frame = frame.assign(variant=variant, short=_joined(frame["engine"], variant))
     stated_guess = frame["guess"].where(frame["guess"] != "none", "")
@@ -61,14 +63,10 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(given, _GUESSES),
         engine=frame["engine"].str.casefold(),
-        settings=_natural_places(frame["settings"]),
-        spec=_natural_places(frame.index.to_series()),
+        settings=_places(frame["settings"], sorted(set(frame["settings"]), key=natural)),
+        spec=_places(frame.index.to_series(), sorted(frame.index, key=natural)),
     )
     return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
-
-
-def _guess_text(guess: str) -> str:
-    return f"{'no' if guess == 'none' else guess} start"
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
@@ -85,12 +83,9 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     The lower end of the share's interval decides: of a few questions all right is less than of many
     nearly all.
 
-    Args:
-        frame: one row per method; the columns `keys`, which name the groups; right_low (of the
-            share of right answers) and wall_s (median time).
-        keys: e.g. formulation and engine.
-    Returns:
-        Some rows of the frame, in its order.
+    The frame has a row per method with the columns `keys`, e.g. formulation and engine, right_low
+    (of the share of right answers) and wall_s (median time); returned are some of its rows, in its
+    order.
     """
     ranked = _ranked(frame.reset_index(drop=True))
     kept = ranked.drop_duplicates(keys).index
@@ -107,13 +102,10 @@ MOST_METHODS, MOST_ENGINES = 14, 10
 
 
 def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
-    """The methods that figures with a panel per formulation show: the best of each engine.
+    """The methods that figures with a panel per formulation show: the `best_methods` of engines.
 
-    Args:
-        frame: as for `best_methods`, with formulation and engine.
-    Returns:
-        Some rows of the frame, in its order; at most `MOST_ENGINES` of a formulation, those most
-        surely right; not the closed form, to which no engine compares, unless there is no other.
+    At most `MOST_ENGINES` of a formulation, those most surely right; not the closed form, to which
+    no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
     engines = engines if len(engines) else frame
@@ -133,11 +125,7 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
 
 
 def best_of_formulations(frame: pd.DataFrame) -> list[str]:
-    """The solver of each formulation that is most surely right, but for the closed form.
-
-    Args:
-        frame: as for `best_methods`, with solver and formulation.
-    """
+    """The solver of each formulation that is most surely right, but for the closed form."""
     engines = frame[(frame["formulation"] != FORMULATIONS[0]) & (frame["right_low"] > 0)]
     return best_methods(engines, ["formulation"])["solver"].tolist()
 
@@ -148,12 +136,8 @@ MOST_CURVES = 10  # more lines in one panel cannot be told apart
 def best_solvers(rows: pd.DataFrame, most: int = MOST_CURVES) -> list[str]:
     """The closed form, then of each formulation the solver that is most surely right.
 
-    Several that are as sure: the fastest. Of more formulations than `most` the surest are kept;
-    the order is that of tables.
-
-    Args:
-        rows: attempts at questions that have a path.
-        most: number of solvers, at most.
+    The rows are attempts at questions that have a path. Several that are as sure: the fastest. Of
+    more formulations than `most` the surest are kept; the order is that of tables.
     """
     judged = rows.assign(right=success(rows))
     shares = scenario_shares(judged, by=["solver"], success="right", scenario=TRIAL)
@@ -204,13 +188,7 @@ def _setting_text(key: str, value: str) -> str:
 _ZEROS = re.compile(r"(?<=\de[+-])0+(?=\d)|(?<=\de)\+0*(?=\d)")
 
 
-def _natural_places(texts: pd.Series[str]) -> pd.Series[int]:
-    """The place of each text in the natural order, in which 20 is before 160."""
-    places = {text: place for place, text in enumerate(sorted(set(texts), key=natural))}
-    return texts.map(places)
-
-
-def _places(values: pd.Series[str], order: tuple[str, ...]) -> pd.Series[int]:
+def _places(values: pd.Series[str], order: Sequence[str]) -> pd.Series[int]:
     """The place of each value in an order; unknown values come last."""
     places = {value: place for place, value in enumerate(order)}
     return values.map(places).fillna(len(order)).astype(int)

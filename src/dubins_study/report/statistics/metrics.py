@@ -57,8 +57,12 @@ def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
     A row may say so of any answer. Of another one it is not believed: what a solver has wrong
     counts, whichever part of it was wrong.
     """
-    stated = rows["presolved"].eq(True).fillna(False).astype(bool)
-    return stated & rows["verdict"].eq("none exists").fillna(False).astype(bool)
+    return is_true(rows["presolved"]) & is_true(rows["verdict"].eq("none exists"))
+
+
+def is_true(values: pd.Series) -> pd.Series[bool]:
+    """Whether each value is true; a missing one is not."""
+    return values.eq(True).fillna(False).astype(bool)
 
 
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
@@ -115,9 +119,7 @@ def circle_radius(x: float, y: float, heading: float, target_x: float, target_y:
 def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
     """The order p of gap ~ n^-p by least squares on logarithms; NaN if there are not two n.
 
-    Args:
-        n: number of steps, shape (m,).
-        gap: shape (m,); values up to `floor` are left out, because rounding dominates them.
+    Both have shape (m,), n counts steps. Gaps up to `floor` are left out: rounding dominates them.
     """
     steps, gaps = np.asarray(n, dtype=np.float64), np.asarray(gap, dtype=np.float64)
     keep = np.isfinite(gaps) & (gaps > floor)
@@ -134,15 +136,7 @@ def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
     return [(a, b, words[a]) for a, b in pairwise(bounds)]
 
 
-def question_spread(
-    rows: pd.DataFrame,
-    *,
-    question: Sequence[str],
-    verdict: str = "verdict",
-    right: str = "right",
-    cost: str = "wall_s",
-    solver: str = "solver",
-) -> pd.DataFrame:
+def question_spread(rows: pd.DataFrame, *, question: Sequence[str]) -> pd.DataFrame:
     """The spread of each solver at each question over its repeats, which differ in their seed.
 
     Stochastic engines draw random numbers, and MIP engines permute rows and break ties by a seed;
@@ -150,10 +144,9 @@ def question_spread(
     mixed-integer programming", INFORMS TutORials in Operations Research).
 
     Args:
-        rows: one row per attempt; a missing verdict counts as a verdict, a cost that is not finite
-            is left out.
+        rows: one row per attempt, with solver, verdict, right and wall_s: the cost, of right and
+            wrong answers. A missing verdict is a verdict, a cost that is not finite is left out.
         question: names of the columns that tell questions apart.
-        verdict, right, cost, solver: names of columns; the cost is of right and wrong answers.
     Returns:
         Indexed by solver and question. repeats; success: share of right answers; verdicts: number
         of different ones; changes: whether there are several; median and iqr (upper minus lower
@@ -161,13 +154,13 @@ def question_spread(
         coefficient of variation, the standard deviation (n - 1 in the denominator) over the mean.
         NaN if there are no costs, for cv if there are fewer than two or their mean is 0.
     """
-    costs = rows[cost].astype(np.float64)
-    kept = rows[[solver, *question]].assign(
-        verdict=rows[verdict].astype(object).fillna("missing"),
-        right=rows[right].astype(np.float64),
+    costs = rows["wall_s"].astype(np.float64)
+    kept = rows[["solver", *question]].assign(
+        verdict=rows["verdict"].astype(object).fillna("missing"),
+        right=rows["right"].astype(np.float64),
         cost=costs.where(np.isfinite(costs)),
     )
-    groups = kept.groupby([solver, *question], observed=True, dropna=False)
+    groups = kept.groupby(["solver", *question], observed=True, dropna=False)
     paid = groups["cost"]
     frame = pd.DataFrame({"repeats": groups.size(), "success": groups["right"].mean()})
     frame["verdicts"] = groups["verdict"].nunique()
@@ -180,16 +173,13 @@ def question_spread(
 
 
 def solver_spread(spread: pd.DataFrame) -> pd.DataFrame:
-    """The spread of each solver over the questions that it was asked at least twice.
+    """The `question_spread` of each solver over the questions that it was asked at least twice.
 
-    Args:
-        spread: the result of `question_spread`; its first index level is the solver.
-    Returns:
-        Indexed by solver. questions; repeats: the least number; success: mean success rate of the
-        questions; changing: share of questions whose verdict changes with the seed, with Wilson's
-        95 % interval changing_low and changing_high; sometimes: share of questions that it answers
-        correctly with some seeds and not with others; iqr_relative: median over questions of
-        iqr / median; cv: median over questions.
+    Indexed by solver. questions; repeats: the least number; success: mean success rate of the
+    questions; changing: share of questions whose verdict changes with the seed, with Wilson's
+    95 % interval changing_low and changing_high; sometimes: share of questions that it answers
+    correctly with some seeds and not with others; iqr_relative: median over questions of
+    iqr / median; cv: median over questions.
     """
     repeated = spread[spread["repeats"] > 1].assign(
         sometimes=lambda frame: (frame["success"] > 0) & (frame["success"] < 1),

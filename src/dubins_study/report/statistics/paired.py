@@ -52,13 +52,8 @@ def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
     Nonparametric Statistics, 3rd ed., sec. 3.4). On costs of 0 (right) and 1 (wrong) it is
     McNemar's exact test of two success rates. It assumes nothing of the sizes of differences.
 
-    Args:
-        costs: of the solver, shape (n,).
-        rival_costs: of the rival on the same questions, shape (n,).
-    Returns:
-        p is 1 if there are only ties.
-    Raises:
-        ValueError: if the shapes differ or a cost is negative.
+    Both arrays have shape (n,): costs on the same questions. p is 1 if there are only ties. A
+    ValueError if the shapes differ or a cost is negative.
     """
     wins, losses, ties = _counts(*_pairs(costs, rival_costs))
     p = min(1.0, 2 * float(bdtr(min(wins, losses), wins + losses, 0.5)))
@@ -126,12 +121,7 @@ def holm(p_values: ArrayLike) -> FloatArray:
     alpha, however the tests depend on each other (Holm 1979, "A simple sequentially rejective
     multiple test procedure", Scand. J. Stat. 6).
 
-    Args:
-        p_values: any order, shape (m,); NaN is no test: it stays NaN and is not counted in m.
-    Returns:
-        Shape (m,), in the order of the arguments.
-    Raises:
-        ValueError: if a p-value is outside [0, 1].
+    The shape is (m,), in any order; NaN is no test: it stays NaN and is not counted in m.
     """
     p = np.asarray(p_values, dtype=np.float64)
     adjusted = np.full(p.shape, np.nan)
@@ -150,16 +140,12 @@ def pairwise_tests(
 ) -> pd.DataFrame:
     """The test of every pair of solvers, or of each against `base`, with Holm's correction.
 
-    Args:
-        table: a cost table, one row per question.
-        test: `wilcoxon_test` or `sign_test`.
-        base: a solver to compare the others with; None for all pairs. Fewer tests find more.
+    The cost table has one row per question: a test that counts repeats as independent questions
+    finds differences that are not there. Against a base fewer tests find more.
+
     Returns:
         One row per pair; columns solver, rival, pairs, wins, losses, ties (of `solver`), p, p_holm
         (over all rows). Two solvers without a common question have p and p_holm NaN.
-    Raises:
-        ValueError: if a question has several rows, or `base` is no solver of the table. A test that
-            counts repeats as independent questions finds differences that are not there.
     """
     if not table.index.is_unique:
         first = table.index[table.index.duplicated()][0]

@@ -33,9 +33,7 @@ _SAMPLES = 65  # points per path; only in long paths a turn may lie between two 
 def answers(rows: pd.DataFrame) -> pd.DataFrame:
     """The first cold answer of each solver to each question, if it arrives.
 
-    Returns:
-        The index of the rows; columns experiment, scenario_id, branch, solver, length, scale,
-        radius, where scale is max(reference, radius).
+    With the index of the rows, and `scale`: max(reference, radius).
     """
     cold = _first_cold(rows)
     arrived = cold[cold["gap"].notna()]
@@ -54,18 +52,12 @@ def agreement(
     path_of: Callable[[int], Path | None],
     order: Sequence[str] | None = None,
 ) -> pd.DataFrame:
-    """One row per pair of solvers.
+    """One row per pair of solvers, in an order; None: that of all tables of solvers.
 
-    Args:
-        rows: attempts.
-        path_of: index of a row -> its path.
-        order: of the solvers; None: that of all tables of solvers.
-
-    Returns:
-        Columns first, second, questions (number put to both), both (number where both arrive),
-        median and largest of |La - Lb| / max(reference, R), within (share of `both` that agree to
-        1e-6), and apart_median, apart_largest: median and largest over the questions of the largest
-        distance between the two paths at equal arc length, divided by the same scale.
+    Columns first, second, questions (number put to both), both (number where both arrive), median
+    and largest of |La - Lb| / max(reference, R), within (share of `both` that agree to 1e-6), and
+    apart_median, apart_largest: median and largest over the questions of the largest distance
+    between the two paths at equal arc length, divided by the same scale.
     """
     cold = _first_cold(rows)
     posed = cold.assign(posed=True).pivot(index=_KEY, columns="solver", values="posed").notna()
@@ -100,11 +92,8 @@ def _distances(index: pd.DataFrame, path_of: Callable[[int], Path | None]) -> Fl
     All answers to a question are looked at in the same places, up to the end of the longest; where
     one has ended it waits at its end.
 
-    Args:
-        index: questions by solvers: the row of the answer, NaN if it does not arrive.
-        path_of: index of a row -> its path.
-    Returns:
-        Shape (questions, solvers, solvers), length unit; NaN where an answer is missing.
+    The index holds the rows of the answers, questions by solvers; NaN if one does not arrive. The
+    result has the shape (questions, solvers, solvers), in length units; NaN where one is missing.
     """
     solvers = index.shape[1]
     apart = np.full((len(index), solvers, solvers), np.nan)

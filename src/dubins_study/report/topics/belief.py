@@ -25,6 +25,7 @@ from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.summary import best_solvers
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
@@ -47,14 +48,15 @@ MARKS = (
 )
 # Fewer than this share of the questions that others met is worth a note.
 FEW = 0.5
-# Kinds of false proof, the strongest first.
-PROOFS = (
-    "its bound lies above the shortest length",
-    "its bound lies above the shortest length by its tolerance",
-    "it calls a path optimal that is longer",
-    "it calls a question infeasible that has a path",
-    "it calls a path found that does not arrive",
-)
+# Kinds of false proof, the strongest first, and their names in a table's head.
+_SHORT = {
+    "its bound lies above the shortest length": "bound too high",
+    "its bound lies above the shortest length by its tolerance": "bound too high by its tolerance",
+    "it calls a path optimal that is longer": "optimal, but longer",
+    "it calls a question infeasible that has a path": "infeasible, but has a path",
+    "it calls a path found that does not arrive": "path, but misses",
+}
+PROOFS = tuple(_SHORT)
 
 
 def truth(rows: pd.DataFrame) -> pd.Series[str]:
@@ -68,10 +70,9 @@ def truth(rows: pd.DataFrame) -> pd.Series[str]:
     arrives = verdict.isin(["optimal", "longer"])
     less = (silent & arrives) | ((claim == "feasible") & (verdict == "optimal"))
     tolerated = excess(rows) <= _TOLERANCES * rows["tolerance"]
-    false = _yes(rows["false_claim"]) | (_yes(rows["false_bound"]) & ~tolerated)
-    values = np.select(
-        [false, _yes(rows["false_bound"]), less, silent], [FALSE, TOLERATED, LESS, NOTHING], TRUE
-    )
+    false = is_true(rows["false_claim"]) | (is_true(rows["false_bound"]) & ~tolerated)
+    kinds = [false, is_true(rows["false_bound"]), less, silent]
+    values = np.select(kinds, [FALSE, TOLERATED, LESS, NOTHING], TRUE)
     return pd.Series(values, rows.index)
 
 
@@ -82,11 +83,7 @@ def excess(rows: pd.DataFrame) -> pd.Series[float]:
     """
     scale = np.maximum(rows["reference_high"], rows["radius"])
     above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
-    return above.where(_yes(rows["false_bound"]))
-
-
-def _yes(values: pd.Series) -> pd.Series[bool]:
-    return values.eq(True).fillna(False).astype(bool)
+    return above.where(is_true(rows["false_bound"]))
 
 
 @once
@@ -101,7 +98,7 @@ def claims(compared: Compared) -> pd.DataFrame:
     claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
     kind = np.select(
         [
-            _yes(rows["false_bound"]) & (worth == FALSE),
+            is_true(rows["false_bound"]) & (worth == FALSE),
             worth == TOLERATED,
             (claim == "optimal") & (verdict == "longer"),
             claim == "infeasible",
@@ -114,15 +111,11 @@ def claims(compared: Compared) -> pd.DataFrame:
 
 
 def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The shares of each worth, by groups; the unit is the question.
+    """The shares of each worth among `claims`, by groups of some columns; the unit is the question.
 
-    Args:
-        rows: from `claims`.
-        keys: columns that name a group.
-    Returns:
-        Indexed by group. questions; a share for each of `TRUTHS`: the mean over questions of the
-        share of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as
-        there are questions; and one count of attempts for each of `PROOFS`.
+    Indexed by group. questions; a share for each of `TRUTHS`: the mean over questions of the share
+    of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as there are
+    questions; and one count of attempts for each of `PROOFS`.
     """
     parts = []
     for name in TRUTHS:
@@ -137,21 +130,17 @@ def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
-    """The false claims by solver and kind, each with its plainest example.
+    """The false ones of `claims` by solver and kind, each with its plainest example.
 
-    Args:
-        rows: from `claims`.
-    Returns:
-        One row per solver and kind, in the order of `PROOFS`: solver, proof, attempts, questions,
-        and of the example: index (of its row), x, y, heading, target_x, target_y, radius, branch,
-        lower_bound, length, reference_high, tolerance, command; and most, the largest excess of a
-        bound.
+    In the order of `PROOFS`: solver, proof, attempts, questions, most (the largest excess of a
+    bound); of the example its index, scenario, lengths, tolerance and command.
     """
     false = rows[rows["proof"].notna()]
     if false.empty:
         return pd.DataFrame(columns=["solver", "proof"])
     order = false.assign(
-        digits=_digits(false),
+        # few characters of a round number
+        digits=false[[*SCENARIO]].map(lambda value: len(number_text(value))).sum(axis=1),
         distance=np.hypot(false["target_x"] - false["x"], false["target_y"] - false["y"])
         / false["radius"],
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
@@ -166,26 +155,14 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-def _digits(rows: pd.DataFrame) -> pd.Series[int]:
-    """How many characters a scenario's numbers take: few for a round one."""
-    sizes = [rows[name].map(lambda value: len(number_text(value))) for name in SCENARIO]
-    return pd.concat(sizes, axis=1).sum(axis=1)
-
-
 def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
-    """For methods with false claims: the same engine otherwise set, without any at the questions.
+    """For methods with false `claims`: the same engine otherwise set, without any at the questions.
 
     A cure has the same engine and formulation, was asked at least one of the questions at which the
     method makes a false claim, and makes none at any question. Without such a cure, the engine's
-    other formulations are taken.
-
-    Args:
-        rows: from `claims`.
-        methods: columns of `methods_of`, by solver.
-    Returns:
-        One row per method with false claims and cure, at most three (one with an empty `cure` if
-        there is none): solver, cure, questions (with a false claim), tried (how many of them the
-        cure was asked), right (how many of those it answers correctly in all repeats).
+    other formulations are taken. At most three a method (one with an empty `cure` if there is
+    none): questions (with a false claim), tried (how many of them the cure was asked), right (how
+    many of those it answers correctly in all repeats).
     """
     false = rows[rows["truth"] == FALSE]
     bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
@@ -209,16 +186,6 @@ _TOLERATED = PROOFS[1]
 _MOST_BARS = 6  # in a panel
 _MOST_STRATA_COLUMNS = 8  # of the table by stratum
 _MOST_EXAMPLES = 40
-_SHORT = dict(
-    zip(
-        PROOFS,
-        (
-            *("bound too high", "bound too high by its tolerance", "optimal, but longer"),
-            *("infeasible, but has a path", "path, but misses"),
-        ),
-        strict=True,
-    )
-)
 
 
 def belief_section(results: Results) -> Section | None:

@@ -11,7 +11,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.topic import BENCHMARK, General, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.topics.findings import WARNINGS, findings
@@ -26,14 +26,9 @@ _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
 class Caution(NamedTuple):
-    """A conclusion that the rows do not carry.
+    """A conclusion that the rows do not carry, with its number (NaN if it has none).
 
-    Args:
-        sentence: with its number.
-        value: the number; NaN if the sentence has none.
-        unit: of the number.
-        of: what the number is of.
-        shown_in: the section that shows more.
+    `of` says what the number is of, `shown_in` names the section that shows more.
     """
 
     sentence: str
@@ -147,49 +142,35 @@ def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     )
 
 
-def cautions(results: Results, attempts: Compared) -> list[Caution]:
-    """All that the rows give a number for."""
-    every = (
-        overlapping_shares(attempts),
-        unsteady_machine(results),
-        stopped_attempts(attempts),
-        shorter_paths(attempts),
-        missing_pairs(results, attempts),
-    )
-    return [caution for caution in every if caution is not None]
-
-
-_BENCHMARK = "benchmark"
-
-
 def caution_section(results: Results) -> Section | None:
     """Conclusions that the rows do not carry; None without attempts to compare."""
     attempts = compared(results)
     if attempts is None:
         return None
-    every = cautions(results, attempts)
+    every: list[Caution | None] = []
     # As the findings, from a benchmark only: elsewhere the methods met different questions.
-    if any(folder.section == _BENCHMARK for folder in results.folders):
-        every = [
-            *(
-                Caution(f.sentence, f.estimate.value, f.unit, f.question, f.shown_in)
-                for f in findings(Evidence(attempts), WARNINGS)
-            ),
-            *every,
+    if any(folder.section == BENCHMARK for folder in results.folders):
+        every += [
+            Caution(f.sentence, f.estimate.value, f.unit, f.question, f.shown_in)
+            for f in findings(Evidence(attempts), WARNINGS)
         ]
-    lead = "Read these sentences before you quote a number from this page."
-    return Section("caution", "What not to conclude", "", (_table(every),), lead)
-
-
-def _table(every: list[Caution]) -> Table:
+    every += [
+        overlapping_shares(attempts),
+        unsteady_machine(results),
+        stopped_attempts(attempts),
+        shorter_paths(attempts),
+        missing_pairs(results, attempts),
+    ]
     shown = (
         *columns(kind="prose", sentence="what not to conclude"),
         *columns(kind="prose", of="number of"),
         *columns(kind="section", shown_in="shown in"),
     )
     caption = "Each number is computed from the rows and the runs' manifests."
-    frame = pd.DataFrame(every)
-    return Table("caution", caption, frame, shown, numbers=("value", "unit"), stacked=True)
+    frame = pd.DataFrame([caution for caution in every if caution is not None])
+    table = Table("caution", caption, frame, shown, numbers=("value", "unit"), stacked=True)
+    lead = "Read these sentences before you quote a number from this page."
+    return Section("caution", "What not to conclude", "", (table,), lead)
 
 
 TOPIC = Topic("what not to conclude", caution_section, General.DECIDED)

@@ -9,7 +9,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
@@ -27,6 +27,7 @@ from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.costs import (
     SHIFT_FACTORS,
     chosen_shift,
+    column_means,
     cost_table,
     penalised,
     performance_profile,
@@ -35,7 +36,6 @@ from dubins_study.report.statistics.costs import (
     ranks_of,
     shared_questions,
     shares_within,
-    shifted_geometric_mean,
     solved_by_all,
     target_ecdf,
 )
@@ -111,12 +111,10 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     common = solved_by_all(shared[usual])
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)
     frame = frame.join(_named(means, "mean")).join(_named(par2, "par2"))
-    frame["common"] = common.apply(lambda column: shifted_geometric_mean(column, shift))
+    frame["common"] = column_means(common, shift)
     frame = frame.join(ranking(shared, compared.limit_s, shift)[["rank", "best", "worst"]])
-    for name, factor in zip(("rank_tenth", "", "rank_tenfold"), SHIFT_FACTORS, strict=True):
-        if name:
-            shifted = at_limit.apply(lambda t, s=factor * shift: shifted_geometric_mean(t, s))
-            frame[name] = ranks_of(shifted)
+    for name, factor in (("rank_tenth", SHIFT_FACTORS[0]), ("rank_tenfold", SHIFT_FACTORS[-1])):
+        frame[name] = ranks_of(column_means(at_limit, factor * shift))
     return frame.sort_values("mean", kind="stable"), shift, len(common)
 
 
@@ -125,23 +123,14 @@ def _named(intervals: pd.DataFrame, name: str) -> pd.DataFrame:
     return intervals.rename(columns=names)
 
 
-def best_of_formulations(ranked: pd.DataFrame) -> pd.DataFrame:
-    """The first method of each formulation of `mean_ranks`, in the order of the ranks."""
-    return ranked.drop_duplicates("formulation")
-
-
 LEVEL = 0.05
 
 
 def engine_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
-    """Within each formulation: its best method against every other, by Wilcoxon's signed ranks.
+    """Within each formulation of `mean_ranks`: its best method against every other, by times.
 
-    Args:
-        table: a cost table in seconds.
-        ranked: from `numbers.mean_ranks`.
-    Returns:
-        One row per pair: shared (the formulation), solver (the best by the mean), rival, pairs,
-        wins, losses, ties, p, p_holm (Holm's, over all rows).
+    The columns of `pairwise_tests`, with Holm's correction over all rows, and shared: the
+    formulation.
     """
     parts = []
     for formulation, group in ranked.groupby("formulation", sort=False):
@@ -185,8 +174,8 @@ def pictures(
         yield _profiles(table, ranked, palette)
     counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
     if len(counted):
-        yield _evaluations(attempts, best_of_formulations(counted)[:MOST_ENGINES], palette)
-    yield _targets(attempts, best_of_formulations(ranked)[:MOST_ENGINES], palette)
+        yield _evaluations(attempts, counted.drop_duplicates("formulation"), palette)
+    yield _targets(attempts, ranked.drop_duplicates("formulation"), palette)
 
 
 def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
@@ -237,7 +226,7 @@ def _wide(
 
 
 def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
-    table = evaluations(attempts)[list(best.index)]
+    table = evaluations(attempts)[list(best.index[:MOST_ENGINES])]
     shares = shares_within(table, _points(table))
     caption = (
         "Data profile: the share of questions that a method answers correctly within a number of "
@@ -250,12 +239,12 @@ def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Pi
 
 
 def _targets(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
-    rows = attempts.answerable
-    rows = rows[rows["solver"].isin(best.index)]
+    solvers, rows = list(best.index[:MOST_ENGINES]), attempts.answerable
+    rows = rows[rows["solver"].isin(solvers)]
     groups = rows.groupby(["question", "solver"])
     # The worst gap of the repeats, so that a target is reached only if all repeats reach it.
     gaps = rows.assign(gap=rows["gap"].fillna(np.inf).clip(lower=0.0))
-    worst = gaps.groupby(["question", "solver"])["gap"].max().unstack()[list(best.index)]
+    worst = gaps.groupby(["question", "solver"])["gap"].max().unstack()[solvers]
     paid = groups["wall_s"].median().unstack().reindex_like(worst)
     paid = paid.mask(paid.isna() & worst.notna(), attempts.limit_s)
     shares = target_ecdf(worst, paid, _points(paid))
@@ -355,7 +344,9 @@ def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
         *columns(count, questions="questions", repeats="repeats"),
         interval_column("changing", "verdict changes"),
         *columns(share, sometimes="right only sometimes"),
-        *(Column(key, title, digits(2)) for key, title in _SPREADS),
+        *columns(
+            digits(2), cv="time: deviation / mean", iqr_relative="time: quartile range / median"
+        ),
     )
     same = len(frame) - len(changing)
     caption = (
@@ -367,9 +358,6 @@ def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
     shown_rows = with_interval_texts(shown_rows, changing=share)
     numbers = interval_keys("changing")
     return Table("comparison-spread", caption, shown_rows, shown, numbers=numbers, dense=True)
-
-
-_SPREADS = (("cv", "time: deviation / mean"), ("iqr_relative", "time: quartile range / median"))
 
 
 def comparison_section(results: Results) -> Section | None:
@@ -385,7 +373,7 @@ def comparison_section(results: Results) -> Section | None:
     palette = Palette.of_page(results)
     blocks: list[Picture | Table] = [*pictures(attempts, table, ranked, palette)]
     ranks = rank_table(ranked, shift, common, attempts.limit_s)
-    best = set(best_of_formulations(ranked).index)
+    best = set(ranked.drop_duplicates("formulation").index)
     which = "Of each formulation the method with the least mean."
     blocks += best_first(ranks, ranked.index, best, which)
     engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)
@@ -396,12 +384,20 @@ def comparison_section(results: Results) -> Section | None:
     repeats = spread(attempts)
     if len(repeats):
         blocks.append(spread_table(repeats, attempts.methods))
+    unranked = int(ranked["rank"].isna().sum())
+    left_out = sum(solver not in table for solver in attempts.engines.index)
     text = sentences(
         f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
         "failures stay in every denominator. The closed form is left out.",
         _first(ranked),
-        _unranked(ranked),
-        _left_out(attempts, table),
+        f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
+        "shift or with the penalty for failures."
+        if unranked
+        else "Every rank stays at any shift and penalty tried.",
+        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
+        "right answers have no time, take no part."
+        if left_out
+        else "",
     )
     lead = (
         "See in the profiles which method is fast (high at the left) and which is right at all "
@@ -415,26 +411,6 @@ def _first(ranked: pd.DataFrame) -> str:
     mean = with_interval(seconds, first["mean"], first["mean_low"], first["mean_high"])
     right = with_interval(share, first["right"], first["right_low"], first["right_high"])
     return f"The least mean time has {first['name']}: {mean}, right on {right} of the questions."
-
-
-def _unranked(ranked: pd.DataFrame) -> str:
-    unranked = int(ranked["rank"].isna().sum())
-    if not unranked:
-        return "Every rank stays at any shift and penalty tried."
-    return (
-        f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
-        "shift or with the penalty for failures."
-    )
-
-
-def _left_out(attempts: Compared, table: pd.DataFrame) -> str:
-    left_out = sum(solver not in table for solver in attempts.engines.index)
-    if not left_out:
-        return ""
-    return (
-        f"{some(left_out, 'method')} that met less than nine tenths of the questions, or whose "
-        "right answers have no time, take no part."
-    )
 
 
 def spread(attempts: Compared) -> pd.DataFrame:

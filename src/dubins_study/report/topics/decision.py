@@ -19,6 +19,7 @@ from dubins_study.report.elements.names import labels_of
 from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.metrics import is_true
 from dubins_study.study.path import FloatArray
 
 # A method that meets a need on so many of the questions is sure enough to be chosen for its speed.
@@ -50,13 +51,10 @@ _READ = [
 
 
 class Need(NamedTuple):
-    """What a reader wants of an answer.
+    """What a reader wants of an answer, with its name in files and on the page.
 
-    Args:
-        key: its name in files.
-        title: its name on the page.
-        accuracy: largest gap, as a share; below `LOOSE` also the largest miss, in radii.
-        proof: whether the solver itself has to bound the gap by `accuracy`.
+    `accuracy` is the largest gap, as a share; below `LOOSE` also the largest miss, in radii. With
+    `proof` the solver itself has to bound the gap by it.
     """
 
     key: str
@@ -74,17 +72,11 @@ NEEDS = (
 
 
 class Choice(NamedTuple):
-    """The method to use in one region for one need.
+    """The method to use in one region (a key of `REGIONS`, or `ANYWHERE`) for one need.
 
-    Args:
-        region: a key of `REGIONS`, or `ANYWHERE`.
-        need: what is wanted.
-        questions: how many the region has.
-        methods: how many methods were compared.
-        sure: how many of them meet the need on at least `SURE` of the questions.
-        solver: the one to use; empty if none meets the need even once.
-        share, low, high: how often it meets the need, with the ends of the 95 % interval.
-        wall_s: its median time (s).
+    `sure` of the methods that were compared meet the need on at least `SURE` of the questions. Of
+    the solver to use, empty if none meets the need even once: how often it does, with the ends of
+    the 95 % interval, and its median time.
     """
 
     region: str
@@ -130,12 +122,9 @@ def possible_needs(rows: pd.DataFrame) -> list[Need]:
 def choose(methods: pd.DataFrame) -> str:
     """The solver to use: the surest of the fastest that are sure, else the most surely right.
 
-    Args:
-        methods: indexed by solver: share, low (the end of its interval) and wall_s (s).
-    Returns:
-        Of the methods with a share of at least `SURE` and a time that is at most `AS_FAST` times
-        the least of theirs the one with the largest share, then the least time; if there is none,
-        the one with the largest `low`, then the least time; empty if no share is above 0.
+    Of the methods with a share of at least `SURE` and a time that is at most `AS_FAST` times the
+    least of theirs the one with the largest share, then the least time; if there is none, the one
+    with the largest `low`, then the least time; empty if no share is above 0.
     """
     sure = methods[methods["share"] >= SURE]
     if len(sure):
@@ -167,8 +156,8 @@ def asked_rows(compared: Compared) -> pd.DataFrame:
 def false_provers(compared: Compared) -> list[str]:
     """Methods with a bound or a claim of optimality of which at least one is false."""
     rows = compared.rows
-    wrong_claim = (rows["claim"] == "optimal") & _true(rows["false_claim"])
-    solvers = rows.loc[wrong_claim | _true(rows["false_bound"]), "solver"].unique()
+    wrong_claim = (rows["claim"] == "optimal") & is_true(rows["false_claim"])
+    solvers = rows.loc[wrong_claim | is_true(rows["false_bound"]), "solver"].unique()
     return sorted(set(solvers) - {EXACT})
 
 
@@ -181,7 +170,7 @@ def met(rows: pd.DataFrame, need: Need) -> pd.Series[bool]:
         within &= (np.abs(_numbers(rows, "gap")) <= need.accuracy) & (miss <= need.accuracy)
     if need.proof:
         unproved = (_numbers(rows, "length") - _numbers(rows, "lower_bound")) / scale
-        false = _true(rows["false_bound"]) | _true(rows["false_claim"])
+        false = is_true(rows["false_bound"]) | is_true(rows["false_claim"])
         within &= (unproved <= need.accuracy) & ~false.to_numpy(bool)
     return pd.Series(within, rows.index)
 
@@ -221,10 +210,6 @@ def _places(rows: pd.DataFrame) -> pd.Series[str]:
 
 def _numbers(rows: pd.DataFrame, name: str) -> FloatArray:
     return rows[name].to_numpy(np.float64, na_value=np.nan)
-
-
-def _true(values: pd.Series) -> pd.Series[bool]:
-    return values.eq(True).fillna(False).astype(bool)
 
 
 def cases_table(results: Results) -> Table:
@@ -282,9 +267,22 @@ def decision_section(results: Results) -> Section | None:
     """A table of choices; without attempts to choose from, a sentence that says so."""
     attempts = compared(results)
     if attempts is None:
-        return Section("decision", TITLE, _nothing(), (), "Nothing can be recommended here.")
+        text = (
+            "These rows hold no attempt by which solvers can be compared: each began from another "
+            "solver's path, or its engine was not installed or cannot read the question."
+        )
+        return Section("decision", TITLE, text, (), "Nothing can be recommended here.")
     found, exact = choices(attempts), closed_form(attempts)
-    text = sentences("" if exact else _unasked(), _alone(found), _liars(attempts))
+    text = sentences(
+        ""
+        if exact
+        else "The closed form was not asked here, so that its time is not known; the check "
+        "compares every answer with it all the same.",
+        "Only one method was asked: the table shows how it does, and leaves no choice."
+        if found and max(choice.methods for choice in found) == 1
+        else "",
+        _liars(attempts),
+    )
     if not found:
         return Section("decision", TITLE, text, (), f"{_baseline(exact)}; no engine was asked.")
     table = _table(found, labels_of(results))
@@ -294,13 +292,6 @@ def decision_section(results: Results) -> Section | None:
         text,
         (table, cases_table(results)),
         f"{_baseline(exact)}; {_advice(found)}",
-    )
-
-
-def _nothing() -> str:
-    return (
-        "These rows hold no attempt by which solvers can be compared: each began from another "
-        "solver's path, or its engine was not installed or cannot read the question."
     )
 
 
@@ -324,19 +315,6 @@ def _advice(found: Sequence[Choice]) -> str:
         "one NLP a word, and those with the presolve, know the words of the answer: a problem "
         "without them is another."
     )
-
-
-def _unasked() -> str:
-    return (
-        "The closed form was not asked here, so that its time is not known; the check compares "
-        "every answer with it all the same."
-    )
-
-
-def _alone(found: Sequence[Choice]) -> str:
-    if found and max(choice.methods for choice in found) == 1:
-        return "Only one method was asked: the table shows how it does, and leaves no choice."
-    return ""
 
 
 def _liars(attempts: Compared) -> str:

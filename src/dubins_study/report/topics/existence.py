@@ -28,14 +28,9 @@ _ANSWERS = ("right", "silent", "wrong")
 def existence(counts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
     """One row per solver that was asked a question without a path, or that denied a path.
 
-    Args:
-        counts: from `report.data.verdicts.existence`.
-        methods: from `report.data.verdicts.methods`.
-
-    Returns:
-        The columns of both; reached (questions without a path that reached the engine); those of
-        `with_share` for right, silent and wrong, shares of `reached`, and for denied, a share of
-        the questions that have a path; in the order of `methods_of`.
+    The columns of `report.data.verdicts.existence` and `methods`; reached (questions without a path
+    that reached the engine); those of `with_share` for right, silent and wrong, shares of
+    `reached`, and for denied, a share of the questions that have a path.
     """
     frame = methods_of(methods).join(counts.set_index("solver")).reset_index()
     frame["reached"] = frame[list(_ANSWERS)].sum(axis="columns").round(6)
@@ -140,15 +135,13 @@ def _table(frame: pd.DataFrame) -> Table:
         "one, the share that it calls infeasible. Shares with their 95 % interval (Wilson), for as "
         "many trials as there are questions; a repeat is a part of a question."
     )
+    bad = frame.assign(wrong_text=frame["wrong"] > 0, denied_text=frame["denied"] > 0)
     return Table(
         "existence",
         caption,
         frame,
         (*method_columns(frame), *_COLUMNS),
-        {
-            **marks(frame.assign(wrong_text=frame["wrong"] > 0), "wrong_text"),
-            **marks(frame.assign(denied_text=frame["denied"] > 0), "denied_text"),
-        },
+        marks(bad, "wrong_text", "denied_text"),
         _NUMBERS,
         dense=True,
     )

@@ -37,10 +37,7 @@ def gist(message: str) -> str:
 def unreturned(outcomes: pd.DataFrame) -> pd.DataFrame:
     """The solvers of which an attempt did not return, the most often stopped first.
 
-    Args:
-        outcomes: from `report.data.failures.outcomes`.
-    Returns:
-        The columns of `outcomes`, and `unreturned`: the number of attempts.
+    The columns of `report.data.failures.outcomes`, and unreturned: the number of attempts.
     """
     counted = outcomes.assign(unreturned=outcomes[list(OUTCOMES)].sum(axis="columns"))
     stopped = counted[counted["unreturned"] > 0]
@@ -50,10 +47,7 @@ def unreturned(outcomes: pd.DataFrame) -> pd.DataFrame:
 def failures(frame: pd.DataFrame) -> pd.DataFrame:
     """Failures counted by outcome, claim, verdict and the gist of the message, largest first.
 
-    Args:
-        frame: from `report.data.failures.failures`.
-    Returns:
-        The columns of `frame`; of several messages with one gist, the plainest example.
+    The columns of `report.data.failures.failures`; of messages with one gist, the plainest example.
     """
     ascending = [False] + [True] * len(_SAID)
     counted = frame.assign(message=frame["message"].map(gist))
@@ -65,12 +59,7 @@ def failures(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd.DataFrame:
-    """The table of `failures` with `command`: what repeats the example, under its run's limit.
-
-    Args:
-        table: from `failures`.
-        limits: experiment -> time limit (s), None if it is not known.
-    """
+    """The table of `failures` with `command`: what repeats the example, under its limit (s)."""
     lines = [
         row | {"time_limit_s": limits.get(row["experiment"])} for row in table.to_dict("records")
     ]
@@ -78,12 +67,10 @@ def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd
 
 
 def by_region(frame: pd.DataFrame) -> pd.DataFrame:
-    """The share of failures of each kind where the target lies, in a fixed order.
+    """The share of failures of each kind where the target lies, of `report.data.failures.regions`.
 
-    Args:
-        frame: from `report.data.failures.regions`.
-    Returns:
-        place, attempts, failed (a number), failed_share, and for each of `KINDS` its share.
+    place, in a fixed order; attempts, failed (a number), failed_share, and for each of `KINDS` its
+    share.
     """
     lines = []
     region, near = frame["region"], frame["near"].fillna(False).astype(bool)
@@ -110,11 +97,7 @@ _KIND_TEXT = {
 
 
 def failures_section(results: Results | None) -> Section:
-    """Outcomes by solver, messages with commands that repeat them, and where failures happen.
-
-    Args:
-        results: None of an empty run.
-    """
+    """Outcomes by solver, messages with commands, and where; results are None of an empty run."""
     if results is None:
         lead = "No attempt was recorded, so nothing is known to have failed."
         return Section("failures", _TITLE, "", (), lead)
@@ -138,11 +121,8 @@ def failures_section(results: Results | None) -> Section:
 
 def _time_limits(results: Results) -> dict[str, float]:
     """Experiment -> the time limit of its first folder that states one (s)."""
-    limits: dict[str, float] = {}
-    for run in results.folders:
-        if run.manifest.time_limit_s is not None:
-            limits.setdefault(run.name, run.manifest.time_limit_s)
-    return limits
+    stated = [(run.name, run.manifest.time_limit_s) for run in reversed(results.folders)]
+    return {name: limit for name, limit in stated if limit is not None}
 
 
 def _lead(total: int, stopped: pd.DataFrame, failed: int, silent: int) -> str:

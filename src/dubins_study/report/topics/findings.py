@@ -14,12 +14,10 @@ from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.intervals import averages, geometric_means, medians
 from dubins_study.report.statistics.metrics import question_spread, solver_spread
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import (
-    engine_tests,
-    separated,
-)
+from dubins_study.report.topics.comparison import engine_tests, separated
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -29,7 +27,6 @@ from dubins_study.report.topics.findings_evidence import (
     Estimate,
     Evidence,
     Finding,
-    Pair,
     percent,
 )
 
@@ -72,28 +69,20 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
     points = evidence.rate_difference(pairs)
     if points is None or not points.excludes(0):
         return None
+    alone = sum(("presolve=True" in one) != ("presolve=True" in other) for one, other in pairs)
+    of_pairs = f"{alone} of {some(len(pairs), 'pair')}"
+    presolved = f", and {of_pairs} are presolved on one side only" if alone else ""
     better, worse = "one problem a word", "the joint model in both orders"
     if points.value < 0:
         points, better, worse = points.negated(), worse, better
     return Finding(
         f"Pose {better}: with the same engines it is right on {points.text()} percentage points "
         f"more of the questions than {worse}. Not the formulation alone does it: a word gets up to "
-        f"six guesses where the joint model gets one an order{_presolved_alone(pairs)}.",
+        f"six guesses where the joint model gets one an order{presolved}.",
         points,
         POINTS,
         _asked(points, len(pairs), "engine"),
         MATRIX,
-    )
-
-
-def _presolved_alone(pairs: list[Pair]) -> str:
-    """A part of a sentence on pairs of which the presolve helps one side only."""
-    sides = [["presolve=True" in solver for solver in pair] for pair in pairs]
-    alone = sum(first != second for first, second in sides)
-    return (
-        f", and {alone} of {some(len(pairs), 'pair')} are presolved on one side only"
-        if alone
-        else ""
     )
 
 
@@ -144,7 +133,7 @@ _WHERE = {"circle": "on a turning circle", "outside": "outside the turning circl
 def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
     """A sentence on the length of the paths that one order yields; empty if few arrive."""
     least = _by_formulation(evidence, evidence.gaps, "min")
-    loss = evidence.mean_of((least[order] - least[JOINT])[here.reindex(least.index)])
+    loss = evidence.estimate((least[order] - least[JOINT])[here.reindex(least.index)], averages)
     if loss is None or not loss.low > _RESOLVED:
         return ""
     text = percent(loss).percent_text()
@@ -259,14 +248,14 @@ def presolve(evidence: Evidence) -> Finding | None:
     if not pairs:
         return None
     ratios = pd.DataFrame({on: table[off] / table[on] for off, on in pairs})
-    factor = evidence.geometric_mean_of(np.exp(np.log(ratios).mean(axis=1)))
+    factor = evidence.estimate(np.exp(np.log(ratios).mean(axis=1)), geometric_means(0.0))
     if factor is None or not factor.excludes(1):
         return None
     advice, verb = "Drop the words that geometry excludes before any engine is called", "divides"
     if factor.value < 1:
         factor, ratios = factor.inverse(), 1 / ratios
         advice, verb = "Do not drop words by geometry", "multiplies"
-    each = [(solver, evidence.median_of(ratios[solver])) for solver in ratios]
+    each = [(solver, evidence.estimate(ratios[solver], medians)) for solver in ratios]
     parts = [f"{one.text()} with {evidence.name(str(solver))}" for solver, one in each if one]
     return Finding(
         f"{advice}: that {verb} the function evaluations of a question by {factor.text()} in the "
@@ -354,7 +343,7 @@ def zero_start(evidence: Evidence) -> Finding | None:
         f"{points.text()} percentage points fewer of the questions.",
         points,
         POINTS,
-        f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}, in pairs",
+        _asked(points, len(pairs), "method"),
         MATRIX,
     )
 
@@ -366,22 +355,21 @@ def random_restarts(evidence: Evidence) -> Finding | None:
     if points is None or not points.excludes(0):
         return None
     ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
-    cost = medians = ""
+    cost = medians_text = ""
     if ratios:
         dearest, pair = max(ratios)
         cost = f", for up to {dearest.text(digits(2))} times the median time"
-        medians = f"; time of {evidence.medians_of(*pair)}"
+        medians_text = f"; time of {evidence.medians_of(*pair)}"
     if points.value > 0:
         advice, what = "Try several random guesses where the model is joint", "more"
     else:
         points, advice, what = points.negated(), "Do not rely on random guesses", "fewer"
-    methods = some(len(pairs), "method")
     return Finding(
         f"{advice}: with the same engine and formulation they are right on {points.text()} "
         f"percentage points {what} of the questions than the guess along the bearing{cost}.",
         points,
         POINTS,
-        f"{some(points.questions, 'question')} with a path, {methods}, in pairs{medians}",
+        _asked(points, len(pairs), "method") + medians_text,
         MATRIX,
     )
 
@@ -398,8 +386,7 @@ def repeats(evidence: Evidence) -> Finding | None:
         return None
     line = spread.sort_values("changing", ascending=False, kind="stable").iloc[:1]
     solver, values = str(line.index[0]), line.to_dict("records")[0]
-    ends = (float(values[name]) for name in ("changing", "changing_low", "changing_high"))
-    value, low, high = ends
+    value, low, high = (float(values[name]) for name in interval_keys("changing"))
     change = percent(Estimate(value, low, high, int(values["questions"])))
     return Finding(
         f"Run {evidence.name(solver)} more than once: on {change.percent_text()} of the questions "
@@ -438,7 +425,7 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
         ratio,
         TIMES,
         f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",
-        "Comparison of methods: means and ranks",
+        RANKS,
     )
 
 
@@ -453,12 +440,10 @@ def false_proof(evidence: Evidence) -> Finding | None:
         return None
     order = [str(s) for s in table.sort_values("false", ascending=False, kind="stable").index]
     worst = table.loc[[order[0]]].to_dict("records")[0]
-    share = percent(
-        Estimate(worst["false"], worst["false_low"], worst["false_high"], int(worst["questions"]))
-    )
-    false = false_proofs(rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]).to_dict(
-        "records"
-    )[0]
+    value, low, high = (float(worst[name]) for name in interval_keys("false"))
+    share = percent(Estimate(value, low, high, int(worst["questions"])))
+    lies = rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]
+    false = false_proofs(lies).to_dict("records")[0]
     others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]
     more = f" So do {', '.join(others)}." if others else ""
     more += (
@@ -558,21 +543,8 @@ def findings_section(results: Results) -> Section | None:
 
 
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
-    frame = pd.DataFrame(
-        [
-            {
-                "place": first + number,
-                "sentence": finding.sentence,
-                "value": finding.estimate.value,
-                "value_low": finding.estimate.low,
-                "value_high": finding.estimate.high,
-                "unit": finding.unit,
-                "question": finding.question,
-                "shown_in": finding.shown_in,
-            }
-            for number, finding in enumerate(chosen)
-        ]
-    )
+    frame = pd.DataFrame(chosen).assign(place=range(first, first + len(chosen)))
+    frame[list(interval_keys("value"))] = [finding.estimate[:3] for finding in chosen]
     shown = (
         *columns(count, place="no."),
         *columns(kind="prose", sentence="finding"),

@@ -15,10 +15,10 @@ from dubins_study.report.statistics.intervals import (
     Statistic,
     averages,
     bootstrap,
-    geometric_means,
     medians,
     wilson_interval,
 )
+from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.belief import claims
 from dubins_study.report.topics.comparison import (
     ENOUGH_ASKED,
@@ -64,14 +64,10 @@ class Estimate(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """A sentence that a practitioner can act on.
+    """A sentence that a practitioner can act on, with its number and interval in it.
 
-    Args:
-        sentence: with the number and its interval in it.
-        estimate: the number, its interval and the number of questions.
-        unit: of the number.
-        question: what was asked, of how many questions and methods.
-        shown_in: the section, and the table or figure, that shows it.
+    `question` says what was asked, of how many questions and methods; `shown_in` names the section,
+    and the table or figure, that shows it.
     """
 
     sentence: str
@@ -93,11 +89,7 @@ _RELIABLE = 0.99
 
 
 class Evidence:
-    """Tables of the engines' attempts at questions with a path.
-
-    Args:
-        compared: the attempts.
-    """
+    """Tables of the engines' attempts at questions with a path."""
 
     def __init__(self, compared: Compared) -> None:
         self.compared = compared
@@ -131,7 +123,7 @@ class Evidence:
     def coarse(self) -> pd.DataFrame:
         """Share of repeats with a path that arrives, turns the same way, and is longer."""
         rows = self.compared.answerable
-        longer = (rows["verdict"] == "longer") & ~rows["wrong_basin"].eq(True).fillna(False)
+        longer = (rows["verdict"] == "longer") & ~is_true(rows["wrong_basin"])
         return (
             longer.astype(np.float64).groupby([rows["question"], rows["solver"]]).mean().unstack()
         )
@@ -195,21 +187,10 @@ class Evidence:
         first, second = [a for a, _ in known], [b for _, b in known]
         values = self.rates[first].to_numpy() - self.rates[second].to_numpy()
         points = pd.DataFrame(100 * values, self.rates.index).mean(axis=1)
-        return self._estimate(points, averages)
+        return self.estimate(points, averages)
 
-    def median_of(self, values: pd.Series[float]) -> Estimate | None:
-        """The median over questions."""
-        return self._estimate(values, medians)
-
-    def geometric_mean_of(self, values: pd.Series[float]) -> Estimate | None:
-        """The geometric mean over questions."""
-        return self._estimate(values, geometric_means(0.0))
-
-    def mean_of(self, values: pd.Series[float]) -> Estimate | None:
-        """The mean over questions."""
-        return self._estimate(values, averages)
-
-    def _estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
+    def estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
+        """A statistic over questions; None if fewer than `ENOUGH` have a value."""
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Collection, Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -38,6 +37,7 @@ from dubins_study.report.elements.style import (
     Style,
 )
 from dubins_study.report.elements.topic import BENCHMARK, Topic
+from dubins_study.report.statistics.compared import stratum_order
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods
 from dubins_study.report.statistics.metrics import success
@@ -54,14 +54,10 @@ _NO_KIND = "other"
 class Matrix(NamedTuple):
     """The table, long and as the lines of the page.
 
-    Args:
-        cells: one row per engine and formulation: kind, engine, formulation, the columns of the
-            pair's best method (`filled`: whether there is one; `few`: whether it was asked less
-            than half as many questions as others), reason (empty if filled), note (the reason's
-            number, 0 if filled).
-        engines: (kind, engine) in the order of lines.
-        formulations: in the order of columns.
-        reasons: by number, from 1.
+    `cells` has a row per engine and formulation with the columns of the pair's best method, filled
+    (whether there is one), few (whether it was asked less than half as many questions as others),
+    reason (empty if filled) and note (its number from 1, 0 if filled). `engines` holds (kind,
+    engine) in the order of lines, `formulations` the order of columns.
     """
 
     cells: pd.DataFrame
@@ -71,13 +67,7 @@ class Matrix(NamedTuple):
 
 
 def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
-    """Every formulation with every engine.
-
-    Args:
-        methods: one row per method: the columns of `with_share` for right, formulation, engine,
-            guess, wall_s, and others.
-        entries: the manifests'; without any, only the pairs that have rows.
-    """
+    """Every formulation with every engine; without entries, only the pairs that have rows."""
     asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
     best = best_methods(asked, ["engine", "formulation"]).assign(filled=True)
     known = [entry for entry in entries if entry.formulation != _FORMULA]
@@ -120,14 +110,7 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
 
 
 def strata(rows: pd.DataFrame) -> pd.DataFrame:
-    """The share of right answers of each solver in each stratum, where a path exists.
-
-    Args:
-        rows: attempts; their label names the stratum.
-
-    Returns:
-        One row per solver and stratum: solver, stratum, and those of `with_share` for right.
-    """
+    """The share of right answers of each solver in each stratum, where a path exists."""
     kept = rows[rows["answerable"]]
     kept = kept.assign(right=success(kept), stratum=kept["label"].fillna(""))
     shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=TRIAL)
@@ -138,8 +121,8 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
 def strata_blocks(
     results: Results, methods: pd.DataFrame, shares: pd.DataFrame, best: Collection[str]
 ) -> list[Picture | Table]:
-    """The shares of `numbers.strata` as maps and as a table; nothing if there is one stratum."""
-    names = stratum_order(results, shares["stratum"].unique().tolist())
+    """The shares of `strata` as maps and as a table; nothing if there is one stratum."""
+    names = stratum_order(results, shares["stratum"])
     if len(names) < 2:
         return []
     methods = methods.assign(few=methods["right_of"] < methods["right_of"].max() / 2)
@@ -151,13 +134,6 @@ def strata_blocks(
     ]
     table = _stratum_table(methods, shares, names)
     return [*pictures, *best_first(table, table.frame["solver"], best)]
-
-
-def stratum_order(results: Results, names: list[str]) -> list[str]:
-    """Labels of scenarios in the order in which the experiments' files name them."""
-    text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
-    places = {name: text.find(json.dumps(name)) for name in sorted(names)}
-    return sorted(places, key=lambda name: (places[name] < 0, places[name]))
 
 
 def _stratum_picture(
@@ -225,14 +201,10 @@ _DARK = 0.5
 def plot_share_map(
     ax: Axes, shares: pd.DataFrame, notes: pd.DataFrame | None = None, size: float = 7.0
 ) -> None:
-    """Draw a table of shares as a map; each cell has its share in percent.
+    """Draw a table of shares as a map; each cell has its share in percent, an empty one is NaN.
 
-    Args:
-        ax: where to draw.
-        shares: lines by columns, both named as on the page; NaN for an empty cell.
-        notes: texts of the empty cells, and what follows the number in the others; in the same
-            shape.
-        size: of the letters (points).
+    Notes are the texts of the empty cells, and what follows the number in the others. The letters
+    have a size in points.
     """
     values = shares.to_numpy(dtype=np.float64)
     lines, columns = values.shape

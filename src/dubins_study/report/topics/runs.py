@@ -36,12 +36,10 @@ COLUMNS = (
 
 
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:
-    """One row per run, in the folders' order.
+    """One row per run, in the folders' order; the columns are `COLUMNS`.
 
-    Returns:
-        Columns experiment, run, started, seconds (NaN if it does not say), state, engine, jobs,
-        machine and governor (texts), load (of the last minute, at its start and its end), probes
-        (a list of `study.rows.machine_noise.Probe`), spread (a share, NaN if unknown).
+    The load is that of the last minute, at the run's start and its end; probes is a list of
+    `study.rows.machine_noise.Probe`, spread a share. Unknown seconds or spread are NaN.
     """
     rows = [_row(folder.name, run) for folder in folders for run in folder.manifest.runs]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -50,12 +48,9 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
 def probe_ratios(table: pd.DataFrame) -> pd.DataFrame:
     """The calibration probe's durations in each run of `runs`, relative to the run's median.
 
-    For a run on several machines, only the machine that varied most.
-
-    Returns:
-        One row per probe, or per `MOST_MARKS`-th of the run's length if it has more probes than
-        that: name (experiment, run, and machine if there are several), when (s), ratio (of the
-        median probe), low and high (of the fastest and the slowest).
+    For a run on several machines, only the machine that varied most. One row per probe, or per
+    `MOST_MARKS`-th of the run's length if it has more probes than that: name (experiment, run, and
+    machine if there are several), when (s), ratio (of the median probe), low and high.
     """
     parts = []
     for line in table.to_dict("records"):
@@ -198,11 +193,9 @@ _MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (BROWN, "D"), (PURPLE, "v
 
 
 def plot_probes(ax: Axes, ratios: pd.DataFrame) -> list[Artist]:
-    """Draw the calibration probe's durations, relative to their median, against time.
+    """Draw the `probe_ratios` against time; returns the legend's entries.
 
     Nothing joins the marks: between them nobody measured.
-
-    Columns of `numbers.probe_ratios`. Returns the legend's entries.
     """
     entries: list[Artist] = []
     groups = ratios.groupby("name", sort=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import pandas as pd
 
 from dubins_study.report.data import verdicts as counts
@@ -15,19 +13,14 @@ from dubins_study.report.elements.formats import count, seconds, sentences, shar
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
 from dubins_study.report.elements.names import in_page_order
 from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.statistics.compared import once
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of
 
 STARTS = ("cold", "warm")
 
 
 def by_start(starts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver that was asked cold and warm.
-
-    Args:
-        starts: from `report.data.verdicts.starts`.
-    Returns:
-        solver, and the columns of `with_share` for cold and for warm.
-    """
+    """One row per solver of `report.data.verdicts.starts`, with shares right for cold and warm."""
     frame = starts[["solver"]].drop_duplicates(ignore_index=True)
     for start in STARTS:
         rows = starts[starts["initial_guess"] == start].set_index("solver")
@@ -41,15 +34,9 @@ def by_start(starts: pd.DataFrame) -> pd.DataFrame:
 def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
 
-    Solvers that were asked no such question are left out, unless none was.
-
-    Args:
-        verdicts: from `report.data.verdicts.verdicts`.
-        methods: from `report.data.verdicts.methods`.
-
-    Returns:
-        The columns of both, those of `methods_of`, and those of `with_share` for `right`, a share
-        of the questions; in the order of `methods_of`.
+    Solvers that were asked no such question are left out, unless none was. The columns of
+    `report.data.verdicts.verdicts` and `methods`, those of `methods_of`, in its order, and those of
+    `with_share` for right, a share of the questions.
     """
     asked = verdicts["questions"] > 0
     counted = verdicts[asked] if asked.any() else verdicts
@@ -77,15 +64,10 @@ def solver_summary(attempts: Attempts) -> pd.DataFrame:
     return summary(counts.verdicts(attempts), counts.methods(attempts))
 
 
+@once
 def best_solvers(results: Results) -> tuple[str, ...]:
     """The closed form, and of each formulation the solver that is most surely right."""
-    if results not in _BEST:
-        methods = solver_summary(results.attempts)
-        _BEST[results] = (EXACT, *best_of_formulations(methods))
-    return _BEST[results]
-
-
-_BEST: WeakKeyDictionary[Results, tuple[str, ...]] = WeakKeyDictionary()
+    return (EXACT, *best_of_formulations(solver_summary(results.attempts)))
 
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
