@@ -41,17 +41,11 @@ def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS, quadrants: boo
     word lacks is zero (the paper's Algorithm 1, step 3). The two equations are divided by the
     target's distance where that exceeds a radius: a tolerance on them is then one on an angle.
 
-    Args:
-        X, Y: target, forward and to the left, in radii.
-        words: the disjuncts, out of `WORDS`.
-        quadrants: whether sines and cosines are of an angle up to pi / 2, with a disjunction of
-            the quadrants; else they are of the arcs themselves, up to 2 pi.
-
-    Returns:
-        A `pyomo.environ.ConcreteModel`: variables z, c, s, q and sin_q, cos_q; constraints sine,
-        cosine; disjuncts word[w] (constraints absent, along, across) in the disjunction one_word,
-        quadrant[i, k] (angle, cosine, sine) in one_quadrant[i]; the objective length. Without
-        quadrants q, sin_q, cos_q and quadrant are missing.
+    (X, Y) is the target, forward and to the left, in radii. With `quadrants` sines and cosines are
+    of an angle up to pi / 2; else of the arcs themselves, up to 2 pi, and q, sin_q, cos_q and
+    quadrant are missing from the model. It has the constraints sine and cosine, the disjuncts
+    word[w] (constraints absent, along, across) in one_word and quadrant[i, k] (angle, cosine, sine)
+    in one_quadrant[i], and the objective length.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, RangeSet, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction

@@ -73,14 +73,8 @@ class Template:
         import cvxpy as cp
 
         self.n, self.engine = n, engine
-        shapes: dict[str, Any] = {
-            "G": (2, n),
-            "q": 2,
-            "r": 2,
-            "penalty": 1,
-            "reach": 1,
-            "stretch": 1,
-        }
+        shapes: dict[str, Any] = {"G": (2, n), "q": 2, "r": 2}
+        shapes |= dict.fromkeys(("penalty", "reach", "stretch"), 1)
         shapes |= dict.fromkeys(("upper", "lower", "above", "below", "c"), n)
         p = {
             name: cp.Parameter(shape, name=name, nonneg=name in ("c", "penalty"))
@@ -201,11 +195,7 @@ def _numbers(array: Any) -> Any:
 def _places(
     old: FloatArray, new: FloatArray, first: FloatArray, second: FloatArray
 ) -> tuple[Any, Any, FloatArray]:
-    """Places, indices and signs of the parameters in an array compiled for two sets of values.
-
-    Raises:
-        AssertionError: if an entry is neither a constant nor one parameter.
-    """
+    """Places, indices and signs of the parameters in an array compiled for two sets of values."""
     where = np.flatnonzero(old != new)
     order = np.argsort(first)
     nearest = np.searchsorted(first[order], np.abs(old[where]) - 1e-12)
