@@ -244,6 +244,7 @@ def test_tables_of_a_report_are_sorted(new_tab, report_page: FilePath):
     assert tables.count() > 10
     heads = page.locator("figure.table thead tr:first-child th")
     assert heads.count() == page.locator("figure.table th > button.sort").count()
+    page.evaluate("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
     button = page.locator("figure.table").first.locator("button.sort").last
     before = page.locator("figure.table").first.locator("tbody").text_content()
     button.click()

@@ -213,11 +213,11 @@ def belief_section(results: Results) -> Section | None:
         blocks.append(_cure_table(cures(rows, names), names))
     text = sentences(
         "A claim is true if it says no more than the check finds; a local solver's longer path is "
-        "a true claim of a local optimum. A bound that is too high by no more than the engine's "
-        "tolerance explains is true to its tolerance.",
+        "a true claim of a local optimum. A claim is true to its tolerance if its bound is too "
+        "high by no more than the engine's tolerance allows.",
         _liars(table),
     )
-    lead = "See which engines say what is not so (crossed), and which say it of how many questions."
+    lead = "Crossed: claims that are false. Beside a bar stands the number of its false claims."
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 

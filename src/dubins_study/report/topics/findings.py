@@ -536,8 +536,8 @@ def findings_section(results: Results) -> Section | None:
         f"that there is no difference, and if at least {ENOUGH} questions carry it."
     )
     lead = (
-        f"Read {some(len(every), 'sentence')} to act on, the first of them on what matters most; "
-        "each names the section that shows where it comes from."
+        f"Read {some(len(every[:_MOST]), 'sentence')} to act on, what matters most first; each "
+        "names the section that shows its numbers."
     )
     return Section("findings", "What the study found", text, tuple(tables), lead)
 
