@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, wraps
-from typing import Any, TypeVar
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -107,9 +107,8 @@ def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
 
 def _limit(results: Results, rows: pd.DataFrame) -> float:
     """The largest time limit of the runs; if none is stated, the longest attempt's time (s)."""
-    limits: list[Any] = [folder.manifest.time_limit_s for folder in results.folders]
-    stated = [float(limit) for limit in limits if limit is not None and np.isfinite(limit)]
-    if stated and max(stated) > 0:
-        return max(stated)
+    limits = [folder.manifest.time_limit_s or 0.0 for folder in results.folders]
+    if stated := [limit for limit in limits if 0 < limit < np.inf]:
+        return float(max(stated))
     longest = float(rows["wall_s"].max())
     return longest if longest > 0 else 1.0

@@ -134,16 +134,11 @@ def ranking(
     """Ranks by the shifted geometric mean of penalised costs, if they do not depend on its choices.
 
     Each shift factor with each penalty gives a ranking, over the questions put to all solvers. A
-    rank that changes with the shift or the penalty is said to be none.
+    rank that changes with the shift or the penalty is said to be none. The limit of an attempt is
+    in the unit of the table; the shift is by default `chosen_shift` of the questions put to all.
 
-    Args:
-        table: a cost table.
-        limit: the limit of an attempt, in the unit of the table.
-        shift: by default `chosen_shift` of the questions put to all.
-        shift_factors, penalties: of the shift, and of the limit for a failure.
-    Returns:
-        Indexed by solver. mean: with the shift itself and failures at the limit; rank: 1 is best,
-        equal means share the better rank, <NA> if it is none; best and worst: the rank's range.
+    Indexed by solver. mean: with the shift itself and failures at the limit; rank: 1 is best, equal
+    means share the better rank, <NA> if it is none; best and worst: the rank's range.
     """
     shared = shared_questions(table)
     costs = shared.mask(shared > limit, np.inf)  # a late answer is a failure
@@ -232,11 +227,9 @@ def target_ecdf(
         gaps: questions by solvers; relative; NaN or infinite if no path arrived.
         costs: questions by solvers, the cost of the run whatever its gap, any unit; NaN where the
             solver was not asked. Its rows and columns are those of `gaps`.
-        at: costs at which to give the share, shape (n,).
+        at: costs at which to give the share of the pairs of the questions put to every solver,
+            shape (n,).
         targets: gap targets, shape (m,).
-    Returns:
-        Indexed by cost, one column per solver; shares of the pairs of the questions put to every
-        solver.
     """
     goals = np.sort(np.asarray(targets, dtype=np.float64).ravel())
     if not goals.size or np.isnan(goals).any():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -144,14 +143,11 @@ def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
     pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
     place = pairs.factorize()[0]
     _, first = np.unique(place, return_index=True)
-    columns = attempts[list(COLUMNS)].iloc[first].to_dict("records")
+    columns: list[dict[Any, Any]] = attempts[list(COLUMNS)].iloc[first].to_dict("records")
     words = subproblems[first]
-    known = [_has_path(line, word) for line, word in zip(columns, words, strict=True)]
+    known = [
+        word not in BRANCHES or word == "best" or shortest(Scenario(**line), word) is not None
+        for line, word in zip(columns, words, strict=True)
+    ]
     every: FloatArray = np.array(known)[place]
     return every
-
-
-def _has_path(scenario: Mapping[Any, Any], word: str) -> bool:
-    if word not in BRANCHES or word == "best":
-        return True
-    return shortest(Scenario(**scenario), word) is not None

@@ -143,16 +143,15 @@ def question_spread(rows: pd.DataFrame, *, question: Sequence[str]) -> pd.DataFr
     one run of either is a sample (Lodi and Tramontani 2013, "Performance variability in
     mixed-integer programming", INFORMS TutORials in Operations Research).
 
-    Args:
-        rows: one row per attempt, with solver, verdict, right and wall_s: the cost, of right and
-            wrong answers. A missing verdict is a verdict, a cost that is not finite is left out.
-        question: names of the columns that tell questions apart.
-    Returns:
-        Indexed by solver and question. repeats; success: share of right answers; verdicts: number
-        of different ones; changes: whether there are several; median and iqr (upper minus lower
-        quartile, interpolated linearly as `scipy.stats.iqr` does) of the cost, in its unit; cv:
-        coefficient of variation, the standard deviation (n - 1 in the denominator) over the mean.
-        NaN if there are no costs, for cv if there are fewer than two or their mean is 0.
+    The rows are attempts with solver, verdict, right, wall_s (the cost, of right and wrong answers)
+    and the columns that tell questions apart. A missing verdict is a verdict, a cost that is not
+    finite is left out.
+
+    Indexed by solver and question. repeats; success: share of right answers; verdicts: number of
+    different ones; changes: whether there are several; median and iqr (upper minus lower quartile,
+    interpolated linearly as `scipy.stats.iqr` does) of the cost, in its unit; cv: coefficient of
+    variation, the standard deviation (n - 1 in the denominator) over the mean. NaN if there are no
+    costs, for cv if there are fewer than two or their mean is 0.
     """
     costs = rows["wall_s"].astype(np.float64)
     kept = rows[["solver", *question]].assign(

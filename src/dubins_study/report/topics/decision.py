@@ -273,6 +273,7 @@ def decision_section(results: Results) -> Section | None:
         )
         return Section("decision", TITLE, text, (), "Nothing can be recommended here.")
     found, exact = choices(attempts), closed_form(attempts)
+    liars = false_provers(attempts)
     text = sentences(
         ""
         if exact
@@ -281,7 +282,10 @@ def decision_section(results: Results) -> Section | None:
         "Only one method was asked: the table shows how it does, and leaves no choice."
         if found and max(choice.methods for choice in found) == 1
         else "",
-        _liars(attempts),
+        f"{some(len(liars), 'method')} with a false proof at any question "
+        f"{'is' if len(liars) == 1 else 'are'} left out where a proof is needed."
+        if liars
+        else "",
     )
     if not found:
         return Section("decision", TITLE, text, (), f"{_baseline(exact)}; no engine was asked.")
@@ -314,16 +318,6 @@ def _advice(found: Sequence[Choice]) -> str:
         "for another method, find the line of your target and the column of your need. Methods on "
         "one NLP a word, and those with the presolve, know the words of the answer: a problem "
         "without them is another."
-    )
-
-
-def _liars(attempts: Compared) -> str:
-    liars = false_provers(attempts)
-    if not liars:
-        return ""
-    return (
-        f"{some(len(liars), 'method')} with a false proof at any question "
-        f"{'is' if len(liars) == 1 else 'are'} left out where a proof is needed."
     )
 
 

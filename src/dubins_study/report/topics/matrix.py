@@ -263,11 +263,7 @@ def plot_matrix(ax: Axes, table: Matrix) -> None:
     aslant: Style = {"rotation": 30, "ha": "left", "rotation_mode": "anchor", "fontsize": 7}
     ax.set_xticks(range(len(table.formulations)), table.formulations, **aslant)
     ax.xaxis.tick_top()
-    _name_kinds(ax, table)
-
-
-def _name_kinds(ax: Axes, table: Matrix) -> None:
-    """Write the kinds of engines at the right, and a line between two kinds."""
+    # The kinds of engines stand at the right, with a line between two kinds.
     kinds = [kind for kind, _ in _drawn_engines(table)]
     starts = [place for place, kind in enumerate(kinds) if place == 0 or kind != kinds[place - 1]]
     for start in starts:

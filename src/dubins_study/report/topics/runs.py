@@ -82,7 +82,6 @@ def _name(line: Mapping[Hashable, Any], machine: int) -> str:
 
 
 def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
-    share = run.spread
     return {
         "experiment": experiment,
         "run": run.run_id,
@@ -96,7 +95,7 @@ def _row(experiment: str, run: RunEntry) -> dict[str, Any]:
         "governor": run.governor,
         "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
         "probes": run.probes,
-        "spread": float("nan") if share is None else share,
+        "spread": float("nan") if run.spread is None else run.spread,
     }
 
 
