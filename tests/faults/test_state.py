@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+from dubins_study.solvers.protocol import MAX_ARCS
 from tests.faults.hostile_state import STATES
 from tests.faults.launch import experiment, lasting, rows, spec, study
 
@@ -110,15 +111,15 @@ def test_one_that_takes_all_its_time_is_in_time(tainted):
 
 
 @pytest.mark.slow
-def test_a_path_of_a_million_arcs_is_a_row_like_any_other(tmp_path, clean):
-    huge = spec("hostile_answers", "Huge", pieces=500_000)
+def test_a_path_of_as_many_arcs_as_allowed_is_a_row_like_any_other(tmp_path, clean):
+    huge = spec("hostile_answers", "Huge", pieces=MAX_ARCS // 2)
     asking = experiment(tmp_path, ([huge], 1), ([spec("honest", "Honest")], 8))
     ended = study("run", asking, "--out", tmp_path / "out", "--jobs", 2)
 
     assert ended.code == 0, ended.err
     found = rows(tmp_path / "out").sort_values("plugin")
     assert len(found) == 9
-    assert found["curvatures"].iloc[-1].size == 10**6
+    assert found["curvatures"].iloc[-1].size == MAX_ARCS
     assert set(found["verdict"]) == {"optimal"}
     assert lasting(found[found["plugin"] == "Honest"]).equals(lasting(clean))
 
