@@ -149,21 +149,22 @@ def test_a_noisy_run_says_so(folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "entry",
+    ("entry", "code"),
     [
-        {},
-        {"probes": "x", "seconds": "long", "jobs": "many", "state": 3, "started": None},
-        {"jobs": -3, "seconds": -1.0, "probes": [[0, 0]] * 9},
-        {"run_id": "\x1b[31mred\x1b[0m\n", "seconds": 10**400},
+        ({}, 0),
+        ({"probes": "x", "seconds": "long", "jobs": "many", "state": 3, "started": None}, 2),
+        ({"jobs": -3, "seconds": -1.0, "probes": [[0, 0]] * 9}, 2),
+        ({"run_id": "\x1b[31mred\x1b[0m\n", "seconds": 10**400}, 2),
     ],
 )
-def test_entries_that_nobody_wrote(folder, entry):
-    """Never a traceback, and no control characters on the terminal."""
+def test_entries_that_no_run_writes(folder, entry, code):
+    """They are shown or refused: never a traceback, and no control characters on the terminal."""
     amend(folder, runs=[entry])
     said = finished("status", folder)
 
-    assert said.returncode == 0, said.stderr
-    assert "\x1b" not in said.stdout
+    assert said.returncode == code, said.stderr
+    assert "Traceback" not in said.stderr
+    assert "\x1b" not in said.stdout + said.stderr
 
 
 def test_subsets_and_repeats_keep_count(tmp_path):
