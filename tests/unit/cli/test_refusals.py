@@ -21,6 +21,8 @@ REFUSALS = {
     "solve 10 --radius 3": "Missing argument 'Y'",
     "solve 1 2 3": "unexpected extra argument(s) (3)",
     "solve x 5": "Invalid value for 'X': 'x'; expected a number",
+    "solve 1_0 5": "Invalid value for 'X': '1_0'; expected a number",
+    "solve 1 2 --from 1_0 0 0": "--from is '1_0 0 0'; expected two numbers and a heading",
     "solve --bogus 1 2": "Invalid value for 'X': '--bogus'; expected a number",
     "solve 1 2 --from 0 0": "Option '--from' requires 3 arguments",
     "solve 1 2 --from a 0 0": "--from is 'a 0 0'; expected two numbers and a heading",

@@ -18,9 +18,9 @@ class CommandError(DubinsStudyError, ValueError):
 
 
 def number(text: str | float) -> float:
-    """The value of an option that is a number, or its default."""
+    """The value of an option that is a number, or its default; `1_0` is none, as in tables."""
     try:
-        return float(text)
+        return float(str(text).replace("_", "?"))  # which is in no number
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
 
@@ -96,8 +96,8 @@ def scenario_of(
     from dubins_study.study.scenario import Scenario
 
     try:
-        start_x, start_y = float(start[0]), float(start[1])
-    except ValueError:
+        start_x, start_y = number(start[0]), number(start[1])
+    except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
     try:
