@@ -85,8 +85,9 @@ def test_no_process_outlives_the_run(shared):
 
     assert shared.ended.alive == []
     assert [pid for pid in pids if psutil.pid_exists(pid) and status(pid) != "zombie"] == []
-    with_pids = any("pids" in case.files for case in shared.table.values())
-    assert not with_pids or len(pids) >= 7  # else this test would see nothing
+    # a slow machine may end a plug-in before its second process has noted itself
+    noting = sum("pids" in case.files for case in shared.table.values())
+    assert len(pids) >= noting  # else this test would see nothing
 
 
 def status(pid):
