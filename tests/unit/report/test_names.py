@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.columns import SOLVER
-from dubins_study.report.elements.names import distinct, figure_names, names_of, short_labels
+from dubins_study.report.elements.looks import distinct, figure_names, names_of, short_labels
 from dubins_study.report.page.markup import to_csv
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of

@@ -1,11 +1,11 @@
-"""The content of a report: sections with text, tables and pictures."""
+"""The content of a report: topics, their sections, and the text, tables and pictures in them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import Any, TypeAlias
+from enum import Enum, StrEnum, auto
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from pandas.api.types import is_numeric_dtype
 
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.style import HALF, Style, new_figure
 
@@ -160,3 +161,29 @@ class Section:
         """Whether it shows more than what needs a page's scripts."""
         widgets = [isinstance(block, Widget) for block in self.blocks]
         return not widgets or not all(widgets)
+
+
+BENCHMARK = "benchmark"  # the key of the experiment on which methods are compared
+
+
+class General(Enum):
+    """The attempts of a section that is not about a single experiment."""
+
+    EVERY = auto()  # all attempts
+    POOLED = auto()  # counted together: without studies of variants and of extreme questions
+    COMPARED = auto()  # attempts at questions on which solvers are compared
+    DECIDED = auto()  # those of benchmarks, else those compared, else all
+
+
+class Topic(NamedTuple):
+    """One section of the page."""
+
+    title: str  # its name in progress reports
+    write: Callable[[Results], Section | None]  # None if there is nothing to show
+    # its attempts: a general kind, or the key that experiments give as `section = "..."` in their
+    # TOML file
+    about: General | str
+    enters: tuple[General, ...] = ()  # the general kinds that include those experiments too
+    # That of a study stands in the details where there is a benchmark, which the page is about
+    # then, and else on the front.
+    place: Place = Place.DETAILS

@@ -24,17 +24,21 @@ from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
 from numpy.typing import NDArray
 
-from dubins_study.report.elements.axes import (
+from dubins_study.report.elements.looks import BEHIND, Look, Palette, common_part, one_line
+from dubins_study.report.elements.style import (
+    HALF,
+    INK,
+    MUTED,
+    WIDE,
+    Style,
     duration,
     log_axis,
     mark_limit,
+    new_figure,
     only_grid,
     percent_axis,
     plain_log_axis,
 )
-from dubins_study.report.elements.looks import BEHIND, Look, Palette
-from dubins_study.report.elements.names import common_part, one_line
-from dubins_study.report.elements.style import HALF, INK, MUTED, WIDE, Style, new_figure
 from dubins_study.report.statistics.methods import MOST_ENGINES
 from dubins_study.study.path import FloatArray
 

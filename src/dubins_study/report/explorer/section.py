@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Place, Section, Widget
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.content import General, Place, Section, Topic, Widget
 from dubins_study.report.explorer.fragment import fragment
 
 

@@ -15,12 +15,10 @@ from markupsafe import Markup
 from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import Section, Table, Widget
+from dubins_study.report.elements.content import General, Section, Table, Topic, Widget
 from dubins_study.report.elements.formats import count, digits
-from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.interactive.packing import packed
 from dubins_study.report.interactive.sample import SCENARIO, WORST, sample
 

@@ -7,10 +7,9 @@ from dataclasses import replace
 from importlib import import_module
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Place, Section
+from dubins_study.report.elements.content import BENCHMARK, General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import slug
-from dubins_study.report.elements.names import with_labels
-from dubins_study.report.elements.topic import BENCHMARK, General, Topic
+from dubins_study.report.elements.looks import labels_of
 
 # The topics in the order of the page: modules of `report`, each with its `TOPIC`.
 _MODULES = (
@@ -68,7 +67,17 @@ def sections_of(topic: Topic, results: Results) -> Iterator[Section]:
             continue
         if len(selections) > 1:
             section = _named_after(section, name)
-        yield with_labels(replace(section, place=_place(topic, results)), results)
+        yield _with_labels(replace(section, place=_place(topic, results)), results)
+
+
+def _with_labels(section: Section, results: Results) -> Section:
+    """The section, its tables with the short names of the page's solvers."""
+    labels = labels_of(results)
+    blocks = tuple(
+        replace(block, labels=labels) if isinstance(block, Table) else block
+        for block in section.blocks
+    )
+    return replace(section, blocks=blocks)
 
 
 def _place(topic: Topic, results: Results) -> Place:

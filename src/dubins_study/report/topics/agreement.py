@@ -10,9 +10,8 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Section, Show, Table
+from dubins_study.report.elements.content import General, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, share
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.summary import solver_summary

@@ -8,9 +8,8 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Place, Section, Table
+from dubins_study.report.elements.content import Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, share
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.paper.printed import committed, misprints
 
 _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}

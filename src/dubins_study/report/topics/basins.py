@@ -18,12 +18,11 @@ from matplotlib.patches import Patch
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, slug
-from dubins_study.report.elements.names import names_of
+from dubins_study.report.elements.looks import names_of
 from dubins_study.report.elements.plots import Mark, draw_cells
 from dubins_study.report.elements.style import HALF, MAP_PAPER, ON_MAP, WIDE, Style, new_figure
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.schema import SCENARIO, names

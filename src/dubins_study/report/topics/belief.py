@@ -9,7 +9,7 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.command import SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import Picture, Place, Section, Table
+from dubins_study.report.elements.content import BENCHMARK, Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -22,7 +22,6 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
-from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.metrics import is_true

@@ -18,14 +18,12 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.plots import Mark, parameter_lines
-from dubins_study.report.elements.style import BLUE, MUTED, VERMILION
-from dubins_study.report.elements.topic import Topic
+from dubins_study.report.elements.style import BLUE, MUTED, VERMILION, log_axis, mark_limit, power
 from dubins_study.report.statistics.metrics import by_solver, fitted_order, parse_spec
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and

@@ -9,9 +9,8 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import BENCHMARK, General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
-from dubins_study.report.elements.topic import BENCHMARK, General, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.topics.findings import WARNINGS, findings

@@ -7,13 +7,12 @@ import pandas as pd
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Show, Table
+from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
-from dubins_study.report.elements.names import in_page_order, labels_of
+from dubins_study.report.elements.looks import in_page_order, labels_of
 from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
 from dubins_study.report.topics.summary import best_solvers, solver_summary
 

@@ -10,7 +10,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -22,7 +22,6 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import share_curves
-from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.costs import (
     SHIFT_FACTORS,

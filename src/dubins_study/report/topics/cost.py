@@ -10,7 +10,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
     best_first,
@@ -23,7 +23,6 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
-from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.efforts import AMOUNTS, KINDS, Split, split
 from dubins_study.report.statistics.intervals import bootstrap, medians

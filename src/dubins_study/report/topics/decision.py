@@ -12,11 +12,10 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
-from dubins_study.report.elements.content import Place, Section, Table
+from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
-from dubins_study.report.elements.names import labels_of
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.metrics import is_true

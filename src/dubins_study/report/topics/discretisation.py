@@ -10,12 +10,10 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share
-from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import figure_names, labels_of
+from dubins_study.report.elements.looks import Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.convergence import label_without
 

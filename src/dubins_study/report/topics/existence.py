@@ -11,10 +11,9 @@ import pandas as pd
 from dubins_study.report.data import verdicts
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
 from dubins_study.report.elements.identity import best_first, method_columns, questions, with_share
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import presolved

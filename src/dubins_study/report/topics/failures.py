@@ -12,9 +12,8 @@ from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.failures import KINDS, OUTCOMES, REACH
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
-from dubins_study.report.elements.topic import General, Topic
 
 _SAID = ["solver", "outcome", "claim", "verdict", "message"]
 # (region, near or None for both) -> its line in the table.

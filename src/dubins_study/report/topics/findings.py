@@ -9,10 +9,9 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Place, Section, Table
+from dubins_study.report.elements.content import BENCHMARK, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.intervals import averages, geometric_means, medians
 from dubins_study.report.statistics.metrics import question_spread, solver_spread

@@ -12,9 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import mark_limit, only_grid, power
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark
@@ -25,9 +24,11 @@ from dubins_study.report.elements.style import (
     VERMILION,
     WIDE,
     Style,
+    mark_limit,
     new_figure,
+    only_grid,
+    power,
 )
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.statistics.metrics import by_solver, solver_order
 from dubins_study.study.tolerances import ARRIVES
 

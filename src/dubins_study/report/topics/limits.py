@@ -6,8 +6,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Section, Table
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.study.rows.schema import ROW, VERSION
 
 # (what the numbers are of, what they therefore do not say)

@@ -15,7 +15,15 @@ from dubins_study.report.data.attempts import TRIAL
 from dubins_study.report.data.results import Results
 from dubins_study.report.data.verdicts import evaluations
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
+from dubins_study.report.elements.content import (
+    BENCHMARK,
+    Picture,
+    Place,
+    Section,
+    Table,
+    Topic,
+    picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug, some
 from dubins_study.report.elements.identity import (
     INTERVAL_TEXT,
@@ -36,7 +44,6 @@ from dubins_study.report.elements.style import (
     WIDE,
     Style,
 )
-from dubins_study.report.elements.topic import BENCHMARK, Topic
 from dubins_study.report.statistics.compared import stratum_order
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods

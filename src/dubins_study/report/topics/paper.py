@@ -12,13 +12,19 @@ from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import duration, log_axis, mark_limit
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Place, Section, Table, picture
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Place,
+    Section,
+    Table,
+    Topic,
+    picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import INK, WIDE
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.style import INK, WIDE, duration, log_axis, mark_limit
 from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
 from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.statistics.metrics import solver_order, success

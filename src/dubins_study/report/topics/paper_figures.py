@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Place, Section, picture
+from dubins_study.report.elements.content import Picture, Place, Section, Topic, picture
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES
 from dubins_study.report.elements.style import (
@@ -29,7 +29,6 @@ from dubins_study.report.elements.style import (
     WIDE,
     new_figure,
 )
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.topics.paper import word_paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path

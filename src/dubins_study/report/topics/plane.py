@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Section, picture
+from dubins_study.report.elements.content import General, Section, Topic, picture
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark, draw_cells
@@ -27,7 +27,6 @@ from dubins_study.report.elements.style import (
     VERMILION,
     Style,
 )
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.path import FloatArray, Paths
 from dubins_study.study.scenario import check_frame

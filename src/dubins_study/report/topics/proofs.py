@@ -11,12 +11,11 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT, PROOFS
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import Picture, Section, Show, Table
+from dubins_study.report.elements.content import Picture, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark, quartile_lines
 from dubins_study.report.elements.style import BLUE, GREEN, VERMILION
-from dubins_study.report.elements.topic import Topic
 from dubins_study.report.paper.printed import PROBLEMS
 from dubins_study.report.statistics.metrics import by_solver, proof, solver_order, success
 

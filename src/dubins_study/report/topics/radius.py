@@ -13,14 +13,23 @@ from matplotlib.ticker import MaxNLocator
 
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import duration, log_axis, mark_limit, plain_log_axis
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import General, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.plots import parameter_lines
-from dubins_study.report.elements.style import HALF, INK, MUTED, WIDE, Style, new_figure
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.style import (
+    HALF,
+    INK,
+    MUTED,
+    WIDE,
+    Style,
+    duration,
+    log_axis,
+    mark_limit,
+    new_figure,
+    plain_log_axis,
+)
 from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.statistics.metrics import by_solver, circle_radius, runs_of
 from dubins_study.study.closed_form.shortest import shortest

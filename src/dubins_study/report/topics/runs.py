@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import digits, seconds, share
 from dubins_study.report.elements.style import (
     BLUE,
@@ -25,7 +25,6 @@ from dubins_study.report.elements.style import (
     WIDE,
     Style,
 )
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.study.rows.machine_noise import NOISY, Probe, by_machine
 from dubins_study.study.rows.manifest import RunEntry
 

@@ -14,13 +14,19 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.axes import log_axis, mark_limit, power
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import MUTED, WIDE, Style, new_figure
-from dubins_study.report.elements.topic import Topic
+from dubins_study.report.elements.style import (
+    MUTED,
+    WIDE,
+    Style,
+    log_axis,
+    mark_limit,
+    new_figure,
+    power,
+)
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.methods import MOST_CURVES
 from dubins_study.report.statistics.metrics import parse_spec, solver_order

@@ -9,10 +9,9 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import some
-from dubins_study.report.elements.names import names_of
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.looks import names_of
 from dubins_study.report.statistics.metrics import parse_spec
 
 _COLUMNS = (

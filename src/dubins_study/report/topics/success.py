@@ -11,14 +11,12 @@ import pandas as pd
 from dubins_study.report.data.attempts import PRESOLVED, VERDICTS, Attempts
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Show, Table
+from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
 from dubins_study.report.elements.identity import best_first
-from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, share_curves, stacked_shares
 from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.methods import (
     MOST_ENGINES,
     MOST_METHODS,

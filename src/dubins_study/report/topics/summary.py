@@ -8,11 +8,10 @@ from dubins_study.report.data import verdicts as counts
 from dubins_study.report.data.attempts import EXACT, PRESOLVED, Attempts
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
-from dubins_study.report.elements.names import in_page_order
-from dubins_study.report.elements.topic import General, Topic
+from dubins_study.report.elements.looks import in_page_order
 from dubins_study.report.statistics.compared import once
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of
 

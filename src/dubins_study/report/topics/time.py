@@ -8,13 +8,11 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import General, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, some
 from dubins_study.report.elements.identity import best_first
-from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.names import in_page_order
+from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, quartile_lines, share_curves
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.costs import (
     SHIFT_FACTORS,
     chosen_shift,

@@ -6,12 +6,11 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import General, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark, quartile_lines
 from dubins_study.report.elements.style import BLUE, HALF, VERMILION
-from dubins_study.report.elements.topic import General, Topic
 from dubins_study.report.statistics.metrics import QUESTION, by_solver, success
 
 # The table: columns of `warm_starts` with their titles, in order; the CSV file has the same keys.

@@ -6,12 +6,22 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from dubins_study.report.elements.axes import duration, log_axis, only_grid, plain_log_axis
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, picture
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
-from dubins_study.report.elements.style import BLUE, INK, MUTED, VERMILION, WIDE, new_figure
+from dubins_study.report.elements.style import (
+    BLUE,
+    INK,
+    MUTED,
+    VERMILION,
+    WIDE,
+    duration,
+    log_axis,
+    new_figure,
+    only_grid,
+    plain_log_axis,
+)
 from dubins_study.report.two_runs.changes import GAP_FLOOR, WORSE_GAP
 from dubins_study.report.two_runs.comparison import Comparison, with_verdicts
 
