@@ -14,7 +14,7 @@ from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement import agreement
-from dubins_study.report.topics.discretisation import work_precision
+from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.report.topics.time import mean_times, right_times

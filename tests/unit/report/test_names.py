@@ -15,7 +15,7 @@ from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import natural, solver_order
-from dubins_study.report.topics.solvers import solvers_section
+from dubins_study.report.topics.appendix import solvers_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FORMULATIONS
 from tests.unit.report.results_folder import attempt

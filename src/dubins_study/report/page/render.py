@@ -32,8 +32,8 @@ from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import PAPER
+from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
-from dubins_study.report.topics.limits import limits_section
 
 
 class Head(NamedTuple):

@@ -11,7 +11,7 @@ from dubins_study.report.elements.content import BENCHMARK, General, Place, Sect
 from dubins_study.report.elements.formats import slug
 from dubins_study.report.elements.looks import labels_of
 
-# The topics in the order of the page: modules of `report`, each with its `TOPIC`.
+# Modules of `report` with their topics, in the order of the page.
 _MODULES = (
     # the front
     "topics.belief",
@@ -29,7 +29,6 @@ _MODULES = (
     "topics.cost",
     "topics.time",
     "topics.agreement",
-    "topics.agreement_formulations",
     # the paper
     "topics.paper",
     "topics.audit",
@@ -37,23 +36,23 @@ _MODULES = (
     # studies of one thing each
     "topics.radius",
     "topics.warm",
-    "topics.discretisation",
+    "topics.convergence",
     "topics.plane",
     "topics.basins",
     "topics.bias",
     "topics.scale",
-    "topics.convergence",
     "topics.ladder",
     "topics.proofs",
     "topics.failures",
     # single attempts, and what they rest on
     "interactive.section",
-    "topics.solvers",
-    "topics.runs",
-    "topics.limits",
+    "topics.appendix",
 )
-TOPICS: tuple[Topic, ...] = tuple(
-    import_module(f"dubins_study.report.{name}").TOPIC for name in _MODULES
+TOPICS = tuple(
+    topic
+    for name in _MODULES
+    for topic in vars(import_module(f"dubins_study.report.{name}")).values()
+    if isinstance(topic, Topic)
 )
 KEYS = tuple(dict.fromkeys(topic.about for topic in TOPICS if isinstance(topic.about, str)))
 

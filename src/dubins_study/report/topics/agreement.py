@@ -10,7 +10,7 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import General, Section, Show, Table, Topic
+from dubins_study.report.elements.content import BENCHMARK, General, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.statistics.methods import MOST_METHODS, best_of_formulations
 from dubins_study.report.statistics.metrics import solver_order
@@ -29,23 +29,6 @@ _COLUMNS = (
 _SAMPLES = 65  # points per path; only in long paths a turn may lie between two points
 
 
-def answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """The first cold answer of each solver to each question, if it arrives.
-
-    With the index of the rows, and `scale`: max(reference, radius).
-    """
-    cold = _first_cold(rows)
-    arrived = cold[cold["gap"].notna()]
-    scale = arrived["reference"].clip(lower=arrived["radius"])
-    return arrived.assign(scale=scale)[[*_KEY, "solver", "length", "scale", "radius"]]
-
-
-def _first_cold(rows: pd.DataFrame) -> pd.DataFrame:
-    """For every question and solver, the cold attempt with the smallest `repeat`."""
-    cold = rows[rows["initial_guess"] == "cold"].sort_values("repeat", kind="stable")
-    return cold.drop_duplicates([*_KEY, "solver"])
-
-
 def agreement(
     rows: pd.DataFrame,
     path_of: Callable[[int], Path | None],
@@ -58,9 +41,11 @@ def agreement(
     apart_median, apart_largest: median and largest over the questions of the largest distance
     between the two paths at equal arc length, divided by the same scale.
     """
-    cold = _first_cold(rows)
+    cold = rows[rows["initial_guess"] == "cold"].sort_values("repeat", kind="stable")
+    cold = cold.drop_duplicates([*_KEY, "solver"])
     posed = cold.assign(posed=True).pivot(index=_KEY, columns="solver", values="posed").notna()
-    arrived = answers(rows)
+    arrived = cold[cold["gap"].notna()]
+    arrived = arrived.assign(scale=arrived["reference"].clip(lower=arrived["radius"]))
     length = arrived.pivot(index=_KEY, columns="solver", values="length")
     index = arrived.reset_index(names="row").pivot(index=_KEY, columns="solver", values="row")
     # Near a circle the two answers have different references; the larger one is the scale.
@@ -98,13 +83,12 @@ def _distances(index: pd.DataFrame, path_of: Callable[[int], Path | None]) -> Fl
     apart = np.full((len(index), solvers, solvers), np.nan)
     for place, rows in enumerate(index.to_numpy(dtype=np.float64)):
         present = np.flatnonzero(~np.isnan(rows))
-        paths = [path_of(int(row)) for row in rows[present]]
-        known = [path for path in paths if path is not None]
-        assert len(known) == len(paths)  # all have a gap, so all have a path
-        if len(known) < 2:
+        if present.size < 2:
             continue
-        along = np.linspace(0.0, max(path.total_length for path in known), _SAMPLES)
-        points = np.stack([path.at(along)[:, :2] for path in known])
+        # An answer with a gap has a path.
+        paths = [path for row in rows[present] if (path := path_of(int(row))) is not None]
+        along = np.linspace(0.0, max(path.total_length for path in paths), _SAMPLES)
+        points = np.stack([path.at(along)[:, :2] for path in paths])
         offsets = points[:, np.newaxis] - points
         largest = np.hypot(offsets[..., 0], offsets[..., 1]).max(axis=-1)
         apart[place][np.ix_(present, present)] = largest
@@ -115,33 +99,30 @@ def agreement_section(results: Results) -> Section | None:
     """The table of all pairs of solvers; of many, of the best of each formulation."""
     if results.rows["solver"].nunique() > MOST_METHODS:
         return formulations_section(results)
-    return _section(results, results.rows, "agreement", "Agreement", "")
+    return _section(results, results.rows)
 
 
 def formulations_section(results: Results) -> Section | None:
     """The table of the best engine, guess and settings of each formulation."""
     methods = solver_summary(results.attempts)
-    best = methods[methods["solver"].isin(best_of_formulations(methods))]
-    rows = results.rows[results.rows["solver"].isin(best["solver"])]
-    which = " Of each formulation the method that is most surely right, the fastest of several."
-    key, title = "agreement-formulations", "Agreement between formulations"
-    return _section(results, rows, key, title, which, best["solver"].tolist())
+    best = methods.loc[methods["solver"].isin(best_of_formulations(methods)), "solver"]
+    return _section(results, results.rows[results.rows["solver"].isin(best)], best.tolist())
 
 
 def _section(
-    results: Results,
-    rows: pd.DataFrame,
-    key: str,
-    title: str,
-    which: str,
-    order: list[str] | None = None,
+    results: Results, rows: pd.DataFrame, formulations: list[str] | None = None
 ) -> Section | None:
+    """The pairs of the rows' solvers; `formulations` are those that stand for one, in order."""
     if rows["solver"].nunique() < 2:
         return None
-    pairs = agreement(rows, results.path, order)
+    pairs = agreement(rows, results.path, formulations)
     pairs = pairs[pairs["questions"] > 0].reset_index(drop=True)
     if not (pairs["both"] > 0).any():
         return None
+    key, title, which = "agreement", "Agreement", ""
+    if formulations is not None:
+        key, title = "agreement-formulations", "Agreement between formulations"
+        which = " Of each formulation the method that is most surely right, the fastest of several."
     caption = (
         "Differences in length, and the largest distance between the two paths at equal arc "
         "length, both over max(reference, R). Equal lengths with distant paths are ties, or flat "
@@ -157,3 +138,4 @@ def _section(
 
 
 TOPIC = Topic("agreement", agreement_section, General.COMPARED)
+OF_BENCHMARK = Topic("agreement of formulations", formulations_section, BENCHMARK)

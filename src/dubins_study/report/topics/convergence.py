@@ -1,4 +1,4 @@
-"""The section on the order of convergence."""
+"""Refined discretisations: the order of convergence, and the work for a precision."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, Topic
-from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug
+from dubins_study.report.elements.formats import count, digits, seconds, share, slug
 from dubins_study.report.elements.looks import Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.path import FloatArray
 
 # Method -> the setting that controls its fineness.
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
+_WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
 GOAL = 1e-4  # the gap up to which the check says optimal by default
 # Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
-Settings = Mapping[str, Mapping[str, Any]]
+Settings = Mapping[str, Mapping[str, Any]]  # spec -> its settings, as a manifest holds them
 ORDERS = (
     *columns(kind="text", label="method"),
     *columns(kind="text", place="where", measure="of the"),
@@ -36,227 +36,8 @@ ORDERS = (
     *columns(digits(3), value="median there"),
     *columns(seconds, wall_s="median time", goal_s="time to 1e-4"),
 )
-
-
-def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """The attempts of methods that can be refined, with the value measured for each.
-
-    Args:
-        rows: attempts.
-        settings: spec -> its settings, as a manifest holds them.
-
-    Returns:
-        Columns series (the method and all settings in its spec except the size), solver, size,
-        place, scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value
-        (infinite if there is none), wrong_basin and wall_s (s).
-    """
-    specs = {str(spec): settings.get(str(spec), {}) for spec in rows["solver"].unique()}
-    sizes = {spec: specs[spec].get(SIZES.get(metrics.parse_spec(spec)[0], "")) for spec in specs}
-    refinable = [spec for spec, size in sizes.items() if isinstance(size, int)]
-    group = rows[rows["solver"].isin(refinable) & rows["region"].notna()]
-    raw = group["solver"].map({spec: specs[spec].get("correct") is False for spec in refinable})
-    raw = raw.astype(bool)
-    value = group["gap"].clip(lower=0).where(~raw, group["miss"] / group["radius"]).fillna(np.inf)
-    return pd.DataFrame(
-        {
-            "series": group["solver"].map({spec: series(spec) for spec in refinable}),
-            "solver": group["solver"],
-            "size": group["solver"].map(sizes).astype("int64"),
-            "place": np.where(group["region"].str.endswith("disc"), *PLACES[::-1]),
-            "scenario_id": group["scenario_id"],
-            "measure": np.where(raw, "miss", "gap"),
-            "value": value,
-            "wrong_basin": group["wrong_basin"].astype(bool),
-            "wall_s": group["wall_s"],
-        }
-    )
-
-
-def series(spec: str) -> str:
-    """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
-    name, settings = metrics.parse_spec(spec)
-    others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
-    return f"{name}[{','.join(others)}]" if others else name
-
-
-def series_names(attempts: pd.DataFrame, labels: Mapping[str, str]) -> pd.DataFrame:
-    """How the series of `refined` are called and drawn.
-
-    Args:
-        attempts: from `refined`.
-        labels: spec -> the solver's short name.
-
-    Returns:
-        Indexed by series; columns solver (one spec of the series) and label (its short name without
-        the size).
-    """
-    frame = attempts.groupby("series")[["solver"]].first()
-    keys = [SIZES[metrics.parse_spec(spec)[0]] for spec in frame["solver"]]
-    pairs = zip(frame["solver"], keys, strict=True)
-    without = {spec: label_without(labels[spec], key) for spec, key in pairs}
-    return frame.assign(label=frame["solver"].map(figure_names(without)))
-
-
-def label_without(label: str, key: str) -> str:
-    """A short name without one setting: of the series that differs only in it."""
-    return ", ".join(item for item in label.split(", ") if not item.startswith(f"{key}="))
-
-
-def medians(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per series, place and size, from the attempts that `refined` returns.
-
-    Columns measure, series, place, size, attempts, arrived (share with a value), value (median,
-    infinite if half have none) and wall_s (median, s).
-    """
-    arrived = attempts.assign(arrived=np.isfinite(attempts["value"]))
-    groups = arrived.groupby(["measure", "series", "place", "size"])
-    frame = pd.DataFrame({"attempts": groups.size(), "arrived": groups["arrived"].mean()})
-    frame["value"] = groups["value"].agg(lambda values: metrics.upper_quantile(values, 0.5))
-    return frame.assign(wall_s=groups["wall_s"].median()).reset_index()
-
-
-def orders(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per series and place, from the attempts that `refined` returns.
-
-    Columns measure, series, place, scenarios, order (p of median ~ size^-p, over the sizes at which
-    the median falls), least and most (smallest and largest order of single scenarios over the same
-    sizes, without answers in a wrong basin), wrong (number of these answers), finest (size), value
-    and wall_s (medians at that size), and goal_s: the median time at the smallest size from which
-    on the median gap is at most 1e-4, NaN if there is no such size.
-    """
-    table, keys = medians(attempts), ["measure", "series", "place"]
-    lines = dict(list(table.groupby(keys)))
-    attempts_of = dict(list(attempts.groupby(keys)))
-    series_names = metrics.solver_order(table["series"].tolist())
-    places = product(sorted(table["measure"].unique()), series_names, PLACES)
-    records = [
-        _order(lines[key].sort_values("size"), attempts_of[key]) for key in places if key in lines
-    ]
-    return pd.DataFrame.from_records(records)
-
-
-def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
-    value = line["value"].to_numpy(dtype=np.float64)
-    floor = FLOOR[str(line["measure"].iloc[0])]
-    falling = line.iloc[: int(value.argmin()) + 1]
-    fitted = attempts[attempts["size"].isin(falling["size"]) & ~attempts["wrong_basin"]]
-    scenarios = fitted.groupby("scenario_id")
-    orders = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
-    singly = [order for order in orders if math.isfinite(order)]
-    last = line.iloc[-1]
-    return {
-        **last[["measure", "series", "place"]],
-        "scenarios": attempts["scenario_id"].nunique(),
-        "order": metrics.fitted_order(falling["size"], falling["value"], floor),
-        "least": min(singly, default=math.nan),
-        "most": max(singly, default=math.nan),
-        "wrong": int(attempts["wrong_basin"].sum()),
-        "finest": int(last["size"]),
-        "value": last["value"],
-        "wall_s": last["wall_s"],
-        "goal_s": _goal(value, line["wall_s"].to_numpy(dtype=np.float64)),
-    }
-
-
-def _goal(value: FloatArray, seconds: FloatArray) -> float:
-    """Time (s) at the smallest size from which on all values are within the goal."""
-    above = np.flatnonzero(~(value <= GOAL))
-    first = int(above[-1]) + 1 if above.size else 0
-    return float(seconds[first]) if first < value.size else float("nan")
-
-
-_WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
-
-
-def convergence_section(results: Results) -> Section | None:
-    """Gap against size with the fitted order, gap against time, and the table of orders."""
-    attempts = refined(results.rows, results.settings)
-    if attempts.empty:
-        return None
-    table, fits = medians(attempts), orders(attempts)
-    names = series_names(attempts, labels_of(results))
-    fits = fits.assign(label=fits["series"].map(names["label"]))
-    pictures = _pictures(table, fits, names, Palette.of_page(results))
-    caption = (
-        "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
-        "same N: where a switch falls between two steps moves every single gap. Answers in a "
-        "wrong basin, counted for all N, measure no order and only enter the medians."
-    )
-    blocks: tuple[Picture | Table, ...] = (
-        *pictures,
-        Table("convergence", caption, fits, ORDERS, numbers=("series",)),
-    )
-    text = (
-        "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
-        "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
-        "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
-        "grid of headings should cost 1/N² in both."
-    )
-    text = sentences(text, _falling(fits), _cheapest(fits), _collocated(fits))
-    lead = (
-        "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "
-        "the turning circles faster than inside."
-    )
-    return Section("convergence", "Order of convergence", text, blocks, lead)
-
-
-def _falling(fits: pd.DataFrame) -> str:
-    parts = []
-    for place in PLACES:
-        group = fits[(fits["measure"] == "gap") & (fits["place"] == place) & fits["order"].notna()]
-        if len(group):
-            items = ", ".join(
-                f"{row['label']} {digits(3)(row['order'])}" for row in group.to_dict("records")
-            )
-            parts.append(f"{_WHERE[place]} {items}")
-    return f"The median gap falls with the orders: {'; '.join(parts)}." if parts else ""
-
-
-def _cheapest(fits: pd.DataFrame) -> str:
-    parts = []
-    for place in PLACES:
-        group = fits[(fits["measure"] == "gap") & (fits["place"] == place)]
-        there = group.dropna(subset=["goal_s"]).sort_values("goal_s")
-        if group.empty:
-            continue
-        if there.empty:
-            parts.append(f"{_WHERE[place]} none of them does")
-            continue
-        first = there.iloc[0]
-        part = f"{_WHERE[place]} {first['label']} is first, in {seconds(first['goal_s'])}"
-        if len(there) < len(group):
-            part += f", and {len(group) - len(there)} of {len(group)} never is"
-        parts.append(part)
-    return f"At a median gap of 1e-4 {'; '.join(parts)}." if parts else ""
-
-
-def _collocated(fits: pd.DataFrame) -> str:
-    raw = fits[(fits["measure"] == "miss") & fits["order"].notna()]
-    parts = []
-    for place in PLACES:
-        group = raw[raw["place"] == place]
-        items = [
-            f"{_points(name)}: {digits(3)(p)}"
-            for name, p in zip(group["series"], group["order"], strict=True)
-        ]
-        if items:
-            parts.append(f"{_WHERE[place]} {', '.join(items)}")
-    if not parts:
-        return ""
-    return (
-        "Left uncorrected, collocation at p of Radau's points should miss the target by 1/N to "
-        f"the power 2p − 1; the fitted powers are: {'; '.join(parts)}."
-    )
-
-
-def _points(series: str) -> str:
-    """A name for an uncorrected collocation: its number of points, if the spec gives it."""
-    points = parse_spec(series)[1].get("points")
-    return series if points is None else f"p = {points}"
-
-
 # Measure -> name of the figures, axis, caption.
-_ORDERS = {
+_FIGURES = {
     "gap": (
         "convergence",
         "median gap",
@@ -270,42 +51,271 @@ _ORDERS = {
         "Ipopt's own tolerance.",
     ),
 }
+# The method of the section on work and precision, and its table.
+REFINED = "turn-rate-qp"
+WORK = (
+    *columns(kind="code", engine="engine"),
+    *columns(count, n="n", attempts="attempts"),
+    *columns(share, arrived="arrive", success="success"),
+    *columns(digits(3), gap="median gap", gap_q90="90 %"),
+    *columns(seconds, wall_s="median time"),
+    *columns(digits(3), iterations="QPs"),
+)
+_QUANTILES = {"gap_q25": 0.25, "gap": 0.5, "gap_q75": 0.75, "gap_q90": 0.9}
 
 
-def _pictures(
-    table: pd.DataFrame, fits: pd.DataFrame, names: pd.DataFrame, palette: Palette
-) -> list[Picture]:
-    """Value against size, and of gaps against time too, outside the discs and in a disc."""
-    lines = table.join(names, on="series").sort_values(["series", "size"], kind="stable")
-    lines = lines.merge(fits[["measure", "series", "place", "order"]], how="left")
+def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """The attempts of methods that can be refined, with the value measured for each.
+
+    Columns series (the method and all settings in its spec except the size), solver, size, place,
+    scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value (infinite if
+    there is none), wrong_basin and wall_s (s).
+    """
+    sizes = sizes_of(rows, settings)
+    group = rows[rows["solver"].isin(list(sizes)) & rows["region"].notna()]
+    raw = group["solver"].map({spec: settings[spec].get("correct") is False for spec in sizes})
+    raw = raw.astype(bool)
+    value = group["gap"].clip(lower=0).where(~raw, group["miss"] / group["radius"]).fillna(np.inf)
+    return pd.DataFrame(
+        {
+            "series": group["solver"].map({spec: series(spec) for spec in sizes}),
+            "solver": group["solver"],
+            "size": group["solver"].map(sizes).astype("int64"),
+            "place": np.where(group["region"].str.endswith("disc"), *PLACES[::-1]),
+            "scenario_id": group["scenario_id"],
+            "measure": np.where(raw, "miss", "gap"),
+            "value": value,
+            "wrong_basin": group["wrong_basin"].astype(bool),
+            "wall_s": group["wall_s"],
+        }
+    )
+
+
+def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
+    """Spec -> its fineness, for the solvers of the rows that have one."""
+    specs = [str(spec) for spec in rows["solver"].unique()]
+    sizes = {s: settings.get(s, {}).get(SIZES.get(parse_spec(s)[0], "")) for s in specs}
+    return {spec: size for spec, size in sizes.items() if isinstance(size, int) and size > 0}
+
+
+def series(spec: str) -> str:
+    """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
+    name, settings = parse_spec(spec)
+    others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
+    return f"{name}[{','.join(others)}]" if others else name
+
+
+def _named(solvers: pd.Series, labels: Mapping[str, str], shared: str = "") -> dict[str, str]:
+    """Spec -> its name in figures, without its size and the item that all of them share."""
+    without = {}
+    for spec in solvers:
+        size = f"{SIZES[parse_spec(spec)[0]]}="
+        items = labels[spec].split(", ")
+        without[spec] = ", ".join(item for item in items if not item.startswith(size))
+    names = figure_names(without)
+    return {
+        spec: ", ".join(item for item in name.split(", ") if item != shared)
+        for spec, name in names.items()
+    }
+
+
+def medians(attempts: pd.DataFrame) -> pd.DataFrame:
+    """One row per series, place and size, from the attempts that `refined` returns.
+
+    Columns measure, series, place, size, solver (a spec of the series, the same at all sizes),
+    attempts, arrived (share with a value), value (median, infinite if half have none) and wall_s
+    (median, s).
+    """
+    first = attempts.groupby("series")["solver"].first()
+    arrived = attempts.assign(arrived=np.isfinite(attempts["value"]))
+    groups = arrived.groupby(["measure", "series", "place", "size"])
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": groups["arrived"].mean()})
+    frame["value"] = groups["value"].agg(metrics.upper_quantile, q=0.5)
+    frame = frame.assign(wall_s=groups["wall_s"].median()).reset_index()
+    return frame.assign(solver=frame["series"].map(first))
+
+
+def falling(line: pd.DataFrame, value: str) -> pd.DataFrame:
+    """The rows up to the smallest value: beyond it the engine's own accuracy decides."""
+    return line.iloc[: int(line[value].to_numpy(dtype=np.float64).argmin()) + 1]
+
+
+def orders(attempts: pd.DataFrame) -> pd.DataFrame:
+    """One row per series and place, from the attempts that `refined` returns.
+
+    Columns measure, series, place, solver, scenarios, order (p of median ~ size^-p, over the sizes
+    at which the median falls), least and most (smallest and largest order of single scenarios over
+    the same sizes, without answers in a wrong basin), wrong (number of these answers), finest
+    (size), value and wall_s (medians at that size), and goal_s: the median time at the smallest
+    size from which on the median gap is at most 1e-4, NaN if there is no such size.
+    """
+    table, keys = medians(attempts), ["measure", "series", "place"]
+    lines, attempts_of = (dict(list(frame.groupby(keys))) for frame in (table, attempts))
+    each = metrics.solver_order(table["series"].tolist())
+    places = product(sorted(table["measure"].unique()), each, PLACES)
+    records = [
+        _order(lines[key].sort_values("size"), attempts_of[key]) for key in places if key in lines
+    ]
+    return pd.DataFrame.from_records(records)
+
+
+def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
+    floor, falls = FLOOR[str(line["measure"].iloc[0])], falling(line, "value")
+    fitted = attempts[attempts["size"].isin(falls["size"]) & ~attempts["wrong_basin"]]
+    scenarios = fitted.groupby("scenario_id")
+    orders = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
+    singly = [order for order in orders if math.isfinite(order)]
+    above = np.flatnonzero(~(line["value"] <= GOAL))
+    within = line.iloc[int(above[-1]) + 1 if above.size else 0 :]
+    last = line.iloc[-1]
+    return {
+        **last[["measure", "series", "place", "solver"]],
+        "scenarios": attempts["scenario_id"].nunique(),
+        "order": metrics.fitted_order(falls["size"], falls["value"], floor),
+        "least": min(singly, default=math.nan),
+        "most": max(singly, default=math.nan),
+        "wrong": int(attempts["wrong_basin"].sum()),
+        "finest": int(last["size"]),
+        "value": last["value"],
+        "wall_s": last["wall_s"],
+        "goal_s": float(within["wall_s"].iloc[0]) if len(within) else math.nan,
+    }
+
+
+def convergence_section(results: Results) -> Section | None:
+    """Value against size with the fitted order, and the table of orders."""
+    attempts = refined(results.rows, results.settings)
+    if attempts.empty:
+        return None
+    fits = orders(attempts)
+    fits["label"] = fits["solver"].map(_named(fits["solver"].drop_duplicates(), labels_of(results)))
+    pictures = _pictures(medians(attempts), fits, Palette.of_page(results))
+    caption = (
+        "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
+        "same N: where a switch falls between two steps moves every single gap. Answers in a "
+        "wrong basin, counted for all N, measure no order and only enter the medians."
+    )
+    table = Table("convergence", caption, fits, ORDERS, numbers=("series",))
+    text = (
+        "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
+        "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
+        "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
+        "grid of headings should cost 1/N² in both. Left uncorrected, collocation at p of Radau's "
+        "points should miss the target by 1/N to the power 2p − 1."
+    )
+    lead = (
+        "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "
+        "the turning circles faster than inside."
+    )
+    return Section("convergence", "Order of convergence", text, (*pictures, table), lead)
+
+
+def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
+    """Value against size, by measure and place."""
+    lines = table.merge(fits[["measure", "series", "place", "order", "label"]])
+    lines = _with_orders(lines.rename(columns={"label": "name"}))
+    lines = lines.sort_values(["series", "size"], kind="stable")
     pictures = []
-    for measure, place in product(_ORDERS, PLACES):
+    for (measure, (stem, ylabel, text)), place in product(_FIGURES.items(), PLACES):
         group = lines[(lines["measure"] == measure) & (lines["place"] == place)]
-        if not (np.isfinite(group["value"]) & (group["value"] > 0)).any():
+        if not _drawable(group["value"]).any():
             continue
-        stem, ylabel, text = _ORDERS[measure]
-        fitted = [
-            f"{label}: p = {digits(3)(order)}" if order == order else label
-            for label, order in zip(group["label"], group["order"], strict=True)
-        ]
-        xlabel = "steps, headings or elements N"
-        data = group.assign(name=fitted), "size", "value", palette, xlabel, ylabel
-        caption, name = f"Targets {_WHERE[place]}: {text}", f"{stem}-{slug(place)}"
-        figure = parameter_lines(*data, height=3.7)
-        pictures.append(Picture(name, caption, figure, caption, half=True))
-        if measure == "gap":
-            caption = (
-                f"Targets {_WHERE[place]}: the same gaps against what they cost. Lower left is "
-                "better; along each line N doubles from mark to mark."
-            )
-            data = group.assign(name=group["label"]), "wall_s", "value", palette, _TIME, ylabel
-            figure = parameter_lines(*data, seconds=True, height=3.7)
-            name = f"convergence-time-{slug(place)}"
-            pictures.append(Picture(name, caption, figure, caption, half=True))
+        axes = "steps, headings or elements N", ylabel
+        figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)
+        caption = f"Targets {_WHERE[place]}: {text}"
+        pictures.append(Picture(f"{stem}-{slug(place)}", caption, figure, caption, half=True))
     return pictures
 
 
-_TIME = "median time of one attempt"
+def _drawable(values: pd.Series) -> pd.Series[bool]:
+    """Whether the values have a place on a logarithmic axis."""
+    return values.between(0, np.inf, inclusive="neither")
+
+
+def _with_orders(lines: pd.DataFrame) -> pd.DataFrame:
+    """The lines, each name with the order that is fitted to it."""
+    pairs = zip(lines["name"], lines["order"], strict=True)
+    return lines.assign(name=[f"{n}: p = {digits(3)(p)}" if p == p else n for n, p in pairs])
+
+
+def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """One row per engine and n, from the attempts of `turn-rate-qp`.
+
+    Columns engine (with all settings in the spec except n), n, solver (a spec of the engine's, the
+    same at all n), attempts, arrived and success (shares of all attempts), gap and gap_q25,
+    gap_q75, gap_q90 (median and quantiles, infinite if too few arrive), wall_s (median, s),
+    iterations (median), order (p of gap ~ n^-p, up to the engine's smallest gap).
+    """
+    sizes = sizes_of(rows, settings)
+    steps = {spec: n for spec, n in sizes.items() if parse_spec(spec)[0] == REFINED}
+    group = rows[rows["solver"].isin(list(steps))]
+    if group.empty:
+        return pd.DataFrame()
+    measured = group.assign(
+        engine=group["solver"].map({spec: _engine(spec, settings[spec]) for spec in steps}),
+        n=group["solver"].map(steps),
+        value=metrics.gaps(group),
+        success=metrics.success(group),
+    )
+    groups = measured.groupby(["engine", "n"])
+    arrived = groups["value"].agg(lambda gaps: np.isfinite(gaps.dropna()).mean())
+    frame = pd.DataFrame({"attempts": groups.size(), "arrived": arrived})
+    frame = frame.assign(success=groups["success"].mean(), wall_s=groups["wall_s"].median())
+    for name, q in _QUANTILES.items():
+        frame[name] = groups["value"].agg(metrics.upper_quantile, q=q)
+    frame = frame.assign(iterations=groups["iterations"].median()).reset_index()
+    falls = {engine: falling(line, "gap") for engine, line in frame.groupby("engine")}
+    fits = {engine: metrics.fitted_order(line["n"], line["gap"]) for engine, line in falls.items()}
+    specs = measured.groupby("engine")["solver"].min()
+    return frame.assign(order=frame["engine"].map(fits), solver=frame["engine"].map(specs))
+
+
+def _engine(spec: str, settings: Mapping[str, Any]) -> str:
+    """The engine of a spec, and its settings besides n."""
+    given = parse_spec(spec)[1].items()
+    others = [f"{key}={value}" for key, value in given if key not in ("n", "engine")]
+    return ", ".join([str(settings.get("engine")), *others])
+
+
+def work_section(results: Results) -> Section | None:
+    """Time against gap by n and engine, with the fitted order."""
+    table = work_precision(results.rows, results.settings)
+    if table.empty:
+        return None
+    caption = (
+        "Every engine at every n. Gap quantiles count an attempt that does not arrive as ∞. QPs: "
+        "median number of QPs solved in one attempt."
+    )
+    blocks: tuple[Picture | Table, ...] = (Table("discretisation", caption, table, WORK),)
+    lines = table[_drawable(table["gap"])]
+    if len(lines):
+        names = _named(lines["solver"].drop_duplicates(), labels_of(results), "turn rates")
+        lines = lines.assign(
+            name=lines["solver"].map(names),
+            gap_q1=lines["gap_q25"].clip(lower=lines["gap"].min() / 3),
+            gap_q3=lines["gap_q75"].clip(upper=3 * lines["gap"].max()),
+        )
+        lines = _with_orders(lines.sort_values(["solver", "n"]))
+        axes = "median time of one attempt", "gap to the shortest length"
+        palette = Palette.of_page(results)
+        figure = parameter_lines(lines, "wall_s", "gap", palette, *axes, seconds=True, height=3.7)
+        caption = (
+            "Gap against median time, medians with the quartiles over the targets as a band; along "
+            "each line n doubles from mark to mark. Lower left is better. p is the order fitted to "
+            "gap ~ 1/n^p as far as the medians fall."
+        )
+        alt = "Time against gap for each engine"
+        blocks = Picture("work-precision", caption, figure, alt, half=True), *blocks
+    text = (
+        "turn-rate-qp holds each of n turn rates over a step, so its best path is longer than the "
+        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
+    )
+    lead = (
+        "Follow a curve down to the gap that you want and read off the steps and the time; the "
+        "engine whose curve is farthest left is the one to use."
+    )
+    return Section("discretisation", "Work and precision", text, blocks, lead)
 
 
 TOPIC = Topic("the order of convergence", convergence_section, "convergence")
+WORK_TOPIC = Topic("work and precision", work_section, "discretisation")

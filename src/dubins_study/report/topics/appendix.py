@@ -1,0 +1,220 @@
+"""What numbers rest on: solvers, their settings, runs, machines; limits, the data dictionary."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from dubins_study.report.data.results import Folder, Results
+from dubins_study.report.elements.columns import Column, columns, marks
+from dubins_study.report.elements.content import General, Section, Table, Topic
+from dubins_study.report.elements.formats import seconds, share, some
+from dubins_study.report.elements.looks import names_of
+from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.study.rows.machine_noise import NOISY
+from dubins_study.study.rows.schema import ROW, VERSION
+
+_SOLVERS = (
+    *columns(kind="text", label="solver"),
+    Column("solver", "spec", kind="code"),
+    *columns(kind="prose", given="settings that are not the default"),
+    *columns(kind="prose", defaults="settings at their default"),
+)
+
+
+def solvers_section(results: Results) -> Section | None:
+    """Every solver's short name, spec and settings."""
+    names = names_of(results)
+    names = names[names.index.isin(results.attempts.values("solver"))]
+    if names.empty:
+        return None
+    frame = names.reset_index(names="solver")
+    parts = [_settings(spec, results.settings.get(spec, {})) for spec in frame["solver"]]
+    frame = frame.join(pd.DataFrame(parts, columns=["given", "defaults"]))
+    caption = (
+        "Short names and specs. A spec names the settings that are not the default; the solver's "
+        "manifest has the others. Its hash and the versions of its packages stand under Provenance."
+    )
+    numbers = ("formulation", "engine", "guess")
+    return Section(
+        "solvers",
+        "Solvers and their settings",
+        f"{some(len(frame), 'solver')}: a short name says the engine, the formulation, the initial "
+        "guess if it is not the usual one, and the settings by which solvers of the page differ. "
+        "It is the same in all figures and tables, whose CSV files hold the spec.",
+        (Table("solvers", caption, frame, _SOLVERS, numbers=numbers),),
+        lead="Look up here what a short name stands for, and copy the spec into a command.",
+    )
+
+
+def _settings(spec: str, settings: Mapping[str, Any]) -> tuple[str, str]:
+    """The settings of a spec, and those that it leaves at their default."""
+    given = parse_spec(spec)[1]
+    rest = {key: value for key, value in settings.items() if key not in given}
+    return _listed(given), _listed(rest)
+
+
+def _listed(settings: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} {_text(value)}" for key, value in settings.items())
+
+
+def _text(value: Any) -> str:
+    return {"True": "yes", "False": "no"}.get(str(value), str(value))
+
+
+def runs(folders: Iterable[Folder]) -> pd.DataFrame:
+    """One row per run, in the folders' order.
+
+    The load is that of the last minute, at the run's start and its end; spread is a share. Unknown
+    seconds or spread are NaN.
+    """
+    return pd.DataFrame(
+        {
+            "experiment": folder.name,
+            "run": run.run_id,
+            "started": run.started,
+            "seconds": float("nan") if run.seconds is None else run.seconds,
+            # The entry of a killed run stays `running`.
+            "state": "running, or killed" if run.state == "running" else run.state,
+            "engine": run.engine,
+            "jobs": str(run.jobs),
+            "where": f"{_machine(run.machine)}; governor {run.governor}",
+            "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
+            "spread": float("nan") if run.spread is None else run.spread,
+        }
+        for folder in folders
+        for run in folder.manifest.runs
+    )
+
+
+def _machine(machine: Mapping[str, Any]) -> str:
+    texts = [str(machine[key]) for key in ("processor", "system", "memory") if key in machine]
+    if "cores" in machine:
+        texts.append(f"{machine.get('usable_cores', machine['cores'])} of {machine['cores']} cores")
+    return ", ".join(texts)
+
+
+def _load(averages: Sequence[float] | None) -> str:
+    """The average over the last minute."""
+    return f"{averages[0]:.2f}" if averages else "?"
+
+
+def runs_section(results: Results) -> Section | None:
+    """The table of runs, and a sentence for each run that varied."""
+    frame = runs(results.folders)
+    if frame.empty:
+        return None
+    text = (
+        "While a run goes on, a small fixed piece of work is timed in its worker processes every "
+        "couple of seconds. How much that varied, from its 5th to its 95th percentile over the "
+        "median, bounds what differences in time mean. "
+    )
+    noisy = frame[frame["spread"] > NOISY]
+    if len(noisy):
+        text += " ".join(_sentence(row) for row in noisy.to_dict("records"))
+    elif frame["spread"].notna().any():
+        text += f"No run varied by more than {share(NOISY)}."
+    else:
+        text += "No run here was long enough to tell."
+    lead = "Look here, before you quote a time, whether the machine that took it was steady."
+    return Section("runs", "The runs and their machines", text, (_runs_table(frame),), lead)
+
+
+def _sentence(run: Mapping[Hashable, Any]) -> str:
+    return (
+        f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: its machine "
+        "was not quiet, and times of it that differ by less say nothing."
+    )
+
+
+def _runs_table(frame: pd.DataFrame) -> Table:
+    shown = (
+        *columns(kind="code", experiment="experiment", run="run"),
+        *columns(_minute, kind="text", started="started (UTC)"),
+        *columns(seconds, seconds="took"),
+        *columns(kind="text", state="state", engine="engine"),
+        *columns(jobs="jobs"),
+        *columns(share, spread="varied by"),
+        *columns(kind="text", load="load"),
+        *columns(kind="prose", where="machine"),
+    )
+    caption = (
+        "Every run that wrote into these folders. Load is how many processes wanted a core in the "
+        "last minute, at the start and at the end; the governor sets the cores' clock; varied by "
+        f"more than {share(NOISY)} is marked."
+    )
+    noisy = marks(frame[["spread"]] > NOISY, "spread")
+    return Table("runs", caption, frame, shown, noisy)
+
+
+def _minute(started: Any) -> str:
+    """A time in ISO 8601 as `2026-01-31 12:34`; any other text is returned unchanged."""
+    match = re.fullmatch(r"(\d{4}-\d\d-\d\d)T(\d\d:\d\d)[\d:.+Z]*", str(started))
+    return f"{match[1]} {match[2]}" if match else str(started)
+
+
+# (what the numbers are of, what they therefore do not say)
+_LIMITS = (
+    (
+        "One problem: a point target, any heading at the end, forward motion, constant speed, a "
+        "radius that is known, neither obstacles nor wind.",
+        "How formulations and engines do on other problems, above all on larger ones.",
+    ),
+    (
+        "Scenarios that were drawn to cover cases, the awkward ones on purpose; each counts once.",
+        "How often a method is right in a use, where easy targets may be the rule.",
+    ),
+    (
+        "Engines as Python calls them, at the settings that the solvers' table names.",
+        "How fast an engine is from another language, or how good with settings tuned to the task.",
+    ),
+    (
+        "One machine kind a run, one thread for an engine, versions as under provenance.",
+        "Times on other machines; with other versions verdicts may change too.",
+    ),
+    (
+        "Verdicts against the closed form, whose formulas this package derives.",
+        "That the closed form is right: the package's tests compare it with searches that know "
+        "nothing of it, and the certificates prove answers from their controls alone.",
+    ),
+)
+
+
+def limits_section(_: Results | None) -> Section:
+    """What the numbers do not say; the meaning of every column of the rows."""
+    lead = (
+        "Read on the left what the numbers of this page are of, on the right what they leave open."
+    )
+    text = (
+        "Below is the data dictionary: every column of the rows in a results folder's Parquet "
+        f"files, schema {VERSION}."
+    )
+    return Section("limits", "Limits and data dictionary", text, (_limits(), _dictionary()), lead)
+
+
+def _limits() -> Table:
+    frame = pd.DataFrame(_LIMITS, columns=["numbers", "unknown"])
+    shown = columns(kind="prose", numbers="the numbers are of", unknown="they do not say")
+    return Table("limits", "What holds for the whole page.", frame, shown, stacked=True)
+
+
+def _dictionary() -> Table:
+    frame = pd.DataFrame(ROW, columns=list(ROW[0]._fields))
+    shown = (
+        *columns(kind="code", name="column"),
+        *columns(kind="text", type="type", unit="unit"),
+        *columns(kind="prose", meaning="meaning"),
+    )
+    caption = (
+        "The columns of the rows. Missing and non-finite numbers are null; a unit of 1 is a share "
+        "or a ratio."
+    )
+    return Table("columns", caption, frame, shown)
+
+
+SOLVERS_TOPIC = Topic("the solvers and their settings", solvers_section, General.EVERY)
+RUNS_TOPIC = Topic("the runs and their machines", runs_section, General.EVERY)
+TOPIC = Topic("limits", limits_section, General.EVERY)
