@@ -59,28 +59,6 @@ def plot_paths(
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
 
 
-def plot_both_words(ax: Axes, paths: pd.DataFrame) -> None:
-    """The optimal and the feasible path, each named along its straight. Columns: `plot_paths`."""
-    rows = paths.sort_values("rank").to_dict("records")
-    middles = np.array([_middle_of_straight(row["path"])[0] for row in rows])
-    for place, (row, name) in enumerate(zip(rows, ("optimal", "feasible"), strict=False)):
-        colour, line = _BY_RANK[place]
-        points = row["path"].sample(400)
-        ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, zorder=3)
-        away = middles[place] - middles.mean(axis=0)
-        _name_along(ax, row["path"], f"{name}: {_word_and_length(row)}", colour, away)
-    _scene(ax, paths)
-
-
-def plot_one_word(ax: Axes, paths: pd.DataFrame, rank: int, title: str) -> None:
-    """The path of one rank, in a panel with the limits of all. Columns: `plot_paths`."""
-    row = paths[paths["rank"] == rank].iloc[0]
-    points = row["path"].sample(400)
-    ax.plot(points[:, 0], points[:, 1], color=_BY_RANK[rank - 1][0], zorder=3)
-    ax.set_title(f"{title}: {_word_and_length(row)}", fontweight="normal", fontsize=8.5, pad=4)
-    _scene(ax, paths)
-
-
 def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
     """The shortest path of each radius, up to `reach` from the start (length unit); named.
 
@@ -104,29 +82,18 @@ def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - 2 * pad, high[1] + pad))
 
 
-def plot_feasible(ax: Axes, start: Scenario, left: Path, right: Path) -> None:
+def plot_feasible(ax: Axes, paths: pd.DataFrame) -> None:
     """Figure 3.1: LS and RS to one target, with the points that the paper names."""
-    between = (_middle_of_straight(left)[0] + _middle_of_straight(right)[0]) / 2
-    for path, (colour, line), word in ((left, _BY_RANK[0], "LS"), (right, _BY_RANK[1], "RS")):
-        points = path.sample(400)
-        ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, zorder=3)
-        _name_along(ax, path, word, colour, _middle_of_straight(path)[0] - between)
-        _turning_circle(ax, path, start.radius * math.copysign(1.0, path.curvature[0]), MUTED)
-        x, y, _ = path.poses[1]
-        ax.plot(x, y, "o", color=colour, markersize=3.5, zorder=5)
-        name, lift = ("X₁", (-6, -13)) if word == "LS" else ("X₂", (4, -10))
-        _name_point(ax, (x, y), name, lift)
-    frame = pd.DataFrame(
-        [{"path": left, "target_x": start.target_x, "target_y": start.target_y, "radius": 1.0}]
-    )
-    _start_and_target(ax, frame, 1.0)
-    _name_point(ax, (start.x, start.y), "P", (-11, -2))
-    _name_point(ax, (start.target_x, start.target_y), "X₃ = T", (-34, 6))
+    plot_paths(ax, paths, names=("feasible", "feasible"))
+    first = paths.iloc[0]
+    points = {"P": first["path"].start, "X₃ = T": (first["target_x"], first["target_y"])}
+    for word, path in zip(paths["branch"], paths["path"], strict=True):
+        points["X₁" if word == "LS" else "X₂"] = path.poses[1]
+        ax.plot(*path.poses[1][:2], "o", color=MUTED, markersize=3.5, zorder=5)
+    lifts = {"P": (-11, -2), "X₁": (-6, -13), "X₂": (4, -10), "X₃ = T": (-34, 6)}
+    for name, (x, y, *_) in points.items():
+        ax.annotate(name, (x, y), xytext=lifts[name], textcoords="offset points", fontsize=9)
     ax.margins(0.09)
-
-
-def _name_point(ax: Axes, point: tuple[float, float], name: str, lift: tuple[int, int]) -> None:
-    ax.annotate(name, point, xytext=lift, textcoords="offset points", fontsize=9)
 
 
 def aspect_of(paths: pd.DataFrame) -> float:
@@ -142,32 +109,6 @@ def aspect_of(paths: pd.DataFrame) -> float:
 
 def _word_and_length(row: Any) -> str:
     return f"{row['branch']}, {digits(4)(row['length'])}"
-
-
-def _middle_of_straight(path: Path) -> tuple[NDArray[np.float64], float]:
-    """The point half-way along the last piece of a path, and the heading there (rad)."""
-    x, y, heading = path.at([path.total_length - path.length[-1] / 2])[0]
-    return np.array((x, y)), float(heading)
-
-
-def _name_along(ax: Axes, path: Path, text: str, colour: str, away: NDArray[np.float64]) -> None:
-    """Write beside the last piece of a path, along it, on the side that `away` points to."""
-    (x, y), heading = _middle_of_straight(path)
-    slope = math.atan(math.tan(heading))  # the direction in which letters stand upright
-    up = np.array((-math.sin(slope), math.cos(slope)))
-    above = float(away @ up) >= 0
-    ax.annotate(
-        text,
-        (x, y),
-        xytext=(2.5 * up[0], 2.5 * up[1]) if above else (-2.5 * up[0], -2.5 * up[1]),  # points
-        textcoords="offset points",
-        color=colour,
-        rotation=math.degrees(slope),
-        rotation_mode="anchor",
-        ha="center",
-        va="bottom" if above else "top",
-        zorder=6,
-    )
 
 
 def _scene(ax: Axes, paths: pd.DataFrame) -> None:
@@ -211,61 +152,41 @@ def _start_and_target(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
 
 # Any target ahead and to the left shows what Figure 3.1 shows; the paper gives no numbers.
 _FEASIBLE = Scenario(heading=math.radians(75), target_x=4.6, target_y=2.4)
-_ALONE = (1, 3)  # test problems with one panel in the paper; 2 and 4 have two
 _NEAR = 28.0  # length units around the start, where the paths of test problem 5 differ
-_LABELS, _LEAST, _MOST = 0.55, 1.6, 3.1  # inches: below and above a panel; a panel
+_LABELS, _LEAST, _MOST = 0.95, 1.6, 3.1  # inches: the legend and labels of a panel; a panel
 
 
 def feasible_picture() -> Picture:
     """Figure 3.1 for a target of our own."""
-    paths = [shortest_path(_FEASIBLE, word) for word in ("LS", "RS")]
-    return picture(
-        "paths-feasible",
-        plot_feasible,
-        *(_FEASIBLE, *paths),
-        caption="As the paper's Figure 3.1. From P the vehicle turns left to X₁ or right to X₂, "
-        "then drives straight to X₃ = T: the feasible paths LS and RS. Faint: the turning circles.",
-        alt="The paths LS and RS from a start to a target",
-        height=2.5,
+    paths = {word: shortest_path(_FEASIBLE, word) for word in ("LS", "RS")}
+    frame = pd.DataFrame(
+        {"branch": word, "path": path, "length": path.total_length}
+        for word, path in paths.items()
+        if path is not None
     )
+    place = {"target_x": _FEASIBLE.target_x, "target_y": _FEASIBLE.target_y, "radius": 1.0}
+    frame = frame.assign(rank=frame["length"].rank(), **place)
+    caption = (
+        "As the paper's Figure 3.1. From P the vehicle turns left to X₁ or right to X₂, then "
+        "drives straight to X₃ = T: the feasible paths LS and RS. Faint: the turning circles."
+    )
+    alt = "The paths LS and RS from a start to a target"
+    return picture("paths-feasible", plot_feasible, frame, caption=caption, alt=alt, height=2.9)
 
 
 def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
     """The paper's figure of one test problem; `paths` are those of `problem_paths`."""
     if problem == 5:
         return _radii_picture(paths)
-    if problem not in _ALONE and len(paths) > 1:
-        return _two_panels(problem, paths)
     return picture(
         f"paths-{problem}",
-        plot_both_words,
+        plot_paths,
         paths,
         caption=f"Figure 6.{problem}. Optimal (solid) and feasible (dashed) path with their "
         "lengths; length units.",
         alt=f"Paths of test problem {problem}",
-        height=_LABELS + _panel_height(paths, HALF),
+        height=_LABELS + min(max((HALF - 0.5) * aspect_of(paths) * 1.1, _LEAST), _MOST),
     )
-
-
-def _two_panels(problem: int, paths: pd.DataFrame) -> Picture:
-    """Panels side by side for a high figure, one below the other for a wide one."""
-    aspect = aspect_of(paths)
-    down, across = (1, 2) if aspect > 1 else (2, 1)
-    height = down * (_LABELS + _panel_height(paths, HALF / across))
-    figure = new_figure(HALF, height)
-    axes = figure.subplots(down, across, squeeze=False).flat
-    for rank, (ax, title) in enumerate(zip(axes, ("(a) optimal", "(b) feasible"), strict=True), 1):
-        plot_one_word(ax, paths, rank, title)
-        ax.label_outer()
-    caption = (
-        f"Figure 6.{problem}. The optimal and the feasible path with their lengths; length units."
-    )
-    alt = f"Paths of test problem {problem}, each in its panel"
-    return Picture(f"paths-{problem}", caption, figure, alt, half=True)
-
-
-def _panel_height(paths: pd.DataFrame, width: float) -> float:
-    return min(max((width - 0.5) * aspect_of(paths) * 1.1, _LEAST), _MOST)
 
 
 def _radii_picture(paths: pd.DataFrame) -> Picture:
@@ -312,8 +233,8 @@ def figures_section(results: Results) -> Section | None:
     if not pictures:
         return None
     text = (
-        "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows, with as many "
-        "panels as there. The arrow is the start heading, the ring the target; faint are the "
+        "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows. The "
+        "arrow is the start heading, the ring the target; faint are the "
         "turning circles. The paper's text gives each length with two decimals; the tables above "
         "say which of these are right."
     )
