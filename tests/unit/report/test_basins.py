@@ -159,7 +159,7 @@ def test_the_section_tells_what_the_rows_hold(results, tmp_path):
     assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in text
     text = plain.read_text(encoding="utf-8")
     assert "refuted" not in text.split('<section id="basins"')[1].split("<figure")[0]
-    assert "from 100 % at best" in text
+    assert "is found from 100 % of the initial guesses" in text
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Cold against warm starts: quartiles by hand, sentences, the section."""
+"""Cold against warm starts: ratios by hand, the section."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ import math
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.warm import warm_starts, warm_text
+from dubins_study.report.topics.warm import warm_section, warm_starts
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
-from tests.unit.report.topic_page import topic_page
 
 RADII = (1.0, 1.1, 1.2, 1.3, 1.4)
 
@@ -36,7 +34,7 @@ def rows():
     return made
 
 
-def test_quartiles_by_hand(results):
+def test_ratios_by_hand(results):
     """Ratios 0.1 to 0.5 in five steps; iterations halved; none counted is none compared.
 
     A solver that is never warm is left out.
@@ -44,9 +42,9 @@ def test_quartiles_by_hand(results):
     table = warm_starts(load([results("radius-sweep", rows())]).rows).set_index("solver")
 
     assert table.index.tolist() == ["ipopt", "shooting", "slsqp"]
-    line = table.loc["ipopt", ["questions", "ratio_q1", "ratio", "ratio_q3"]]
-    assert line.tolist() == pytest.approx([5, 0.2, 0.3, 0.4])
-    assert table.loc["ipopt", ["work_q1", "work", "work_q3"]].tolist() == [0.5, 0.5, 0.5]
+    assert table.loc["ipopt", ["questions", "ratio", "work"]].tolist() == pytest.approx(
+        [5, 0.3, 0.5]
+    )
     assert math.isnan(table.loc["shooting", "work"])
 
 
@@ -62,27 +60,9 @@ def test_no_iterations_at_all_are_no_ratio(results):
     assert math.isnan(table["work"].iloc[0])
 
 
-def test_sentences_say_what_the_rows_say(results):
-    table = warm_starts(load([results("radius-sweep", rows())]).rows)
-    text = warm_text(table.assign(name=table["solver"]))
-
-    assert "less than a cold one for ipopt (0.300); as much for shooting (1.00); more for" in text
-    assert "In iterations it costs: less than a cold one for ipopt (0.500); more for slsqp" in text
-    assert "No solver is right more or less often for it." in text
-
-    worse = rows()
-    worse[1] = attempt(scenario(1.0), "ipopt", path=None, claim=Claim.FAILED, initial_guess="warm")
-    table = warm_starts(load([results("worse", worse)]).rows)
-    text = warm_text(table.assign(name=table["solver"]))
-    assert "ipopt is right less often (100 % cold, 80.0 % warm)" in text
-
-
-def test_the_section_has_the_figure(results, tmp_path):
-    topic = "cold against warm starts"
-    page = topic_page(results("radius-sweep", rows()), tmp_path / "a", topic)
+def test_only_rows_with_both_starts_make_a_section(results):
     cold = [row for row in rows() if row["initial_guess"] == "cold"]
-    plain = topic_page(results("cold", cold), tmp_path / "b", topic)
+    both, plain = (load([results(n, each)]) for n, each in (("both", rows()), ("cold", cold)))
 
-    assert (page.parent / "figures" / "warm-starts.svg").is_file()
-    assert "In iterations it costs" in page.read_text(encoding="utf-8")
-    assert not (plain.parent / "figures" / "warm-starts.svg").exists()
+    assert warm_section(both).blocks[0].name == "warm-starts"
+    assert warm_section(plain) is None

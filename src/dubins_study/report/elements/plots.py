@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -81,22 +81,19 @@ def quartile_lines(
     palette: Palette,
     label: str,
     *,
-    seconds: bool = False,
-    limit: float | None = None,
     panels: bool = False,
-    width: float = WIDE,
 ) -> Figure:
-    """Median and quartiles of positive numbers on a logarithmic axis, a named line per row.
+    """Median and quartiles of durations (s) on a logarithmic axis, a named line per row.
 
     Columns: those of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3. In a
-    line the first mark is the highest. A dotted line is drawn at `limit`.
+    line the first mark is the highest.
     """
-    figure, axes = named_lines(table, label, panels=panels, width=width)
+    figure, axes = named_lines(table, label, panels=panels)
     looks = palette.looks(table["solver"])
     values = table[[f"{mark.key}{end}" for mark in marks for end in ("_q1", "", "_q3")]]
     positive = values.to_numpy(dtype=np.float64)
-    ends = [*positive[positive > 0], *([] if limit is None else [limit])] or [1.0]
-    low, high = 0.8 * min(ends), 1.25 * max(ends)
+    ends = positive[positive > 0] if (positive > 0).any() else np.ones(1)
+    low, high = 0.8 * ends.min(), 1.25 * ends.max()
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
         for number, mark in enumerate(marks):
@@ -108,9 +105,7 @@ def quartile_lines(
                 bar = [max(row[f"{mark.key}_q1"], low), row[f"{mark.key}_q3"]]
                 ax.hlines(place + lift, *bar, color=dots["color"], linewidth=2.4, alpha=0.45)
                 ax.plot(row[mark.key], place + lift, **dots)
-        if limit is not None:
-            mark_limit(ax, limit)
-        _scale(ax, "x", low / widen, high * widen, seconds=seconds)
+        _scale(ax, low / widen, high * widen, seconds=True)
     handles = [Line2D([], [], label=mark.label, **mark.dots()) for mark in marks if mark.label]
     _legend(figure, "upper", handles)
     return figure
@@ -148,7 +143,7 @@ _THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
 
 
 def named_lines(
-    table: pd.DataFrame, label: str, *, panels: bool = False, width: float = WIDE
+    table: pd.DataFrame, label: str, *, panels: bool = False
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
     """A figure of named lines and its panels, each with its rows.
 
@@ -164,7 +159,7 @@ def named_lines(
     lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
     if not panels:  # names of several lines need more room
         tallest = max(tallest, 0.13 * lines)
-    figure = new_figure(width, min(HIGHEST, 0.75 + tallest))
+    figure = new_figure(WIDE, min(HIGHEST, 0.75 + tallest))
     if panels:
         figure.supxlabel(label, fontsize=8, color=MUTED)
     parts = figure.subfigures(1, len(columns), squeeze=False)[0]
@@ -259,7 +254,7 @@ def share_curves(
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
             mark_limit(ax, limit)
-        _scale(ax, "x", float(table.index[0]), float(table.index[-1]), seconds=seconds)
+        _scale(ax, float(table.index[0]), float(table.index[-1]), seconds=seconds)
         if across > 1:
             ax.xaxis.set_major_locator(LogLocator(numticks=3))
             ax.set_yticks((0, 0.5, 1))
@@ -303,46 +298,39 @@ def parameter_lines(
     width: float = HALF,
     height: float = 3.3,
 ) -> Figure:
-    """Lines over a parameter, which may be a duration (s), both axes logarithmic: `draw_lines`."""
+    """Lines over a parameter, which may be a duration (s), both axes logarithmic.
+
+    A line per name, with open marks of growing size: lines that coincide stay visible. Columns:
+    solver, name (in the legend), x, y, if there are quartiles `y`_q1 and `y`_q3, drawn as a band,
+    and panel, if there are several side by side. Only positive finite values are drawn.
+    """
+    shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
+    looks, names = palette.looks(shown["solver"]), list(dict.fromkeys(shown["name"]))
+    panels = list(shown.groupby("panel")) if "panel" in shown else [("", shown)]
+    growth = min(1.2, 5 / max(len(names), 1))
     figure = new_figure(width, height)
-    ax = figure.add_subplot()
-    draw_lines(ax, table, x, y, palette)
-    ax.set(xlabel=xlabel, ylabel=ylabel)
-    low, high = ax.get_xlim()
-    _scale(ax, "x", low, high, seconds=seconds)
-    handles, labels = ax.get_legend_handles_labels()
-    columns = 4 if width > HALF else 1 if max(map(len, labels), default=0) > 25 else 2
-    _legend(figure, "lower", handles, columns)
+    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    handles: dict[str, Artist] = {}
+    for ax, (title, rows) in zip(axes, panels, strict=True):
+        for name, group in rows.groupby("name", sort=False):
+            look, place = looks[group["solver"].iloc[0]], names.index(name)
+            if f"{y}_q1" in group:
+                low, high = (group[f"{y}{end}"].to_numpy(np.float64) for end in ("_q1", "_q3"))
+                ax.fill_between(group[x], low, high, color=look.colour, alpha=0.14, linewidth=0)
+            style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markerfacecolor": "none"}
+            style |= {"markersize": 3.5 + growth * place, "linewidth": 1.1, "label": name}
+            (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
+        ax.set(xscale="log", yscale="log", title=title, xlabel=xlabel)
+        log_axis(ax.yaxis)
+        _scale(ax, *ax.get_xlim(), seconds=seconds)
+    axes[0].set_ylabel(ylabel)
+    columns = 4 if width > HALF else 1 if max(map(len, handles), default=0) > 25 else 2
+    _legend(figure, "lower", list(handles.values()), columns)
     return figure
 
 
-def draw_lines(ax: Axes, table: pd.DataFrame, x: str, y: str, palette: Palette) -> None:
-    """Draw a line per name, with open marks of growing size: lines that coincide stay visible.
-
-    Columns: solver, name (in the legend), x, y, and if there are quartiles `y`_q1 and `y`_q3, drawn
-    as a band. Lines are in the order of the rows; only positive finite values are drawn.
-    """
-    shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
-    looks = palette.looks(shown["solver"])
-    for place, (name, group) in enumerate(shown.groupby("name", sort=False)):
-        look = looks[group["solver"].iloc[0]]
-        if f"{y}_q1" in group:
-            low, high = (group[f"{y}{end}"].to_numpy(np.float64) for end in ("_q1", "_q3"))
-            ax.fill_between(group[x], low, high, color=look.colour, alpha=0.14, linewidth=0)
-        style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markersize": 3.5 + 1.2 * place}
-        style |= {"markerfacecolor": "none", "linewidth": 1.1, "label": name}
-        ax.plot(group[x], group[y], **look.lines, **style)
-    ax.set(xscale="log", yscale="log")
-    log_axis(ax.yaxis)
-
-
 def draw_cells(
-    ax: Axes,
-    values: FloatArray,
-    x: FloatArray,
-    y: FloatArray,
-    colours: Sequence[str] | Colormap | str,
-    ends: tuple[float, float] | None = None,
+    ax: Axes, values: FloatArray, x: FloatArray, y: FloatArray, colours: Sequence[str] | str
 ) -> AxesImage:
     """Fill the cells of a grid; a cell without a value stays empty.
 
@@ -350,8 +338,7 @@ def draw_cells(
         ax: where to draw.
         values: shape (m, n); with a list of colours the index of each cell's colour.
         x, y: centres of the cells, shapes (n,) and (m,), evenly spaced.
-        colours: a list of colours, or a colour map.
-        ends: the values at the colour map's ends.
+        colours: a list of colours, or the name of a colour map.
     """
     extent = [
         end
@@ -359,27 +346,25 @@ def draw_cells(
         for half in [np.diff(centres).mean() / 2 if centres.size > 1 else 0.5]
         for end in (centres[0] - half, centres[-1] + half)
     ]
-    if not isinstance(colours, (str, Colormap)):
-        ends = (-0.5, len(colours) - 0.5)
-        colours = ListedColormap([*colours])
-    low, high = ends or (None, None)
-    style: Style = {"origin": "lower", "interpolation": "nearest", "vmin": low, "vmax": high}
+    style: Style = {"origin": "lower", "interpolation": "nearest", "cmap": colours}
+    if not isinstance(colours, str):
+        ends = {"vmin": -0.5, "vmax": len(colours) - 0.5}
+        style |= {"cmap": ListedColormap([*colours]), **ends}
     ax.grid(False)
-    return ax.imshow(values, extent=tuple(extent), cmap=colours, **style)
+    return ax.imshow(values, extent=tuple(extent), **style)
 
 
-def _scale(ax: Axes, axis: str, low: float, high: float, *, seconds: bool) -> None:
-    """A logarithmic axis with these ends; if it is short, with a number at 1, 2, 5, 10, ..."""
-    ax.set(**{f"{axis}scale": "log", f"{axis}lim": (low, high)})
-    line = ax.xaxis if axis == "x" else ax.yaxis
+def _scale(ax: Axes, low: float, high: float, *, seconds: bool) -> None:
+    """A logarithmic x axis with these ends; if it is short, with a number at 1, 2, 5, 10, ..."""
+    ax.set(xscale="log", xlim=(low, high))
     if high / low > 1000 or seconds:
-        log_axis(line, *([duration] if seconds else []))
+        log_axis(ax.xaxis, *([duration] if seconds else []))
     else:
-        plain_log_axis(line)
+        plain_log_axis(ax.xaxis)
 
 
 def _legend(figure: Figure, side: str, handles: Sequence[Artist], columns: int = 0) -> None:
     """A legend above (`upper`) or below (`lower`) the panels, if there is anything to name."""
     if handles:
         place: Style = {"loc": f"outside {side} left", "fontsize": 7.5, "columnspacing": 1.2}
-        figure.legend(handles=list(handles), ncols=columns or min(len(handles), 6), **place)
+        figure.legend(handles=handles, ncols=columns or min(len(handles), 6), **place)

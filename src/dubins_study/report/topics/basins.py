@@ -134,12 +134,10 @@ def is_capped(solver: str) -> bool:
 
 
 def shares(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per scenario and solver, from `ends`.
+    """One row per scenario and solver, from `ends`: the columns `COLUMNS` besides `called`.
 
-    Columns: label, solver, name (without settings), capped (whether each turn is bounded by a full
-    turn), guesses (number of attempts), one count per end, optimal (share of guesses), turns_1,
-    turns_2, turns_more (minima with 1, 2 or more needless full turns, of any word), most_turns,
-    refuted (number of claims).
+    And solver, name (without settings), turns_1, turns_2, turns_more (minima with 1, 2 or more
+    needless full turns, of any word), most_turns, refuted (number of claims).
     """
     turns = table["turns"].fillna(0)
     kinds = {end: table["end"] == end for end in ENDS}
@@ -227,25 +225,17 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
 
 
 def _found(table: pd.DataFrame) -> str:
-    """How often the optimum is reached, other minima, false claims; the extremes by name."""
-    whose = (table["called"] + ", " + table["label"]).tolist()
-    optimal, turns = table["optimal"].to_numpy(), table["most_turns"].to_numpy()
-    wrong, refuted = (table["refuted"] / table["guesses"]).to_numpy(), table["refuted"].sum()
-    turned = table[_TURNED].to_numpy().sum() / table["guesses"].sum()
-    farthest = (
-        f", with up to {count(turns.max())} of them ({whose[turns.argmax()]}); nothing in the "
-        "model says that these are useless"
-    )
-    parts = [f"{count(table[end].sum())} times {said}" for end, said in _SAID.items()]
+    """How often the optimum is reached, and what the check refutes, over all solvers."""
+    guesses, refuted = table["guesses"].sum(), table["refuted"].sum()
+    turned = table[_TURNED].to_numpy().sum() / guesses
+    parts = [f"{count(table[end].sum())} times {what}" for end, what in _SAID.items()]
     told = [part for end, part in zip(_SAID, parts, strict=True) if table[end].any()]
     return sentences(
-        f"The shortest path is found from {share(optimal.min())} of the initial guesses at worst "
-        f"({whose[optimal.argmin()]}) and from {share(optimal.max())} at best "
-        f"({whose[optimal.argmax()]}).",
-        f"{share(turned)} of all attempts end in a minimum with full turns in it"
-        f"{farthest if turned else ''}.",
-        f"{count(refuted)} statements are refuted: {'; '.join(told)}. The worst is "
-        f"{whose[wrong.argmax()]}, with {share(wrong.max())} of its initial guesses."
+        f"The shortest path is found from {share(table[OPTIMUM].sum() / guesses)} of the initial "
+        f"guesses; {share(turned)} of all attempts end in a minimum with full turns in it, with up "
+        f"to {count(table['most_turns'].max())} of them: nothing in the model says that these are "
+        "useless.",
+        f"{count(refuted)} statements are refuted: {'; '.join(told)}."
         if refuted
         else "No solver said anything that the check refutes.",
     )

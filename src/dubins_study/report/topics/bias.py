@@ -21,10 +21,10 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, sentences
-from dubins_study.report.elements.looks import LINES, Palette
-from dubins_study.report.elements.plots import Mark, parameter_lines
-from dubins_study.report.elements.style import BLUE, MUTED, VERMILION, log_axis, mark_limit, power
-from dubins_study.report.statistics.metrics import by_solver, fitted_order, parse_spec
+from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.plots import Mark
+from dubins_study.report.elements.style import BLUE, MUTED, VERMILION, log_axis
+from dubins_study.report.statistics.metrics import fitted_order, parse_spec
 
 # Ipopt's constants (Waechter and Biegler 2006, sec. 2 and 3): the first barrier mu; the factor and
 # the power of its update, min(0.2 mu, mu^1.5); and its smallest value as a share of the tolerance.
@@ -67,8 +67,8 @@ def left_over(results: Results) -> pd.DataFrame:
 
     Adds the columns z2 (length of the right turn, length unit; 0 if it is only rounding), mu
     (barrier at which the solver stops; NaN if it has no barrier), barrier_set (whether a setting
-    gives that barrier), joint (whether the model is unsplit), predicted ((mu R^2)^(1/3)), ratio
-    (z2 / predicted), excess_ratio ((length - reference) / (mu / 3)).
+    gives that barrier), predicted ((mu R^2)^(1/3)), ratio (z2 / predicted), excess_ratio
+    ((length - reference) / (mu / 3)).
     """
     rows = results.rows[results.rows["length"].notna()]
     settings = {spec: results.settings.get(spec, {}) for spec in rows["solver"].unique()}
@@ -82,7 +82,6 @@ def left_over(results: Results) -> pd.DataFrame:
         z2=z2,
         mu=mu,
         barrier_set=rows["solver"].map(lambda s: _number(settings[s].get("mu_target")) > 0),
-        joint=rows["solver"].map(lambda s: settings[s].get("model") == "joint"),
         predicted=predicted,
         ratio=z2 / predicted,
         excess_ratio=(rows["length"] - rows["reference"]) / (mu / 3),
@@ -135,26 +134,19 @@ def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver without a known barrier, from `left_over`.
-
-    Columns: those of `OTHERS`, joint. Exact are attempts without any right turn.
-    """
+    """One row per solver without a known barrier, from `left_over`: the columns `OTHERS`."""
     others = table[table["mu"].isna()]
-    turn, limit = others["z2"] / others["radius"], others["claim"] == "limit"
-    return (
-        others.assign(turn=turn, exact=turn == 0, limit=limit)
-        .groupby("solver")
-        .agg(
-            joint=("joint", "first"),
-            attempts=("turn", "size"),
-            exact=("exact", "sum"),
-            least=("turn", "min"),
-            most=("turn", "max"),
-            gap=("gap", "max"),
-            limits=("limit", "sum"),
-        )
-        .reset_index()
+    turn = others["z2"] / others["radius"]
+    measured = others.assign(turn=turn, exact=turn == 0, limit=others["claim"] == "limit")
+    frame = measured.groupby("solver").agg(
+        attempts=("turn", "size"),
+        exact=("exact", "sum"),
+        least=("turn", "min"),
+        most=("turn", "max"),
+        gap=("gap", "max"),
+        limits=("limit", "sum"),
     )
+    return frame.reset_index()
 
 
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
@@ -178,19 +170,16 @@ def bias_section(results: Results) -> Section | None:
     """The remaining turn against its prediction, and the turn that other methods leave."""
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
-    with_barrier, compared = table[table["mu"].notna()], table[~table["barrier_set"]]
+    with_barrier = table[table["mu"].notna()]
     if with_barrier.empty:
         return None
     barriers, others = by_barrier(table), without_barrier(table)
-    palette = Palette.of_page(results)
     text = sentences(
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
         "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
         "length is μ / 3 too long.",
         _prediction(with_barrier),
-        _default(with_barrier, palette),
-        _others(others),
     )
     caption = (
         "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
@@ -200,8 +189,6 @@ def bias_section(results: Results) -> Section | None:
     blocks: list[Picture | Table] = [
         picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
     ]
-    if len(compared):
-        blocks.append(_methods_picture(compared, palette))
     caption = (
         "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
         "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
@@ -211,7 +198,8 @@ def bias_section(results: Results) -> Section | None:
     if len(others):
         caption = (
             "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero "
-            "gives an active-set method no reason to put the turn at its bound."
+            "gives an active-set method no reason to put the turn at its bound; with one turn "
+            "fixed at zero, as the paper's Algorithm 1 does, the other turn can be left out."
         )
         blocks.append(Table("bias-methods", caption, others, OTHERS))
     lead = (
@@ -234,63 +222,6 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
         f"{digits(5)(slope(with_barrier['predicted'], with_barrier['z2']))}{failures}."
     )
-
-
-def _default(with_barrier: pd.DataFrame, palette: Palette) -> str:
-    """One sentence on the radius nearest to 1, if the defaults were tried."""
-    default = with_barrier[~with_barrier["barrier_set"]]
-    if default.empty:
-        return ""
-    row = default.iloc[int((default["radius"] - 1).abs().to_numpy().argmin())]
-    (name,) = palette.names([row["solver"]]).values()
-    return (
-        f"By its defaults {name} stops at μ = {digits(3)(row['mu'])}: at "
-        f"R = {row['radius']:g} it leaves z₂ = {digits(4)(row['z2'])} where "
-        f"{digits(4)(row['predicted'])} is predicted, while the length is only "
-        f"{digits(2)(max(row['gap'], 0.0))} of itself too long and shows nothing."
-    )
-
-
-def _others(others: pd.DataFrame) -> str:
-    """How often methods without a barrier leave no turn, on the unsplit model and on words."""
-    joint, split = others[others["joint"]], others[~others["joint"]]
-    clauses = []
-    if len(joint):
-        name = " and ".join(sorted({parse_spec(spec)[0] for spec in joint["solver"]}))
-        exact, tried = joint["exact"].sum(), joint["attempts"].sum()
-        rest = f" and up to {digits(2)(joint['most'].max())} R in the others"
-        clauses.append(
-            f"on this model {name} leaves no turn in {exact} of {tried} attempts"
-            + (rest if exact < tried else "")
-        )
-    if len(split):
-        clauses.append(
-            "with one turn fixed at zero, as the paper's Algorithm 1 does, the other turn is left "
-            f"out exactly in {split['exact'].sum()} of {split['attempts'].sum()}"
-        )
-    text = "; ".join(clauses)
-    return f"{text[:1].upper()}{text[1:]}." if text else ""
-
-
-def _methods_picture(compared: pd.DataFrame, palette: Palette) -> Picture:
-    """The remaining turn in radii against the radius; a mark at the foot means no turn."""
-    turn = compared["z2"] / compared["radius"]
-    foot = 10.0 ** np.floor(np.log10(turn[turn > 0].min()) - 1) if (turn > 0).any() else 1e-8
-    names = compared["solver"].map(palette.names(compared["solver"]))
-    lines = compared.assign(turn=turn.clip(lower=foot), name=names).sort_values("radius")
-    axes = "turning radius R (length unit)", "right turn left over, z₂ / R"
-    height = 2.9 + 0.16 * compared["solver"].nunique()
-    figure = parameter_lines(by_solver(lines), "radius", "turn", palette, *axes, height=height)
-    (ax,) = figure.axes
-    ax.set_ylim(foot / 2, None)
-    log_axis(ax.yaxis, lambda value, _=None: "none" if value < 1.5 * foot else power(value))
-    mark_limit(ax, foot, "y")
-    caption = (
-        "What methods leave that are told no barrier, in radii; at the foot those that leave no "
-        "such turn at all."
-    )
-    alt = "Turn left over by method and radius"
-    return Picture("bias-methods", caption, figure, alt, half=True)
 
 
 TOPIC = Topic("the interior-point bias", bias_section, "bias")

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import Picture, Section, Table, Topic
-from dubins_study.report.elements.formats import ABSENT, count, digits, sentences
+from dubins_study.report.elements.formats import ABSENT, count, digits, sentences, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import (
@@ -142,14 +142,17 @@ def ladder_section(results: Results) -> Section | None:
     if attempts.empty:
         return None
     table, names = ladder(attempts), Palette.of_page(results).names(attempts["solver"])
-    named = attempts.assign(solver=attempts["solver"].map(names))
+    short = attempts[(attempts["finding"] == "by its miss") & (attempts["side"] == JUMP)]
     text = sentences(
         "Targets at margins of 1e-1 to 1e-12 R from a turning circle, on both sides of its front "
         "half, across which the shortest length jumps, and of its rear half, across which it does "
         "not.",
-        _short_by_miss(named[named["side"] == JUMP]),
-        _verdicts(named),
-        _other_sides(named[named["side"] != JUMP]),
+        "Just inside the front half a small miss buys a path shorter by up to a full turn: "
+        f"{some(len(short), 'answer')} by a miss of at most {digits(2)(short['miss'].max())} R. "
+        "The check, whose reference is the least length over the miss made, calls it optimal."
+        if len(short)
+        else "Just inside the front half no solver trades a miss for the short path.",
+        f"Of all {count(len(attempts))} claims {count(attempts['false_claim'].sum())} are false.",
     )
     caption = (
         "The least margin (R) down to which every answer is the shortest path, coarse or not; "
@@ -161,52 +164,6 @@ def ladder_section(results: Results) -> Section | None:
         "has become too small for it."
     )
     return Section("ladder", "The ladder toward a turning circle", text, blocks, lead)
-
-
-def _short_by_miss(inner: pd.DataFrame) -> str:
-    """Who takes the short path just inside the front half, from the widest rung down."""
-    if inner.empty:
-        return ""
-    short = inner[inner["finding"] == "by its miss"].groupby("solver")["rung"].max()
-    sentence = "Just inside the front half no solver trades a miss for the short path"
-    if len(short):
-        first = short.sort_values(ascending=False)
-        items = ", ".join(f"{solver} from 1e{rung}" for solver, rung in first.items())
-        sentence = (
-            "Just inside the front half a small miss buys a path shorter by up to a full turn, "
-            f"and these take it: {items}"
-        )
-    others = ", ".join(solver for solver, right in _right_everywhere(inner).items() if right)
-    return f"{sentence}; the right path at every margin there: {others or 'none'}."
-
-
-def _right_everywhere(attempts: pd.DataFrame) -> dict[str, bool]:
-    """Solver -> whether all its answers are the shortest path, coarse or not."""
-    right = attempts["finding"].isin(ANSWERED).groupby(attempts["solver"]).all()
-    return {solver: bool(right[solver]) for solver in solver_order(list(right.index))}
-
-
-def _verdicts(attempts: pd.DataFrame) -> str:
-    short = attempts[attempts["finding"] == "by its miss"]
-    false = int(attempts["false_claim"].sum())
-    misses = (
-        f"Those {count(len(short))} answers miss by {digits(2)(short['miss'].max())} R at most, "
-        "and the check, whose reference is the least length over the miss made, calls them optimal."
-    )
-    claims = f"Of all {count(len(attempts))} claims {count(false)} are false."
-    return sentences(misses if len(short) else "", claims)
-
-
-def _other_sides(attempts: pd.DataFrame) -> str:
-    if attempts.empty:
-        return ""
-    right = _right_everywhere(attempts)
-    wrong = [solver for solver, everywhere in right.items() if not everywhere]
-    return (
-        f"On the other sides {count(sum(right.values()))} of {count(len(right))} solvers find the "
-        "shortest path, coarse or not, at every margin"
-        + (f", not {', '.join(wrong)}." if wrong else ".")
-    )
 
 
 def _picture(table: pd.DataFrame, names: Mapping[str, str]) -> Picture:

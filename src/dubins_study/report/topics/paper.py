@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from decimal import Decimal
 from typing import Any
 
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import (
     General,
-    Picture,
     Place,
     Section,
     Table,
     Topic,
-    picture,
 )
 from dubins_study.report.elements.formats import count, digits, seconds
-from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import INK, WIDE, duration, log_axis, mark_limit
 from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
-from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.path import Path
 
@@ -153,18 +146,16 @@ _TITLES = {
 
 
 def paper_section(results: Results) -> Section | None:
-    """Tables 6.1-6.5 cell by cell, Figures 6.1-6.5, and every solver's score."""
+    """Tables 6.1-6.5 cell by cell, every solver's score, and the printed times."""
     paths = word_paths(results, EXACT)
     if not paths:
         return None
     cells = compare(paths)
-    blocks: list[Table | Picture] = [_side_by_side(cells, number) for number in _TITLES]
+    blocks = [_side_by_side(cells, number) for number in _TITLES]
     blocks.append(_scores(scores(results)))
     times = printed_times(results)
     if len(times):
-        words = results.rows[results.rows["branch"].isin(["LS", "RS"])]
-        blocks += [times_picture(times, best_solvers(words), Palette.of_page(results))]
-        blocks += [_times(time_ends(times))]
+        blocks.append(_times(time_ends(times)))
     right = int((cells["verdict"] == "correct").sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
@@ -233,48 +224,6 @@ def _times(frame: pd.DataFrame) -> Table:
         "magnitude compare."
     )
     return Table("paper-times", caption, frame, shown)
-
-
-def _plot_times(ax: Axes, times: pd.DataFrame, solvers: Sequence[str], palette: Palette) -> None:
-    """The paper's solve times and ours, one line per printed time; `times` of `printed_times`."""
-    lines = list(dict.fromkeys(zip(times["label"], times["path"], times["word"], strict=True)))
-    place = {line[:2]: len(lines) - 1 - i for i, line in enumerate(lines)}
-    at = pd.Series(
-        [place[key] for key in zip(times["label"], times["path"], strict=True)], times.index
-    )
-    looks, names = palette.looks(solvers), palette.names(solvers)
-    drawn: set[tuple[str, str]] = set()
-    for solver in solvers:
-        group, look = times[times["solver"] == solver], looks[solver]
-        dots = look.dots
-        if look[:2] in drawn:
-            dots |= {"markerfacecolor": "none"}  # another solver with the same engine
-        drawn.add(look[:2])
-        ax.plot(group["wall_s"], at[group.index], **dots, label=names[solver])
-    printed: dict[str, Any] = {"marker": "x", "color": INK, "markersize": 6, "zorder": 5}
-    ax.plot(times["printed_s"], at, linestyle="none", **printed, label="printed in the paper")
-    for tick in range(1, round(times["printed_s"].max() / TICK_S) + 1):
-        mark_limit(ax, tick * TICK_S)
-    ax.set_yticks(range(len(lines)), [f"{a}, {b}: {c}" for a, b, c in reversed(lines)], color=INK)
-    ax.set(xscale="log", xlabel="time of one solve", ylim=(-0.6, len(lines) - 0.4))
-    log_axis(ax.xaxis, duration)
-
-
-def times_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
-    """The printed solve times and ours; `times` are those of `printed_times`."""
-    lines = times.groupby(["label", "path"]).ngroups
-    return picture(
-        "paper-times",
-        _plot_times,
-        *(times[times["solver"].isin(solvers)], solvers, palette),
-        caption="The paper's printed solve times (crosses) beside the median times of ours: the "
-        "closed form and of each formulation the solver that is most surely right. Dotted: "
-        f"whole ticks of a clock of 64 a second, {duration(TICK_S)} each.",
-        alt="Printed solve times on whole ticks of a clock, beside the times of our solvers",
-        height=1.2 + 0.24 * lines + 0.16 * math.ceil(len(solvers) / 3),
-        width=WIDE,
-        legend=3,
-    )
 
 
 _ENTERS = (General.POOLED, General.COMPARED)

@@ -23,7 +23,6 @@ from dubins_study.report.elements.style import (
     MUTED,
     ON_MAP,
     ORANGE,
-    RULE,
     VERMILION,
     Style,
 )
@@ -158,28 +157,6 @@ def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
     bar.set_label("shortest length / R")
 
 
-def plot_jump(ax: Axes, rows: pd.DataFrame) -> None:
-    """Draw the lengths of the targets within one grid step of a turning circle, by their place.
-
-    Columns: target_x, target_y (on a grid), margin, region, length.
-    """
-    near = rows[rows["margin"] <= np.diff(np.sort(rows["target_x"].unique())).min()]
-    angle = np.degrees(np.arctan2(near["target_x"], 1 - near["target_y"].abs())) % 360
-    near, disc = near.assign(angle=angle), near["region"].isin(_DISCS)
-    sides = (("inside", disc, VERMILION, "x", 6), ("outside", ~disc, BLUE, ".", -12))
-    for side, chosen, colour, marker, lift in sides:
-        group = near[chosen].sort_values("angle")
-        ax.plot(group["angle"], group["length"], marker, color=colour, markersize=2.5)
-        if len(group):
-            at = group.iloc[(group["angle"] - 110).abs().argmin()]
-            text: Style = {"textcoords": "offset points", "ha": "left", "color": colour}
-            ax.annotate(f"just {side}", (at["angle"], at["length"]), xytext=(0, lift), **text)
-    ax.axvspan(0, 180, color=RULE, alpha=0.35, linewidth=0)
-    ax.text(90, 0.02, "front half", transform=ax.get_xaxis_transform(), ha="center", color=MUTED)
-    ax.set(xlim=(0, 360), ylim=(0, 7.4), xlabel="arc angle to the point of the circle (deg)")
-    ax.set(ylabel="shortest length / R", xticks=[0, 90, 180, 270, 360])
-
-
 def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
     """Draw one solver's answers on a grid: a dot for a right answer, else a mark for the verdict.
 
@@ -207,12 +184,6 @@ PICTURES = (
         *("plane-lengths", plot_lengths, 4.1, "Map of shortest lengths"),
         "Shortest length by target, a contour every R. The two discs stand out because the "
         "length jumps across the front half of their circles; across the rear half it is smooth.",
-    ),
-    (
-        *("plane-jump", plot_jump, 3.5, "Length on both sides of a turning circle"),
-        "The same lengths for the targets within one grid step of a turning circle, by their "
-        "place on it. On the front half a target just inside costs up to 2π R more than one just "
-        "outside; on the rear half the two sides meet.",
     ),
 )
 

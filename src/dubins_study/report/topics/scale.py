@@ -10,7 +10,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from dubins_study.report.data.results import Results
@@ -18,24 +17,15 @@ from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import (
-    MUTED,
-    WIDE,
-    Style,
-    log_axis,
-    mark_limit,
-    new_figure,
-    power,
-)
-from dubins_study.report.statistics import metrics
+from dubins_study.report.elements.plots import parameter_lines
+from dubins_study.report.elements.style import WIDE, mark_limit, power
 from dubins_study.report.statistics.methods import MOST_CURVES
-from dubins_study.report.statistics.metrics import parse_spec, solver_order
+from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order, success
 
 # Spreads of length / R up to this are rounding: of the scenario's numbers, of the sum of up to a
 # hundred pieces, and of the division. Gaps up to this count as zero.
 ROUNDING = 1e-13
 _FOOT, _TOP = 1e-17, 1e1  # gaps at which rounding and misses are drawn
-_MOST_LETTERS = 34  # of a solver's name in the figure
 
 COLUMNS = (
     SOLVER,
@@ -56,7 +46,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     every answer arrives, same verdict and word, spread within `ROUNDING`).
     """
     arrived = (rows["length"] / rows["radius"]).where(rows["gap"].notna())
-    measured = rows.assign(success=metrics.success(rows), relative=arrived)
+    measured = rows.assign(success=success(rows), relative=arrived)
     groups = measured.groupby(["label", "solver"])
     relative, iterations = groups["relative"], groups["iterations"]
     frame = pd.DataFrame({"radii": groups["radius"].nunique(), "success": groups["success"].mean()})
@@ -69,7 +59,7 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     return frame.reset_index()
 
 
-def by_solver(table: pd.DataFrame) -> pd.DataFrame:
+def dependence(table: pd.DataFrame) -> pd.DataFrame:
     """One row per solver, from `spreads`.
 
     Columns: solver, scenarios, invariant (in how many of them the answer is the same at every
@@ -88,7 +78,7 @@ def by_solver(table: pd.DataFrame) -> pd.DataFrame:
         words=("words", "all"),
         iterations=("iterations", "max"),
     )
-    return metrics.by_solver(frame.reset_index())
+    return by_solver(frame.reset_index())
 
 
 def scale_section(results: Results) -> Section | None:
@@ -98,7 +88,7 @@ def scale_section(results: Results) -> Section | None:
     rows = rows[posed & rows["radius"].notna()]
     if rows.empty:
         return None
-    table, palette = by_solver(spreads(rows)), Palette.of_page(results)
+    table, palette = dependence(spreads(rows)), Palette.of_page(results)
     level = table["invariant"] == table["scenarios"]
     # The solvers that depend on the unit have a curve, then others.
     first = [*table[~level]["solver"], *table[level]["solver"]][:MOST_CURVES]
@@ -127,52 +117,38 @@ def scale_section(results: Results) -> Section | None:
 
 
 def _findings(same: pd.DataFrame, other: pd.DataFrame, names: Mapping[str, str]) -> str:
-    """Three sentences: invariant solvers, other solvers, and whether the work is invariant."""
-    known = f", to {digits(2)(same['spread'].max())} of its length" if len(same) else ""
-    parts = [
-        f"{names[row['solver']]} (right in {share(row['success'])}"
-        + (f", lengths up to {digits(2)(row['spread'])} apart)" if row["spread"] >= 0 else ")")
-        for row in other.to_dict("records")
-    ]
+    """Which solvers depend on the unit of length, and why."""
     units = [parse_spec(solver)[1].get("units") == "scenario" for solver in other["solver"]]
     why = (
         ": they are given the model in the scenario's own unit, as the paper poses it, and their "
         "tolerances do not grow with it"
     )
-    work = ""
-    if len(same):
-        equal = count((same["iterations"] == 1).sum())
-        work = f"The number of iterations is the same too for {equal} of them"
-        worst = same.sort_values("iterations", ascending=False, kind="stable").iloc[0]
-        if worst["iterations"] > 1:
-            work += (
-                "; rounding alone changes it by up to a factor of "
-                f"{digits(2)(worst['iterations'])} ({names[worst['solver']]})"
-            )
-        work += "."
     return sentences(
         f"{len(same)} of {len(same) + len(other)} solvers and variants give the same path "
-        f"everywhere{known}.",
-        f"Not so for {', '.join(parts)}{why if all(units) else ''}."
-        if parts
+        "everywhere.",
+        f"Not so for {', '.join(names[solver] for solver in other['solver'])}"
+        f"{why if all(units) else ''}."
+        if len(other)
         else "None depends on the unit.",
-        work,
     )
 
 
 def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
-    """A panel per scenario; the solvers' names at the right of the last."""
-    labels = sorted(rows["label"].unique())
-    figure = new_figure(WIDE, 3.2)
-    panels = figure.subplots(1, len(labels), sharey=True, squeeze=False)[0]
-    shown = rows[rows["solver"].isin(solvers)]
-    for ax, label in zip(panels, labels, strict=True):
-        _draw_gaps(ax, shown[shown["label"] == label], palette)
-        ax.set_title(label)
-    panels[0].set_ylabel("gap to the shortest length (relative)")
-    figure.supxlabel("turning radius R (length unit)", fontsize=8.5, color=MUTED)
-    handles, _ = panels[-1].get_legend_handles_labels()
-    figure.legend(handles=handles[::-1], loc="outside right center", fontsize=6.5)
+    """Gap against radius, a panel per scenario and a line per solver."""
+    shown = rows[rows["solver"].isin(solvers)].sort_values("radius")
+    # Many are exact: each solver is drawn a little higher than the last, so that all are visible.
+    foot = _FOOT * 10 ** (0.28 * shown["solver"].map(solvers.index))
+    gap = shown["gap"].where(shown["gap"] > ROUNDING, foot).where(shown["gap"].notna(), _TOP)
+    names = palette.names(solvers)
+    lines = by_solver(shown.assign(gap=gap, name=shown["solver"].map(names), panel=shown["label"]))
+    axes = "turning radius R (length unit)", "gap to the shortest length (relative)"
+    figure = parameter_lines(lines, "radius", "gap", palette, *axes, width=WIDE, height=3.6)
+    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(_TOP)) - 1, 3)
+    for ax in figure.axes:
+        mark_limit(ax, ROUNDING, "y")
+        ax.set_ylim(_FOOT / 3, _TOP * 4)
+        ax.set_yticks([_FOOT * 10, *ticks, _TOP], ["rounding", *map(power, ticks), "misses"])
+        ax.xaxis.set_major_locator(LogLocator(numticks=5))
     others = rows["solver"].nunique() - len(solvers)
     more = f"Level too, and left out: the lines of {some(others, 'more solver')}."
     caption = sentences(
@@ -182,28 +158,6 @@ def _picture(rows: pd.DataFrame, solvers: list[str], palette: Palette) -> Pictur
         more if others else "",
     )
     return Picture("scale", caption, figure, "Gap against radius for each solver")
-
-
-def _draw_gaps(ax: Axes, rows: pd.DataFrame, palette: Palette) -> None:
-    """Draw one scenario's gap over the radius, one line per solver.
-
-    Columns: solver, radius, gap (relative; NaN if the path does not arrive).
-    """
-    looks, names = palette.looks(rows["solver"]), palette.names(rows["solver"])
-    for place, (solver, look) in enumerate(looks.items()):
-        group = rows[rows["solver"] == solver].sort_values("radius")
-        # Many are exact: draw each solver a little higher than the last, so that all are visible.
-        foot = _FOOT * 10 ** (0.28 * place)
-        gap = group["gap"].where(group["gap"] > ROUNDING, foot).where(group["gap"].notna(), _TOP)
-        style: Style = {"marker": look.marker, "markersize": 3, **look.lines}
-        ax.plot(group["radius"], gap, label=names[solver][:_MOST_LETTERS], **style)
-    mark_limit(ax, ROUNDING, "y")
-    ax.set(xscale="log", yscale="log", ylim=(_FOOT / 3, _TOP * 4))
-    log_axis(ax.xaxis)
-    ax.xaxis.set_major_locator(LogLocator(numticks=5))
-    ax.grid(True, axis="x")
-    ticks = 10.0 ** np.arange(round(np.log10(ROUNDING)), round(np.log10(_TOP)) - 1, 3)
-    ax.set_yticks([_FOOT * 10, *ticks, _TOP], ["rounding", *map(power, ticks), "misses"])
 
 
 TOPIC = Topic("scale invariance", scale_section, "scale")

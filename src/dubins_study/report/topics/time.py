@@ -132,11 +132,11 @@ def _quartiles(table: pd.DataFrame, palette: Palette, several: bool) -> Picture:
             "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
             f"{DRAWN_TEXT}"
         )
-        figure = quartile_lines(table, WHOLE, palette, label, seconds=True, panels=True)
+        figure = quartile_lines(table, WHOLE, palette, label, panels=True)
     else:
         caption = "Time of one cold attempt: median (mark) and quartiles (bar)."
         named = table.assign(name=table["solver"].map(palette.label))
-        figure = quartile_lines(named, PARTS, palette, label, seconds=True)
+        figure = quartile_lines(named, PARTS, palette, label)
     return Picture("times", caption, figure, "Median times and quartiles, one line per method")
 
 
