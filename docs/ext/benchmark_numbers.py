@@ -12,8 +12,7 @@ from markdown_text import prose, table
 from dubins_study.report.data.results import Results, load
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.identity import percent, questions
-from dubins_study.report.statistics.compared import compared
-from dubins_study.report.statistics.methods import best_methods
+from dubins_study.report.statistics.methods import best_methods, compared
 from dubins_study.report.topics import findings
 from dubins_study.report.topics.decision import decision_section
 from dubins_study.report.topics.findings_evidence import Evidence

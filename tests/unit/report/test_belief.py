@@ -8,7 +8,7 @@ import pytest
 
 from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import load
-from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.belief import (
     PROOFS,
     belief_section,

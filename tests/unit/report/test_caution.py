@@ -8,7 +8,7 @@ import pytest
 
 from dubins_study import Path, Scenario
 from dubins_study.report.data.results import load
-from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.caution import shorter_paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from tests.unit.report.results_folder import attempt

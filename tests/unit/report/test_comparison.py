@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.statistics.compared import compared
-from dubins_study.report.statistics.methods import methods_of, without_setting
+from dubins_study.report.statistics.methods import compared, methods_of
 from dubins_study.report.topics.comparison import (
     comparison_section,
     engine_tests,
@@ -136,7 +135,6 @@ def test_methods_are_named_by_the_settings_that_differ(results):
         "ipopt[presolve=True]": "Ipopt, presolve",
         "slsqp[presolve=True]": "SLSQP, presolve",
     }
-    assert without_setting("a[c=1,b=2]", "c") == ("a[b=2]", "1")
 
 
 def test_the_section_and_what_has_none(results):

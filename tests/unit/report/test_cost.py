@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.statistics.compared import compared
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.cost import (
     cost_section,
     example,

@@ -18,8 +18,7 @@ from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Place, Section
 from dubins_study.report.page.environment import linked
 from dubins_study.report.page.sections import TOPICS, sections_of
-from dubins_study.report.statistics.compared import Compared
-from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.methods import Compared, methods_of
 from dubins_study.report.topics.decision import (
     ANYWHERE,
     Choice,

@@ -93,7 +93,7 @@ def curves(ax):
 
 
 def test_the_page_has_figures_of_many_topics(pictures):
-    assert {"matrix", "comparison-profiles", "belief-claims", "verdicts"} <= set(pictures)
+    assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
     assert {"comparison-targets", "work-precision"} <= set(pictures)
     assert len(pictures) > 15
 
@@ -229,7 +229,7 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results)
         drawn = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
         files = [figure_bytes(block.figure, "svg") for block in drawn]
 
-    assert {"verdicts", "times", "gap-profile-strange"} <= {block.name for block in drawn}
+    assert {"times", "gap-profile-strange"} <= {block.name for block in drawn}
     assert all(files)
     for block in drawn:
         assert block.figure.get_size_inches()[1] < 7, block.name

@@ -15,8 +15,7 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import TOPICS, sections_of
-from dubins_study.report.statistics.compared import Compared, compared
-from dubins_study.report.statistics.methods import methods_of
+from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
 from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding

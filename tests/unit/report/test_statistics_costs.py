@@ -60,28 +60,9 @@ def test_special_values_of_the_shifted_geometric_mean():
     assert math.isnan(costs.shifted_geometric_mean([NAN], 1.0))
 
 
-@pytest.mark.parametrize(
-    ("values", "shift", "message"),
-    [([1.0], -1.0, "shift of -1"), ([1.0], INF, "shift of inf"), ([-2.0], 3.0, "cost of -2")],
-)
-def test_negative_costs_and_shifts_are_refused(values, shift, message):
-    with pytest.raises(ValueError, match=message):
-        costs.shifted_geometric_mean(values, shift)
-
-
 def test_the_shift_is_the_lower_quartile():
     assert costs.chosen_shift([4.0, 1.0, 2.0, 3.0, 5.0, INF, NAN]) == 2.0
     assert costs.chosen_shift([INF]) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("limit", "factor", "message"),
-    [(0.0, 1.0, "limit of 0"), (INF, 1.0, "limit of inf"), (1.0, 0.5, "penalty of 0.5")],
-)
-def test_penalties_without_meaning_are_refused(limit, factor, message):
-    """A failure costs at least the limit, and the limit is a number."""
-    with pytest.raises(ValueError, match=message):
-        costs.penalised(TABLE, limit, factor)
 
 
 def test_a_rank_that_depends_on_a_choice_is_none():
@@ -96,31 +77,29 @@ def test_a_rank_that_depends_on_a_choice_is_none():
     assert ranking["rank"].isna().tolist() == [True, True, False]
     assert ranking.loc["c", "rank"] == 3
     assert ranking[["best", "worst"]].to_numpy().tolist() == [[1, 2], [1, 2], [3, 3]]
-    assert costs.ranking(table[["b", "c"]], 10.0)["rank"].tolist() == [1, 2]
-    by_shift = costs.ranking(table, 10.0, 2.0, penalties=[1.0])
-    assert by_shift["rank"].isna().tolist() == [True, True, False]
-    chosen = costs.ranking(table, 10.0, 2.0, penalties=[1.0], shift_factors=[1.0])
-    assert chosen["rank"].tolist() == [1, 2, 3]
+    assert ranking["rank_tenth"].tolist() == [1, 2, 3]
+    assert ranking["rank_tenfold"].tolist() == [2, 1, 3]
+    assert costs.ranking(table[["b", "c"]], 10.0, 2.0)["rank"].tolist() == [1, 2]
 
 
 def test_a_penalty_alone_may_take_a_rank_away():
     """Geometric means 0.1^(1/2) 10^(1/2) = 1 against 2 at the limit; at ten times it, 3.2."""
     table = pd.DataFrame({"a": [0.1, INF], "b": [2.0, 2.0]})
+    ranking = costs.ranking(table, 10.0, 0.0)
 
-    at_limit = costs.ranking(table, 10.0, 0.0, penalties=[1.0])
-    assert at_limit["rank"].tolist() == [1, 2]
-    assert at_limit["mean"].tolist() == pytest.approx([1.0, 2.0])
-    assert costs.ranking(table, 10.0, 0.0)["rank"].isna().all()
+    assert ranking["rank_tenth"].tolist() == ranking["rank_tenfold"].tolist() == [1, 2]
+    assert costs.column_means(costs.penalised(table, 10.0), 0.0).tolist() == pytest.approx([1, 2])
+    assert ranking["rank"].isna().all()
 
 
 def test_equal_means_share_a_rank():
     """And one solver alone is first; a table without common questions ranks nobody."""
     same = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [3.0, 3.0]})
 
-    assert costs.ranking(same, 10.0)["rank"].tolist() == [1, 1, 3]
-    assert costs.ranking(same[["b"]], 10.0)["rank"].tolist() == [1]
-    assert costs.ranking(same[["a", "b"]].mask(same > 0), 10.0)["rank"].isna().all()
-    assert costs.ranking(same.iloc[:0], 10.0)["rank"].isna().all()
+    assert costs.ranking(same, 10.0, 1.0)["rank"].tolist() == [1, 1, 3]
+    assert costs.ranking(same[["b"]], 10.0, 1.0)["rank"].tolist() == [1]
+    assert costs.ranking(same[["a", "b"]].mask(same > 0), 10.0, 1.0)["rank"].isna().all()
+    assert costs.ranking(same.iloc[:0], 10.0, 1.0)["rank"].isna().all()
 
 
 def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
@@ -138,13 +117,6 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
     assert table.loc["p"].to_dict() == {"a": 2.0, "b": INF}
     assert table.loc["q"].isna().all()
     assert shared_questions(table).index.tolist() == ["p"]
-
-
-def test_cost_tables_with_a_mistake_are_refused():
-    with pytest.raises(ValueError, match="cost of -1"):
-        shared_questions(pd.DataFrame({"a": [-1.0]}))
-    with pytest.raises(ValueError, match="named twice: a"):
-        shared_questions(pd.DataFrame([[1.0, 2.0]], columns=["a", "a"]))
 
 
 def test_an_answer_after_the_limit_is_a_failure():
@@ -260,12 +232,3 @@ def test_target_ecdf_by_hand():
     assert curves["b"].tolist() == [0.0] * 3
     paid.loc[1, "b"] = NAN  # not asked: the question counts for neither
     assert costs.target_ecdf(gaps, paid, [10.0], [0.1, 0.01])["a"].tolist() == [0.5]
-
-
-def test_target_ecdf_refuses_what_does_not_fit():
-    table = pd.DataFrame({"a": [1.0]})
-    for targets in ([], [NAN]):
-        with pytest.raises(ValueError, match="gap targets"):
-            costs.target_ecdf(table, table, [1.0], targets)
-    with pytest.raises(ValueError, match="same questions and solvers"):
-        costs.target_ecdf(table, table.rename(columns={"a": "b"}), [1.0])

@@ -1,4 +1,4 @@
-"""Cost tables: what each solver paid for each question, their means, ranks and profiles.
+"""Cost tables: what each solver paid for each question, their means, ranks and profiles; its parts.
 
 The rows of a cost table are questions, its columns solvers, and a value is the cost of a right
 answer in any one unit (seconds, function evaluations). Two values are special: infinity is a
@@ -8,14 +8,19 @@ denominator; NaN is a question that it was not asked, or whose cost was not coun
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from dubins_study.report.statistics.methods import Compared
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.words import BRANCHES
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)
 PENALTIES = (1.0, 2.0, 10.0)
@@ -38,26 +43,12 @@ def cost_table(
     return pd.DataFrame(costs.unstack("solver")).astype(np.float64)
 
 
-def checked_costs(table: pd.DataFrame) -> pd.DataFrame:
-    """The table as doubles; a ValueError if a cost is negative or two columns have one name."""
-    if not table.columns.is_unique:
-        twice = sorted({str(name) for name in table.columns[table.columns.duplicated()]})
-        raise ValueError(f"solvers named twice: {', '.join(twice)}; give each column its own name")
-    costs = table.astype(np.float64)
-    negative = costs.to_numpy() < 0
-    if negative.any():
-        value = float(costs.to_numpy()[negative][0])
-        raise ValueError(f"a cost of {value:g}: a cost is at least 0; mark a failure as infinite")
-    return costs
-
-
 def shared_questions(table: pd.DataFrame) -> pd.DataFrame:
     """The questions put to every solver: the rows without NaN.
 
     A joint profile, mean or ranking of solvers that met different questions compares the questions.
     """
-    costs = checked_costs(table)
-    return costs[costs.notna().all(axis=1)]
+    return table[table.notna().all(axis=1)].astype(np.float64)
 
 
 def solved_by_all(table: pd.DataFrame) -> pd.DataFrame:
@@ -74,24 +65,13 @@ def shifted_geometric_mean(values: ArrayLike, shift: float) -> float:
     the geometric mean; as the shift grows it tends to the arithmetic mean.
 
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
-    A ValueError if the shift or a value is negative, or the shift is not finite.
     """
     costs = np.asarray(values, dtype=np.float64).ravel()
     costs = costs[~np.isnan(costs)]
-    checked_shift(shift, costs)
     if not costs.size:
         return float("nan")
     with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
         return float(np.exp(np.mean(np.log(costs + shift))) - shift)
-
-
-def checked_shift(shift: float, values: FloatArray) -> float:
-    """The shift; a ValueError unless it and the costs can be in a shifted geometric mean."""
-    if not (np.isfinite(shift) and shift >= 0):
-        raise ValueError(f"a shift of {shift!r}: a shift is finite and at least 0")
-    if (values < 0).any():
-        raise ValueError(f"a cost of {values[values < 0][0]:g}: a cost is at least 0")
-    return shift
 
 
 def chosen_shift(values: ArrayLike) -> float:
@@ -115,46 +95,30 @@ def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.Data
 
     The limit of an attempt is in the unit of the table. NaN stays NaN.
     """
-    if not (np.isfinite(limit) and limit > 0):
-        raise ValueError(f"a limit of {limit!r}: a limit is finite and above 0")
-    if not (np.isfinite(factor) and factor >= 1):
-        raise ValueError(f"a penalty of {factor!r} limits: a failure costs at least 1 limit")
-    costs = checked_costs(table)
-    return pd.DataFrame(costs.mask(costs > limit, factor * limit))
+    return pd.DataFrame(table.mask(table > limit, factor * limit))
 
 
-def ranking(
-    table: pd.DataFrame,
-    limit: float,
-    shift: float | None = None,
-    *,
-    shift_factors: Sequence[float] = SHIFT_FACTORS,
-    penalties: Sequence[float] = PENALTIES,
-) -> pd.DataFrame:
+def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     """Ranks by the shifted geometric mean of penalised costs, if they do not depend on its choices.
 
-    Each shift factor with each penalty gives a ranking, over the questions put to all solvers. A
-    rank that changes with the shift or the penalty is said to be none. The limit of an attempt is
-    in the unit of the table; the shift is by default `chosen_shift` of the questions put to all.
+    Each of `SHIFT_FACTORS` with each of `PENALTIES` gives a ranking, over the questions put to all
+    solvers. A rank that changes with the shift or the penalty is said to be none. The limit of an
+    attempt and the shift are in the unit of the table.
 
-    Indexed by solver. mean: with the shift itself and failures at the limit; rank: 1 is best, equal
-    means share the better rank, <NA> if it is none; best and worst: the rank's range.
+    Indexed by solver. rank: 1 is best, equal means share the better rank, <NA> if it is none; best
+    and worst: the rank's range; rank_tenth and rank_tenfold: with failures at the limit, at that
+    multiple of the shift.
     """
-    shared = shared_questions(table)
-    costs = shared.mask(shared > limit, np.inf)  # a late answer is a failure
-    shift = chosen_shift(costs) if shift is None else shift
-    ranks = pd.concat(
-        [
-            ranks_of(column_means(penalised(costs, limit, penalty), factor * shift))
-            for factor, penalty in product(shift_factors, penalties)
-        ],
-        axis=1,
-    )
+    costs = shared_questions(table)
+    means = {
+        (factor, penalty): column_means(penalised(costs, limit, penalty), factor * shift)
+        for factor, penalty in itertools.product(SHIFT_FACTORS, PENALTIES)
+    }
+    ranks = pd.DataFrame({choice: ranks_of(each) for choice, each in means.items()})
     best, worst = ranks.min(axis=1).astype("Int64"), ranks.max(axis=1).astype("Int64")
-    means = column_means(penalised(costs, limit), shift)
-    return pd.DataFrame(
-        {"mean": means, "rank": best.where(best == worst), "best": best, "worst": worst}
-    )
+    frame = pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
+    tenth, _, tenfold = (ranks[factor, 1.0] for factor in SHIFT_FACTORS)
+    return frame.assign(rank_tenth=tenth, rank_tenfold=tenfold)
 
 
 def ranks_of(means: pd.Series) -> pd.Series:
@@ -231,11 +195,7 @@ def target_ecdf(
             shape (n,).
         targets: gap targets, shape (m,).
     """
-    goals = np.sort(np.asarray(targets, dtype=np.float64).ravel())
-    if not goals.size or np.isnan(goals).any():
-        raise ValueError("gap targets: give at least one, and no NaN")
-    if not (gaps.index.equals(costs.index) and gaps.columns.equals(costs.columns)):
-        raise ValueError("gaps and costs: give two tables with the same questions and solvers")
+    goals = np.sort(np.asarray(targets, dtype=np.float64))
     final = gaps.astype(np.float64).fillna(np.inf).to_numpy()
     shared = costs.notna().all(axis=1).to_numpy()
     paid, final = shared_questions(costs), final[shared]
@@ -253,3 +213,142 @@ def target_ecdf(
 def _reachable(points: ArrayLike) -> FloatArray:
     """The points, none infinite: a failure is not reached even within an infinite cost."""
     return np.minimum(np.asarray(points, np.float64), np.finfo(np.float64).max)
+
+
+# What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
+# once, from that guess. Restarts are the other runs on the same subproblem. Other subproblems have
+# a path that loses, or no path. The rest lies outside the subproblems, e.g. polishing the answer.
+KINDS = ("winning run", "restarts", "losing words", "words without a path", "building", "rest")
+AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
+_RELATIVE_ROUNDING = 1e-9
+_READ = [
+    *("solver", "question", "scenario", "stratum", "word", "evaluations", "build_s", "wall_s"),
+    *("subproblems", "subproblem_evaluations", "subproblem_s"),
+    *("best_run_evaluations", "best_run_s", *COLUMNS),
+]
+
+
+class Split(NamedTuple):
+    """Right answers at questions with a path, and what each cost; three frames of one index.
+
+    `answers` has the columns solver, question and stratum, and a row per attempt; the others have
+    the columns `KINDS` and total (of the whole attempt), NaN where the engine does not count.
+    """
+
+    answers: pd.DataFrame
+    evaluations: pd.DataFrame
+    seconds: pd.DataFrame
+
+    def amount(self, name: str) -> pd.DataFrame:
+        """The evaluations or the seconds."""
+        return self.evaluations if name == "evaluations" else self.seconds
+
+    def medians(self, values: pd.Series[float]) -> pd.DataFrame:
+        """A value of each answer as a table: questions by solvers, the median over repeats."""
+        return values.groupby([self.answers["question"], self.answers["solver"]]).median().unstack()
+
+
+def split(compared: Compared) -> Split:
+    """What the right answers cost; answers whose winning run is not known are left out."""
+    rows = compared.answerable
+    rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
+    lines = _lines(rows)
+    kinds = _kinds(lines, rows)
+    return Split(
+        rows[["solver", "question", "stratum"]],
+        _parts(rows, lines, kinds, "evaluations"),
+        _parts(rows, lines, kinds, "seconds"),
+    )
+
+
+def _parts(
+    rows: pd.DataFrame, lines: pd.DataFrame, kinds: pd.Series[Any], amount: str
+) -> pd.DataFrame:
+    """Each attempt's evaluations or seconds, by kind, and their total."""
+    summed = lines[amount].groupby([lines["row"], kinds]).sum(min_count=1).unstack()
+    parts = summed.reindex(index=rows.index, columns=list(KINDS)).fillna(0.0)
+    known = summed.sum(axis=1).reindex(rows.index).fillna(0.0)
+    if amount == "evaluations":
+        best, total = rows["best_run_evaluations"], rows["evaluations"]
+        parts["building"] = 0.0
+    else:
+        best, total = rows["best_run_s"], rows["wall_s"]
+        parts["building"] = rows["build_s"].fillna(0.0)
+    parts["winning run"] = best
+    parts["restarts"] = (parts["restarts"] - best).clip(lower=0.0)
+    counted = parts.drop(columns="rest").sum(axis=1, skipna=False)
+    parts["total"] = np.fmax(total.fillna(known), counted)
+    parts["rest"] = parts["total"] - counted
+    return parts.where(best > 0).astype(np.float64)
+
+
+def _lines(rows: pd.DataFrame) -> pd.DataFrame:
+    """One line per attempt and subproblem: row, subproblem, evaluations, seconds.
+
+    Attempts whose lists of subproblems differ in length have no lines.
+    """
+    names = rows["subproblems"].fillna("").map(str.split)
+    sizes = names.map(len)
+    for column in AMOUNTS.values():
+        sizes = sizes.where(sizes == rows[column].map(_size), 0)
+    kept = sizes[sizes > 0].astype(int)
+    chain = itertools.chain.from_iterable
+    frame = pd.DataFrame(
+        {
+            "row": np.repeat(kept.index.to_numpy(), kept.to_numpy()),
+            "subproblem": list(chain(names[kept.index])),
+        }
+    )
+    for amount, column in AMOUNTS.items():
+        frame[amount] = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
+    return frame
+
+
+def _size(value: object) -> int:
+    return len(value) if isinstance(value, (list, np.ndarray)) else 0
+
+
+def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
+    """The kind of each line; the winner's line is `restarts`, its best run included."""
+    if lines.empty:
+        return pd.Series("", lines.index)
+    attempts = rows[["word", "best_run_s", "scenario", *COLUMNS]].loc[lines["row"]]
+    place, pairs = pd.factorize(
+        pd.MultiIndex.from_arrays([attempts["word"].fillna("").to_numpy(), lines["subproblem"]])
+    )
+    misfit = np.array([not _contains(*pair) for pair in pairs])[place]
+    best = attempts["best_run_s"].to_numpy()
+    # The engine's time on the winner is at least that of its best run.
+    too_short = lines["seconds"].to_numpy() < best * (1 - _RELATIVE_ROUNDING)
+    order = pd.DataFrame(
+        {"row": lines["row"], "too_short": too_short, "misfit": misfit, "s": lines["seconds"]}
+    ).sort_values(["row", "too_short", "misfit", "s"], kind="stable")
+    winner = np.zeros(len(lines), dtype=bool)
+    winner[order.index[~order["row"].duplicated()]] = True
+    exists = _exists(attempts, lines["subproblem"].to_numpy())
+    names = np.where(winner, "restarts", np.where(exists, "losing words", KINDS[3]))
+    return pd.Series(names, lines.index)
+
+
+def _contains(word: str, subproblem: str) -> bool:
+    """Whether a subproblem's letters, in order, include a path's word."""
+    letters = iter(subproblem)
+    return all(letter in letters for letter in word)
+
+
+def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
+    """Whether each subproblem has a path; true of all that are no words, such as the joint model.
+
+    The closed form decides, once for each scenario and word.
+    """
+    pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
+    place = pairs.factorize()[0]
+    _, first = np.unique(place, return_index=True)
+    columns: list[dict[Any, Any]] = attempts[list(COLUMNS)].iloc[first].to_dict("records")
+    words = subproblems[first]
+    known = [
+        word not in BRANCHES or word == "best" or shortest(Scenario(**line), word) is not None
+        for line, word in zip(columns, words, strict=True)
+    ]
+    every: FloatArray = np.array(known)[place]
+    return every

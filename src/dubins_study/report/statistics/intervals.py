@@ -1,32 +1,38 @@
-"""95 % intervals: Wilson's for shares, and the cluster bootstrap over scenarios for all else."""
+"""95 % intervals and paired tests.
+
+Wilson's intervals for shares, the cluster bootstrap over scenarios for all else; the sign test,
+Wilcoxon's signed rank test, and Holm's correction for many of them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from statistics import NormalDist
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
+from scipy.special import bdtr, ndtr
 
-from dubins_study.report.statistics.costs import checked_shift
 from dubins_study.study.path import FloatArray
 
+LEVEL = 0.95
 RESAMPLES = 1000
 # The counts of all resamples: beyond some 80 MB fewer are drawn, since the interval of that many
 # scenarios is narrow and its ends need no third digit.
 _MOST_COUNTS, _FEWEST_RESAMPLES = 10**7, 100
 
-# (values of shape (rows, columns), weights of shape (resamples, rows)) -> (resamples, columns).
+# Values of shape (rows, columns), weights of shape (resamples, rows) -> (resamples, columns).
 Statistic = Callable[[FloatArray, FloatArray], FloatArray]
 
 
-def wilson_intervals(successes: ArrayLike, trials: ArrayLike, level: float = 0.95) -> FloatArray:
+def wilson_intervals(successes: ArrayLike, trials: ArrayLike) -> FloatArray:
     """Wilson's score intervals of shares k / n.
 
     The ends are the shares p with |k/n - p| = z sqrt(p (1 - p) / n), z the normal quantile of
-    (1 + level) / 2:
+    (1 + 0.95) / 2:
 
         (k + z^2 / 2  -+  z sqrt(k (n - k) / n + z^2 / 4)) / (n + z^2)
 
@@ -38,9 +44,9 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, level: float = 0.9
     too wide. Of no trials nothing is known: the interval is (0, 1), which the formula tends to.
 
     k and n have shapes that broadcast; the result has that of k / n and a last axis of 2: low,
-    high. A ValueError if `level` is outside (0, 1), or k and n are not finite with 0 <= k <= n.
+    high. A ValueError unless k and n are finite with 0 <= k <= n.
     """
-    z = NormalDist().inv_cdf((1 + _checked_level(level)) / 2)
+    z = NormalDist().inv_cdf((1 + LEVEL) / 2)
     k, n = np.broadcast_arrays(
         np.asarray(successes, dtype=np.float64), np.asarray(trials, dtype=np.float64)
     )
@@ -57,9 +63,9 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike, level: float = 0.9
     return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
-def wilson_interval(successes: float, trials: float, level: float = 0.95) -> tuple[float, float]:
+def wilson_interval(successes: float, trials: float) -> tuple[float, float]:
     """Wilson's score interval of one share; see `wilson_intervals`."""
-    low, high = wilson_intervals(successes, trials, level)
+    low, high = wilson_intervals(successes, trials)
     return float(low), float(high)
 
 
@@ -99,33 +105,27 @@ def bootstrap(
     statistic: Statistic,
     base: str | None = None,
     *,
-    level: float = 0.95,
     resamples: int | None = None,
-    seed: int = 0,
 ) -> pd.DataFrame:
     """A statistic of each column with its percentile interval, by the cluster bootstrap.
 
     A resample draws as many scenarios as there are, with replacement, and takes all rows of each:
     repeats of one scenario stay together, since they are not independent (Davison and Hinkley 1997,
-    Bootstrap Methods and their Application, sec. 3.8). All columns see the same resamples, so that
-    a ratio compares like with like. The interval is that of Efron and Tibshirani 1993, An
-    Introduction to the Bootstrap, ch. 13: it keeps its meaning under any increasing transformation
-    of the cost, and with infinite costs; the BCa interval needs the jackknife, which fails for
-    medians (ch. 11).
+    Bootstrap Methods and their Application, sec. 3.8). All columns, and all calls, see the same
+    resamples, so that a ratio compares like with like. The interval is that of Efron and Tibshirani
+    1993, An Introduction to the Bootstrap, ch. 13: it keeps its meaning under any increasing
+    transformation of the cost, and with infinite costs; the BCa interval needs the jackknife, which
+    fails for medians (ch. 11).
 
-    An infinite value is a failure and counts as the largest cost; NaN was not measured and is left
-    out. A resample without any value of a column is left out of that column's quantiles.
+    Of medians an infinite value is a failure and counts as the largest cost; NaN was not measured
+    and is left out. A resample without any value of a column is left out of its quantiles.
 
     Args:
         table: rows by solvers, the index naming the scenario of each row; any unit.
-        statistic: `medians`, `averages` or `geometric_means(shift)`. Give the last one penalised
-            costs, or a failure makes it infinite.
-        base: a column to divide by. Both statistics are then over the rows that have a value in
-            both columns. Infinity by infinity and 0 by 0 are not determined: such an estimate is
-            NaN, and such a resample counts as 0 for the lower end and as infinity for the upper.
-        level: confidence level, in (0, 1).
+        statistic: `medians`, or `averages` or `geometric_means(shift)` of penalised costs.
+        base: a column to divide by, without failures. Both statistics are then over the rows that
+            have a value in both columns.
         resamples: number of resamples; None: `RESAMPLES`, or fewer of very many scenarios.
-        seed: of the resamples; one seed gives the same resamples in every call.
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the statistic. NaN for a
         column without values.
@@ -133,42 +133,34 @@ def bootstrap(
     scenario, names = pd.factorize(table.index)
     affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
     drawn = min(RESAMPLES, affordable) if resamples is None else resamples
-    counts = scenario_counts(len(names), drawn, seed)
+    counts = scenario_counts(len(names), drawn)
     # The first line is the data, each row once.
     weights = np.vstack([np.ones(len(table)), counts[:, scenario]])
     values: FloatArray = table.to_numpy(dtype=np.float64)
     if base is None:
-        least = largest = statistic(values, weights)
+        statistics = statistic(values, weights)
     else:
-        if base not in table.columns:
-            known = ", ".join(map(str, table.columns))
-            raise ValueError(f"no solver named {base!r} to divide by; choose one of: {known}")
         rival = np.broadcast_to(table[[base]].to_numpy(dtype=np.float64), values.shape)
         missing = np.isnan(values) | np.isnan(rival)
         above, below = (
             statistic(np.where(missing, np.nan, side), weights) for side in (values, rival)
         )
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = above / below
-        undetermined = np.isnan(ratio) & ~np.isnan(above) & ~np.isnan(below)
-        least, largest = (np.where(undetermined, end, ratio) for end in (0.0, np.inf))
-    tail = (1 - _checked_level(level)) / 2
+        statistics = above / below
+    tail = (1 - LEVEL) / 2
     frame = pd.DataFrame(index=table.columns.rename("solver"))
-    frame["estimate"] = np.where(least[0] == largest[0], least[0], np.nan)
-    frame["low"] = _quantiles(least[1:], tail, np.floor)
-    frame["high"] = _quantiles(largest[1:], 1 - tail, np.ceil)
+    frame["estimate"] = statistics[0]
+    frame["low"] = _quantiles(statistics[1:], tail, np.floor)
+    frame["high"] = _quantiles(statistics[1:], 1 - tail, np.ceil)
     return frame
 
 
 @lru_cache(maxsize=8)
-def scenario_counts(scenarios: int, resamples: int = RESAMPLES, seed: int = 0) -> FloatArray:
+def scenario_counts(scenarios: int, resamples: int) -> FloatArray:
     """How often each resample holds each scenario: whole numbers, shape (resamples, scenarios)."""
-    if resamples < 1:
-        raise ValueError(f"{resamples} resamples: draw at least 1, e.g. {RESAMPLES}")
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
-    counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
+    counts = np.random.default_rng(0).multinomial(scenarios, equal, resamples)
     shared = counts.astype(np.float64)
     shared.flags.writeable = False  # the cache hands it to every caller
     return shared
@@ -197,28 +189,22 @@ def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Arithmetic means of columns; values may be negative: a `Statistic`.
+    """Arithmetic means of columns of finite values: a `Statistic`.
 
     Of a column of successes (0 or 1) it is their share; of differences of successes (-1, 0 or 1)
     the difference of two shares on the same questions.
     """
-    sums = weights @ np.where(np.isfinite(values), values, 0.0)
-    sizes = weights @ (~np.isnan(values)).astype(np.float64)
-    for extreme in (np.inf, -np.inf):
-        drawn = weights @ (values == extreme).astype(np.float64) > 0
-        sums = sums + np.where(drawn, extreme, 0.0)
+    known = ~np.isnan(values)
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
-        means: FloatArray = sums / sizes
+        means: FloatArray = (weights @ np.where(known, values, 0.0)) / (weights @ known)
     return means
 
 
 def geometric_means(shift: float) -> Statistic:
-    """The `Statistic` of `costs.shifted_geometric_mean`."""
+    """The `Statistic` of `costs.shifted_geometric_mean`, of finite costs."""
 
     def means(values: FloatArray, weights: FloatArray) -> FloatArray:
-        with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
-            logs = np.log(values + checked_shift(shift, values))
-        result: FloatArray = np.exp(averages(logs, weights)) - shift
+        result: FloatArray = np.exp(averages(np.log(values + shift), weights)) - shift
         return result
 
     return means
@@ -233,7 +219,135 @@ def _quantiles(statistics: FloatArray, q: float, rounding: np.ufunc) -> FloatArr
     return quantiles
 
 
-def _checked_level(level: float) -> float:
-    if not 0 < level < 1:
-        raise ValueError(f"confidence level {level!r}: a level is between 0 and 1, e.g. 0.95")
-    return level
+# Two ratios of costs are tied if their logarithms agree to this many decimals: far finer than any
+# timer, and coarser than the rounding of logarithms.
+_TIE_DECIMALS = 12
+# Up to this many pairs the signed rank test is exact, as in scipy, but with ties as well: there
+# scipy writes out all sign patterns, a tenth of a second for 13 pairs. 2^50 patterns are counted
+# exactly.
+_EXACT_PAIRS = 50
+
+
+class PairedTest(NamedTuple):
+    """A two-sided test of a solver against a rival on the same questions, by costs (see `costs`).
+
+    `pairs` compared questions, of which the solver was cheaper in `wins`, dearer in `losses` and
+    equal in `ties`; `p`: the probability of a difference at least as large if there is none, 1 if
+    there are only ties. A failure loses to every right answer, two failures tie, and a pair with
+    NaN is left out. Repeats are not independent: each question has one value, such as their median.
+    """
+
+    pairs: int
+    wins: int
+    losses: int
+    ties: int
+    p: float
+
+
+def sign_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
+    """The exact sign test: are wins and losses equally likely?
+
+    Wins are binomial with 1/2 of wins + losses; ties are left out (Conover 1999, Practical
+    Nonparametric Statistics, 3rd ed., sec. 3.4). On costs of 0 (right) and 1 (wrong) it is
+    McNemar's exact test of two success rates. It assumes nothing of the sizes of differences.
+    """
+    pairs, wins, losses, ties = _counts(*_known(costs, rival_costs))
+    p = min(1.0, 2 * float(bdtr(min(wins, losses), wins + losses, 0.5)))
+    return PairedTest(pairs, wins, losses, ties, p)
+
+
+def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
+    """Wilcoxon's signed rank test of the logarithms of cost / rival's cost.
+
+    Ranks the sizes of the logarithms and compares the rank sums of wins and losses, so that a
+    tenfold win weighs more than a win by a tenth; a failure has the largest rank. Ties of costs are
+    left out, ties of ranks share their mean. Exact up to 50 pairs, above that normal with the
+    variance corrected for ties, as in `scipy.stats` (Wilcoxon 1945, "Individual comparisons by
+    ranking methods", Biometrics Bull. 1; recommended for two methods on many data sets by Demsar
+    2006, J. Mach. Learn. Res. 7, sec. 3.1.3). It assumes that without a difference the logarithms
+    are symmetric about 0; the sign test does not.
+    """
+    mine, rival = _known(costs, rival_costs)
+    decided = mine != rival
+    with np.errstate(divide="ignore"):  # a cost of 0 wins by an infinite factor
+        logs = np.round(np.log(mine[decided]) - np.log(rival[decided]), _TIE_DECIMALS)
+    finite = np.abs(logs[np.isfinite(logs)])
+    largest = (finite.max() if finite.size else 0.0) + 1.0
+    logs = np.clip(logs, -largest, largest)
+    logs = logs[logs != 0]
+    ranks = np.asarray(pd.Series(np.abs(logs)).rank(), dtype=np.float64)  # ties share their mean
+    p = _exact_p(ranks, logs > 0) if logs.size <= _EXACT_PAIRS else _normal_p(ranks, logs > 0)
+    return PairedTest(*_counts(mine, rival), p)
+
+
+def _known(costs: ArrayLike, rival_costs: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """The costs of the pairs without NaN."""
+    mine, rival = (np.asarray(values, dtype=np.float64) for values in (costs, rival_costs))
+    both = ~(np.isnan(mine) | np.isnan(rival))
+    return mine[both], rival[both]
+
+
+def _counts(mine: FloatArray, rival: FloatArray) -> tuple[int, int, int, int]:
+    """Pairs, wins, losses, ties."""
+    wins, losses = int(np.sum(mine < rival)), int(np.sum(mine > rival))
+    return mine.size, wins, losses, mine.size - wins - losses
+
+
+def _exact_p(ranks: FloatArray, positive: np.ndarray) -> float:
+    """The share of sign patterns whose rank sum is as far from its mean, on either side.
+
+    Patterns are counted by their sum of doubled ranks, which are whole numbers with ties too:
+    adding a rank to the patterns so far shifts their counts by it.
+    """
+    doubled = np.rint(2 * ranks).astype(np.intp)
+    total, reached = int(doubled.sum()), int(doubled[positive].sum())
+    patterns = np.zeros(total + 1)
+    patterns[0] = 1.0
+    for rank in doubled:
+        patterns[rank:] = patterns[rank:] + patterns[:-rank]
+    tail = patterns[: min(reached, total - reached) + 1].sum() / 2.0**ranks.size
+    return min(1.0, 2 * float(tail))
+
+
+def _normal_p(ranks: FloatArray, positive: np.ndarray) -> float:
+    """The same share for many pairs, whose rank sum is nearly normal.
+
+    With random signs the sum of the positive ranks has the mean sum(r) / 2 and the variance
+    sum(r^2) / 4; ties are in the ranks already. It is `scipy.stats.wilcoxon` in two lines: to
+    import scipy.stats takes longer than all tests of a report.
+    """
+    off = ranks[positive].sum() - ranks.sum() / 2
+    return 2 * float(ndtr(-abs(off) / np.sqrt((ranks**2).sum() / 4)))
+
+
+def holm(p_values: ArrayLike) -> FloatArray:
+    """Holm's adjusted p-values: p_(i) becomes the largest of (m - j + 1) p_(j), j <= i; at most 1.
+
+    Rejecting what is at most alpha keeps the chance of any false rejection among all m tests at
+    alpha, however the tests depend on each other (Holm 1979, "A simple sequentially rejective
+    multiple test procedure", Scand. J. Stat. 6).
+
+    The shape is (m,), in any order; NaN is no test: it stays NaN and is not counted in m.
+    """
+    p = np.asarray(p_values, dtype=np.float64)
+    adjusted = np.full(p.shape, np.nan)
+    tests = np.flatnonzero(~np.isnan(p))
+    order = tests[np.argsort(p[tests], kind="stable")]
+    steps = p[order] * np.arange(order.size, 0, -1)
+    adjusted[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
+    return adjusted
+
+
+def paired_tests(table: pd.DataFrame, pairs: Iterable[tuple[str, str]]) -> pd.DataFrame:
+    """Wilcoxon's test of each pair of columns of a cost table, with one row per question.
+
+    Columns solver, rival, those of `PairedTest` and p_holm (over all pairs); p and p_holm are NaN
+    of two solvers without a common question.
+    """
+    lines = [
+        (solver, rival, *wilcoxon_test(table[solver].to_numpy(), table[rival].to_numpy()))
+        for solver, rival in pairs
+    ]
+    frame = pd.DataFrame(lines, columns=["solver", "rival", *PairedTest._fields])
+    p = frame["p"].where(frame["pairs"] > 0)
+    return frame.assign(p=p, p_holm=holm(p))

@@ -1,15 +1,23 @@
-"""The methods that are compared: formulation, engine, initial guess, and settings that differ."""
+"""The methods that are compared: their names, and the attempts by which they are compared."""
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, wraps
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
+import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, TRIAL
-from dubins_study.report.statistics.intervals import scenario_shares
-from dubins_study.report.statistics.metrics import natural, parse_spec, success
+from dubins_study.report.data.results import Results
+from dubins_study.report.statistics.intervals import Statistic, bootstrap, scenario_shares
+from dubins_study.report.statistics.metrics import natural, parse_spec, presolved, success
+from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import FORMULATIONS
 
 UNSTATED = "not stated"
@@ -133,11 +141,11 @@ def best_of_formulations(frame: pd.DataFrame) -> list[str]:
 MOST_CURVES = 10  # more lines in one panel cannot be told apart
 
 
-def best_solvers(rows: pd.DataFrame, most: int = MOST_CURVES) -> list[str]:
+def best_solvers(rows: pd.DataFrame) -> list[str]:
     """The closed form, then of each formulation the solver that is most surely right.
 
     The rows are attempts at questions that have a path. Several that are as sure: the fastest. Of
-    more formulations than `most` the surest are kept; the order is that of tables.
+    more than `MOST_CURVES` formulations the surest are kept; the order is that of tables.
     """
     judged = rows.assign(right=success(rows))
     shares = scenario_shares(judged, by=["solver"], success="right", scenario=TRIAL)
@@ -147,16 +155,8 @@ def best_solvers(rows: pd.DataFrame, most: int = MOST_CURVES) -> list[str]:
     surest = best.assign(other=best["solver"] != EXACT).sort_values(
         ["other", "right_low", "wall_s"], ascending=[True, False, True], kind="stable"
     )
-    kept = set(surest["solver"].head(most))
+    kept = set(surest["solver"].head(MOST_CURVES))
     return [str(solver) for solver in best["solver"] if solver in kept]
-
-
-def without_setting(spec: str, key: str) -> tuple[str, str | None]:
-    """A spec without one setting, in a fixed order of settings; and that setting's value."""
-    name, settings = parse_spec(spec)
-    value = settings.pop(key, None)
-    items = ",".join(f"{item}={settings[item]}" for item in sorted(settings))
-    return f"{name}[{items}]", value
 
 
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
@@ -192,3 +192,105 @@ def _places(values: pd.Series[str], order: Sequence[str]) -> pd.Series[int]:
     """The place of each value in an order; unknown values come last."""
     places = {value: place for place, value in enumerate(order)}
     return values.map(places).fillna(len(order)).astype(int)
+
+
+_NEVER_SOLVED = ("unavailable", "unsupported")
+
+
+Rows = TypeVar("Rows")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Cold attempts of engines that could be called, and the time limit of an attempt.
+
+    `rows` has most columns of the schema, and question and scenario (whole numbers), right (the
+    check accepts the answer, and an engine gave it) and stratum (the scenario's label). `methods`
+    is the frame of `methods_of`; `strata` are in the order of the experiment's file.
+    """
+
+    rows: pd.DataFrame
+    methods: pd.DataFrame
+    limit_s: float
+    strata: tuple[str, ...]
+
+    @cached_property
+    def answerable(self) -> pd.DataFrame:
+        """The attempts at questions that have a path."""
+        return self.rows[self.rows["answerable"]]
+
+    @cached_property
+    def engines(self) -> pd.DataFrame:
+        """The methods without the closed form."""
+        return self.methods[self.methods.index != EXACT]
+
+    def bootstrap(
+        self, table: pd.DataFrame, statistic: Statistic, name: str, base: str | None = None
+    ) -> pd.DataFrame:
+        """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
+
+        Indexed by solver; columns `name`, `name`_low and `name`_high.
+        """
+        first = self.rows.drop_duplicates("question").set_index("question")
+        by_scenario = table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
+        frame = bootstrap(by_scenario, statistic, base)
+        return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
+
+
+def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
+    """The function, computed once for the same rows; nobody may change its result."""
+    known: WeakKeyDictionary[Rows, T] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def look_up(rows: Rows) -> T:
+        if rows not in known:
+            known[rows] = compute(rows)
+        return known[rows]
+
+    return look_up
+
+
+# Columns that no comparison reads: every selection of rows would copy them.
+_UNREAD = [column.name for column in ROW if column.detail]
+
+
+@once
+def compared(results: Results) -> Compared | None:
+    """The attempts by which solvers are compared; None if there are none.
+
+    Left out: attempts from another solver's path, and those of engines that are not installed or
+    cannot read the question.
+    """
+    rows = results.rows.drop(columns=_UNREAD)
+    kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
+    if kept.empty:
+        return None
+    methods = methods_of(kept)
+    stated = methods[["formulation", "engine", "guess"]]
+    kept = kept.assign(
+        question=kept.groupby(list(TRIAL), observed=True, sort=False).ngroup(),
+        scenario=pd.factorize(kept["scenario_id"])[0],
+        right=success(kept),
+        presolved=presolved(kept),
+        stratum=kept["label"].fillna(""),
+        **{str(name): kept["solver"].map(values) for name, values in stated.items()},
+    )
+    strata = tuple(stratum_order(results, kept["stratum"]))
+    return Compared(kept, methods, _limit(results, kept), strata)
+
+
+def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
+    """Distinct labels of scenarios, in the order in which the experiments' files name them."""
+    text = "\n".join(folder.manifest.experiment.text for folder in results.folders)
+    places = {name: text.find(json.dumps(name)) for name in sorted(set(labels))}
+    return sorted(places, key=lambda name: (places[name] < 0, places[name]))
+
+
+def _limit(results: Results, rows: pd.DataFrame) -> float:
+    """The largest time limit of the runs; if none is stated, the longest attempt's time (s)."""
+    limits = [folder.manifest.time_limit_s or 0.0 for folder in results.folders]
+    if stated := [limit for limit in limits if 0 < limit < np.inf]:
+        return float(max(stated))
+    longest = float(rows["wall_s"].max())
+    return longest if longest > 0 else 1.0

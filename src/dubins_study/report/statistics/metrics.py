@@ -136,62 +136,49 @@ def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
     return [(a, b, words[a]) for a, b in pairwise(bounds)]
 
 
-def question_spread(rows: pd.DataFrame, *, question: Sequence[str]) -> pd.DataFrame:
-    """The spread of each solver at each question over its repeats, which differ in their seed.
+def seed_spread(rows: pd.DataFrame) -> pd.DataFrame:
+    """The spread of each solver over the repeats of a question, which differ in their seed.
 
     Stochastic engines draw random numbers, and MIP engines permute rows and break ties by a seed;
     one run of either is a sample (Lodi and Tramontani 2013, "Performance variability in
     mixed-integer programming", INFORMS TutORials in Operations Research).
 
-    The rows are attempts with solver, verdict, right, wall_s (the cost, of right and wrong answers)
-    and the columns that tell questions apart. A missing verdict is a verdict, a cost that is not
-    finite is left out.
+    The rows are attempts with solver, question, verdict (a missing one is a verdict), right, and
+    wall_s (left out where it is not finite).
 
-    Indexed by solver and question. repeats; success: share of right answers; verdicts: number of
-    different ones; changes: whether there are several; median and iqr (upper minus lower quartile,
-    interpolated linearly as `scipy.stats.iqr` does) of the cost, in its unit; cv: coefficient of
-    variation, the standard deviation (n - 1 in the denominator) over the mean. NaN if there are no
-    costs, for cv if there are fewer than two or their mean is 0.
+    Indexed by solver, of the questions that it was asked at least twice. questions; repeats: the
+    least number; changing: share of questions whose verdict changes, with Wilson's 95 % interval
+    changing_low and changing_high; sometimes: share of questions that it answers correctly with
+    some seeds and not with others; medians over questions of the time's iqr_relative (quartile
+    range / median) and cv (standard deviation with n - 1 in the denominator / mean).
     """
-    costs = rows["wall_s"].astype(np.float64)
-    kept = rows[["solver", *question]].assign(
+    seconds = rows["wall_s"].astype(np.float64)
+    kept = rows[["solver", "question"]].assign(
         verdict=rows["verdict"].astype(object).fillna("missing"),
         right=rows["right"].astype(np.float64),
-        cost=costs.where(np.isfinite(costs)),
+        seconds=seconds.where(np.isfinite(seconds)),
     )
-    groups = kept.groupby(["solver", *question], observed=True, dropna=False)
-    paid = groups["cost"]
-    frame = pd.DataFrame({"repeats": groups.size(), "success": groups["right"].mean()})
-    frame["verdicts"] = groups["verdict"].nunique()
-    frame["changes"] = frame["verdicts"] > 1
-    frame["median"] = paid.median()
-    frame["iqr"] = paid.quantile(0.75) - paid.quantile(0.25)
-    mean = paid.mean()
-    frame["cv"] = paid.std(ddof=1) / mean.where(mean > 0)
-    return frame
-
-
-def solver_spread(spread: pd.DataFrame) -> pd.DataFrame:
-    """The `question_spread` of each solver over the questions that it was asked at least twice.
-
-    Indexed by solver. questions; repeats: the least number; success: mean success rate of the
-    questions; changing: share of questions whose verdict changes with the seed, with Wilson's
-    95 % interval changing_low and changing_high; sometimes: share of questions that it answers
-    correctly with some seeds and not with others; iqr_relative: median over questions of
-    iqr / median; cv: median over questions.
-    """
-    repeated = spread[spread["repeats"] > 1].assign(
-        sometimes=lambda frame: (frame["success"] > 0) & (frame["success"] < 1),
-        relative=lambda frame: frame["iqr"] / frame["median"].where(frame["median"] > 0),
+    groups = kept.groupby(["solver", "question"], observed=True)
+    times, right = groups["seconds"], groups["right"].mean()
+    median, mean = times.median(), times.mean()
+    each = pd.DataFrame(
+        {
+            "repeats": groups.size(),
+            "changing": groups["verdict"].nunique() > 1,
+            "sometimes": (right > 0) & (right < 1),
+            "iqr": (times.quantile(0.75) - times.quantile(0.25)) / median.where(median > 0),
+            "cv": times.std(ddof=1) / mean.where(mean > 0),
+        }
     )
-    groups = repeated.groupby(level=0, observed=True, dropna=False)
-    frame = pd.DataFrame({"questions": groups.size(), "repeats": groups["repeats"].min()})
-    frame["success"] = groups["success"].mean()
-    changing = groups["changes"].sum()
-    frame["changing"] = changing / frame["questions"]
+    solvers = each[each["repeats"] > 1].groupby(level=0, observed=True)
+    frame = pd.DataFrame({"questions": solvers.size(), "repeats": solvers["repeats"].min()})
+    changing = solvers["changing"].sum()
     ends = wilson_intervals(changing, frame["questions"])
-    frame["changing_low"], frame["changing_high"] = ends[:, 0], ends[:, 1]
-    frame["sometimes"] = groups["sometimes"].mean()
-    frame["iqr_relative"] = groups["relative"].median()
-    frame["cv"] = groups["cv"].median()
-    return frame
+    return frame.assign(
+        changing=changing / frame["questions"],
+        changing_low=ends[:, 0],
+        changing_high=ends[:, 1],
+        sometimes=solvers["sometimes"].mean(),
+        iqr_relative=solvers["iqr"].median(),
+        cv=solvers["cv"].median(),
+    )

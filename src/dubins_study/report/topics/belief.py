@@ -13,7 +13,6 @@ from dubins_study.report.elements.content import BENCHMARK, Picture, Place, Sect
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
-    cell_text,
     interval_column,
     interval_keys,
     method_columns,
@@ -22,8 +21,8 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
-from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.methods import Compared, compared, once
 from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.summary import best_solvers
 
@@ -299,8 +298,7 @@ def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
     if rows["stratum"].nunique() < 2:
         return None
     table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
-    ends = zip(table["false"], table["false_low"], table["false_high"], strict=True)
-    texts = pd.Series([cell_text(with_interval(share, *each)) for each in ends], table.index)
+    texts = with_interval_texts(table, false=share)["false_text"]
     frame = texts.unstack("solver").reindex(attempts.strata).dropna(how="all")
     frame = frame.rename_axis(columns=None).reset_index(names="stratum")
     shown = (

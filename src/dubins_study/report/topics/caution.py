@@ -11,8 +11,8 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
-from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings import WARNINGS, findings
 from dubins_study.report.topics.findings_evidence import Evidence
 from dubins_study.study.words import FORMULATIONS

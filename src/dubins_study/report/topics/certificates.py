@@ -7,22 +7,12 @@ import pandas as pd
 from dubins_study.report.data.attempts import PROOFS
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import in_page_order, labels_of
-from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, stacked_shares
-from dubins_study.report.elements.style import BLUE, ORANGE, RULE, SKY
-from dubins_study.report.statistics.methods import MOST_METHODS, drawn_methods
-from dubins_study.report.topics.summary import best_solvers, solver_summary
+from dubins_study.report.topics.summary import best_solvers
 
-# The figure: from dark to light, weaker proofs hatched, so that grey print keeps the order.
-MARKS = (
-    Mark("proved", colour=BLUE),
-    Mark("bounded", colour=SKY, hatch="\\\\"),
-    Mark("extremal", colour=ORANGE, hatch="///"),
-    Mark("none", colour=RULE, hatch="xx"),
-)
 COUNTS = (
     SOLVER,
     *columns(count, attempts="attempts"),
@@ -38,7 +28,7 @@ ERRORS = (
 
 
 def certificates_section(results: Results) -> Section | None:
-    """Proofs as bars and counts, the worst residuals, and the width of the enclosures."""
+    """Counts of proofs, the worst residuals, and the width of the enclosures."""
     frame = in_page_order(results.attempts.proofs(), results)
     if not frame["certified"].sum():
         return None
@@ -53,12 +43,12 @@ def certificates_section(results: Results) -> Section | None:
     text = sentences(text, _proved(frame), _enclosed(frame), _reported(frame))
     counts = Table(
         "proof-counts",
-        "Attempts by how far their proof goes; bounds that solvers report, and how many of them "
-        "lie above the shortest length.",
+        "Attempts by how far their proof goes; failed, coarse or rippled answers have none, nor "
+        "has what the presolve answered in an engine's place. Bounds that solvers report, and how "
+        "many of them lie above the shortest length.",
         frame,
         COUNTS,
         marks(frame, "false_bounds"),
-        show=Show.FILE,
     )
     errors = Table(
         "certificates",
@@ -71,27 +61,8 @@ def certificates_section(results: Results) -> Section | None:
     )
     best, solvers = best_solvers(results), frame["solver"]
     tables = *best_first(counts, solvers, best), *best_first(errors, solvers, best)
-    lead = "See how far the proof of each method's answers goes: plain blue is proved."
-    return Section("certificates", "Certificates", text, (_picture(results, frame), *tables), lead)
-
-
-def _picture(results: Results, frame: pd.DataFrame) -> Picture:
-    """A bar per method; of many methods the best of each engine, in a panel per formulation."""
-    caption = (
-        "How far the proof of each attempt goes, as shares of all attempts. Failed, coarse or "
-        "rippled answers have none, nor has what the presolve answered in an engine's place."
-    )
-    shares = frame[list(PROOFS)].div(frame["attempts"], axis=0)
-    shares = shares.assign(solver=frame["solver"], name=frame["label"])
-    shares["note"] = frame["attempts"].map(lambda attempts: f"of {count(attempts)}")
-    several = len(frame) > MOST_METHODS
-    if several:
-        drawn = drawn_methods(solver_summary(results.attempts))
-        methods = drawn[["solver", "formulation", "short"]]
-        shares = methods.merge(shares.drop(columns="note"), on="solver", how="left")
-        caption = f"{caption} {DRAWN_TEXT}"
-    figure = stacked_shares(shares, MARKS, panels=several)
-    return Picture("certificates", caption, figure, "Stacked bars of proofs, one per solver")
+    lead = "See how far the proof of each method's answers goes."
+    return Section("certificates", "Certificates", text, tables, lead)
 
 
 def _proved(frame: pd.DataFrame) -> str:

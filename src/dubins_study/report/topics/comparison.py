@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -22,9 +23,7 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import share_curves
-from dubins_study.report.statistics.compared import Compared, compared, once
 from dubins_study.report.statistics.costs import (
-    SHIFT_FACTORS,
     chosen_shift,
     column_means,
     cost_table,
@@ -32,7 +31,6 @@ from dubins_study.report.statistics.costs import (
     performance_profile,
     performance_ratios,
     ranking,
-    ranks_of,
     shared_questions,
     shares_within,
     solved_by_all,
@@ -40,13 +38,18 @@ from dubins_study.report.statistics.costs import (
 )
 from dubins_study.report.statistics.intervals import (
     averages,
-    bootstrap,
     geometric_means,
+    paired_tests,
     scenario_shares,
 )
-from dubins_study.report.statistics.methods import MOST_ENGINES, foremost
-from dubins_study.report.statistics.metrics import question_spread, solver_spread
-from dubins_study.report.statistics.paired import holm, pairwise_tests
+from dubins_study.report.statistics.methods import (
+    MOST_ENGINES,
+    Compared,
+    compared,
+    foremost,
+    once,
+)
+from dubins_study.report.statistics.metrics import seed_spread
 from dubins_study.study.path import FloatArray
 
 # A method that was put to fewer of the questions would shrink what all have in common.
@@ -97,29 +100,20 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     """
     shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
-    at_limit = penalised(shared, compared.limit_s)
     rows = compared.answerable
     rows = rows[rows["question"].isin(shared.index)]
     shares = scenario_shares(rows, by=["solver"], success="right", scenario=["question"])
-    right = shares[["trials", "share", "low", "high"]]
-    right = right.set_axis(["questions", "right", "right_low", "right_high"], axis=1)
-    means = bootstrap(compared.by_scenario(at_limit), geometric_means(shift))
-    twice = penalised(shared, compared.limit_s, 2.0)
-    par2 = bootstrap(compared.by_scenario(twice), averages)
+    names = {"trials": "questions", "share": "right", "low": "right_low", "high": "right_high"}
+    right = shares.rename(columns=names)[[*names.values()]]
     usual = right.index[right["right"] >= _ENOUGH_RIGHT].intersection(shared.columns)
     common = solved_by_all(shared[usual])
+    at_limit, twice = (penalised(shared, compared.limit_s, factor) for factor in (1.0, 2.0))
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)
-    frame = frame.join(_named(means, "mean")).join(_named(par2, "par2"))
+    frame = frame.join(compared.bootstrap(at_limit, geometric_means(shift), "mean"))
+    frame = frame.join(compared.bootstrap(twice, averages, "par2"))
     frame["common"] = column_means(common, shift)
-    frame = frame.join(ranking(shared, compared.limit_s, shift)[["rank", "best", "worst"]])
-    for name, factor in (("rank_tenth", SHIFT_FACTORS[0]), ("rank_tenfold", SHIFT_FACTORS[-1])):
-        frame[name] = ranks_of(column_means(at_limit, factor * shift))
+    frame = frame.join(ranking(shared, compared.limit_s, shift))
     return frame.sort_values("mean", kind="stable"), shift, len(common)
-
-
-def _named(intervals: pd.DataFrame, name: str) -> pd.DataFrame:
-    names = {"estimate": name, "low": f"{name}_low", "high": f"{name}_high"}
-    return intervals.rename(columns=names)
 
 
 LEVEL = 0.05
@@ -128,32 +122,25 @@ LEVEL = 0.05
 def engine_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
     """Within each formulation of `mean_ranks`: its best method against every other, by times.
 
-    The columns of `pairwise_tests`, with Holm's correction over all rows, and shared: the
-    formulation.
+    The columns of `paired_tests`, and shared: the formulation.
     """
-    parts = []
-    for formulation, group in ranked.groupby("formulation", sort=False):
-        if len(group) > 1:
-            tests = pairwise_tests(table[list(group.index)], base=str(group.index[0]))
-            parts.append(tests.assign(shared=formulation))
-    return _together(parts)
+    pairs = {
+        (group.index[0], rival): formulation
+        for formulation, group in ranked.groupby("formulation", sort=False)
+        for rival in group.index[1:]
+    }
+    return paired_tests(table, pairs).assign(shared=list(pairs.values()))
 
 
 def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
     """For each engine: its best method of each formulation, all pairs. As `engine_tests`."""
-    parts = []
-    for engine, group in ranked.groupby("engine", sort=False):
-        best = group.drop_duplicates("formulation")
-        if len(best) > 1:
-            parts.append(pairwise_tests(table[list(best.index)]).assign(shared=engine))
-    return _together(parts)
-
-
-def _together(parts: list[pd.DataFrame]) -> pd.DataFrame:
-    if not parts:
-        return pd.DataFrame(columns=["shared", "solver", "rival", "p_holm"])
-    frame = pd.concat(parts, ignore_index=True)
-    return frame.assign(p_holm=holm(frame["p"]))
+    best = ranked.drop_duplicates(["engine", "formulation"])
+    pairs = {
+        pair: engine
+        for engine, group in best.groupby("engine", sort=False)
+        for pair in combinations(group.index, 2)
+    }
+    return paired_tests(table, pairs).assign(shared=list(pairs.values()))
 
 
 def separated(tests: pd.DataFrame) -> pd.Series[bool]:
@@ -416,9 +403,9 @@ def spread(attempts: Compared) -> pd.DataFrame:
     """Spread over repeats at questions with a path, by solver, those that change most first."""
     rows = attempts.answerable
     rows = rows[rows["solver"].isin(attempts.engines.index)]
-    if not len(rows) or rows["repeat"].nunique() < 2:
+    if rows["repeat"].nunique() < 2:
         return pd.DataFrame()
-    frame = solver_spread(question_spread(rows, question=["question"]))
+    frame = seed_spread(rows)
     return frame.sort_values(["changing", "cv"], ascending=False, kind="stable")
 
 

@@ -14,7 +14,6 @@ from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Ta
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
     best_first,
-    cell_text,
     interval_column,
     interval_keys,
     method_columns,
@@ -23,10 +22,10 @@ from dubins_study.report.elements.identity import (
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
-from dubins_study.report.statistics.compared import Compared, compared
-from dubins_study.report.statistics.efforts import AMOUNTS, KINDS, Split, split
-from dubins_study.report.statistics.intervals import bootstrap, medians
-from dubins_study.report.statistics.methods import without_setting
+from dubins_study.report.statistics.costs import AMOUNTS, KINDS, Split, split
+from dubins_study.report.statistics.intervals import medians
+from dubins_study.report.statistics.methods import Compared, compared
+from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.summary import best_solvers
 from dubins_study.study.scenario import Scenario
 
@@ -60,7 +59,7 @@ SAVINGS = (
     *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
     interval_column("seconds", "saved factor"),
 )
-_STRATUM_COLUMNS = ["solver", "stratum", "questions", "estimate", "low", "high"]
+_STRATUM_COLUMNS = ["solver", "stratum", "questions", *interval_keys("ratio")]
 
 
 def ratios(split: Split, amount: str) -> pd.DataFrame:
@@ -82,16 +81,11 @@ def factors(compared: Compared, split: Split) -> pd.DataFrame:
     questions = split.answers.groupby("solver")["question"].nunique().rename("questions")
     frame = compared.methods.join(questions, how="inner")
     for amount in AMOUNTS:
-        found = bootstrap(compared.by_scenario(ratios(split, amount)), medians)
+        intervals = compared.bootstrap(ratios(split, amount), medians, amount)
         means = split.amount(amount)[["total", "winning run"]].groupby(solver).mean()
         means.columns = pd.Index([f"{amount}_total", f"{amount}_floor"])
-        frame = frame.join(_named(found, amount)).join(means)
+        frame = frame.join(intervals).join(means)
     return frame
-
-
-def _named(intervals: pd.DataFrame, amount: str) -> pd.DataFrame:
-    names = {"estimate": amount, "low": f"{amount}_low", "high": f"{amount}_high"}
-    return intervals.rename(columns=names)
 
 
 def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
@@ -110,14 +104,14 @@ def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     """Median of total / winning run in each stratum, with its interval.
 
     Returns:
-        One row per solver and stratum: solver, stratum, questions, estimate, low, high.
+        One row per solver and stratum: solver, stratum, questions, ratio, ratio_low, ratio_high.
     """
     table = ratios(split, amount)
     stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
     parts = []
     for stratum, group in table.groupby(stratum_of.reindex(table.index), sort=False):
-        found = bootstrap(compared.by_scenario(group), medians).rename_axis("solver")
-        counted = group.notna().sum().rename_axis("solver")
+        found = compared.bootstrap(group, medians, "ratio")
+        counted = group.notna().sum()
         parts.append(found.assign(stratum=str(stratum), questions=counted).reset_index())
     if not parts:
         return pd.DataFrame(columns=_STRATUM_COLUMNS)
@@ -127,14 +121,17 @@ def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
 
 def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
     """(without, with): solvers that differ in the setting `presolve` alone."""
-    plain = {spec: without_setting(spec, "presolve") for spec in methods.index}
-    pairs = []
-    for spec, (rest, value) in plain.items():
-        for other, (other_rest, other_value) in plain.items():
-            if value is not None and other_rest == rest and other_value != value:
-                on = value.lower() == "true"
-                pairs.append((other, spec) if on else (spec, other))
-    return list(dict.fromkeys(pairs))
+    alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
+    for spec in methods.index:
+        name, settings = parse_spec(spec)
+        value = settings.pop("presolve", "").lower()
+        alike.setdefault((name, frozenset(settings.items())), {})[value] = spec
+    # a spec that does not name the setting has the other value
+    return [
+        (specs.get("false", specs.get("", "")), specs.get("true", specs.get("", "")))
+        for specs in alike.values()
+        if len(specs) > 1
+    ]
 
 
 def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
@@ -154,8 +151,7 @@ def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
         saved = totals[off].to_numpy() / totals[on].to_numpy()
         savings = pd.DataFrame(saved, totals.index)
         frame["questions"] = savings.notna().sum()
-        found = bootstrap(compared.by_scenario(savings), medians)
-        frame = frame.join(_named(found, amount))
+        frame = frame.join(compared.bootstrap(savings, medians, amount))
         both = savings.notna().to_numpy()
         for suffix, solvers in (("_off", off), ("_on", on)):
             table = pd.DataFrame(np.where(both, floors[solvers].to_numpy(), np.nan))
@@ -331,9 +327,8 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
     kept = table[table["solver"].isin(chosen)]
     if kept.empty or kept["stratum"].nunique() < 2:
         return None
-    ends = zip(kept["estimate"], kept["low"], kept["high"], strict=True)
-    kept = kept.assign(text=[cell_text(with_interval(digits(2), *each)) for each in ends])
-    texts = kept.pivot(index="stratum", columns="solver", values="text")
+    kept = with_interval_texts(kept, ratio=digits(2))
+    texts = kept.pivot(index="stratum", columns="solver", values="ratio_text")
     present = [stratum for stratum in attempts.strata if stratum in texts.index]
     texts = texts.reindex(index=present, columns=chosen)
     medians = _over_strata(table).reindex(chosen)
@@ -353,7 +348,7 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
 
 def _over_strata(table: pd.DataFrame) -> pd.Series[float]:
     """The median over strata of each solver's median over questions."""
-    return table.groupby("solver")["estimate"].median()
+    return table.groupby("solver")["ratio"].median()
 
 
 TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

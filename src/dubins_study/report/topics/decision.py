@@ -16,8 +16,8 @@ from dubins_study.report.elements.content import General, Place, Section, Table,
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.looks import labels_of
-from dubins_study.report.statistics.compared import Compared, compared
 from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.statistics.metrics import is_true
 from dubins_study.study.path import FloatArray
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.data import verdicts
@@ -19,8 +18,6 @@ from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import presolved
 from dubins_study.report.topics.summary import best_solvers
 
-# Scenarios that a bootstrap interval is of, at most: more would take memory and change nothing.
-MOST_SCENARIOS = 2000
 _ANSWERS = ("right", "silent", "wrong")
 
 
@@ -43,14 +40,11 @@ def existence(counts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
 def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
     """Median time at questions without a path that reached an engine, by solver, with its interval.
 
-    The bootstrap is over at most `MOST_SCENARIOS` scenarios, drawn by the hashes that name them.
     Columns solver, estimate, low, high (s), of the medians over repeats.
     """
     reached = ~rows["answerable"] & ~presolved(rows)
     reached &= ~rows["outcome"].isin(["unsupported", "unavailable"])
     chosen = rows[reached]
-    scenarios = np.sort(chosen["scenario_id"].unique())[:MOST_SCENARIOS]
-    chosen = chosen[chosen["scenario_id"].isin(scenarios)]
     if chosen.empty:
         return pd.DataFrame(columns=["solver", "estimate", "low", "high"])
     question = ["scenario_id", "experiment", "branch", "initial_guess"]

@@ -12,11 +12,10 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.compared import compared
 from dubins_study.report.statistics.intervals import averages, geometric_means, medians
-from dubins_study.report.statistics.metrics import question_spread, solver_spread
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import engine_tests, separated
+from dubins_study.report.topics.comparison import engine_tests, separated, spread
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -26,6 +25,7 @@ from dubins_study.report.topics.findings_evidence import (
     Estimate,
     Evidence,
     Finding,
+    estimate_of,
     percent,
 )
 
@@ -375,25 +375,21 @@ def random_restarts(evidence: Evidence) -> Finding | None:
 
 def repeats(evidence: Evidence) -> Finding | None:
     """The method whose verdict changes most often from repeat to repeat."""
-    rows = evidence.compared.answerable
-    rows = rows[rows["solver"].isin(evidence.methods.index)]
-    if rows.empty or rows["repeat"].nunique() < 2:
+    every = spread(evidence.compared)
+    if every.empty:
         return None
-    spread = solver_spread(question_spread(rows, question=["question"]))
-    spread = spread[(spread["questions"] >= ENOUGH) & (spread["changing"] > 0)]
-    if spread.empty:
+    changing = every[(every["questions"] >= ENOUGH) & (every["changing"] > 0)]
+    if changing.empty:
         return None
-    line = spread.sort_values("changing", ascending=False, kind="stable").iloc[:1]
-    solver, values = str(line.index[0]), line.to_dict("records")[0]
-    value, low, high = (float(values[name]) for name in interval_keys("changing"))
-    change = percent(Estimate(value, low, high, int(values["questions"])))
+    line = changing.to_dict("records")[0]
+    change = percent(estimate_of(changing, "changing", line["questions"]))
     return Finding(
-        f"Run {evidence.name(solver)} more than once: on {change.percent_text()} of the questions "
-        f"its verdict changes from repeat to repeat. {some(len(spread), 'method')} of "
-        f"{rows['solver'].nunique()} change at all.",
+        f"Run {evidence.name(str(changing.index[0]))} more than once: on {change.percent_text()} "
+        "of the questions its verdict changes from repeat to repeat. "
+        f"{some(len(changing), 'method')} of {len(every)} change at all.",
         change,
         PERCENT,
-        f"{some(change.questions, 'question')} with a path, {int(values['repeats'])} repeats each",
+        f"{some(change.questions, 'question')} with a path, {line['repeats']} repeats each",
         "Comparison of methods: spread over repeats",
     )
 
@@ -437,10 +433,9 @@ def false_proof(evidence: Evidence) -> Finding | None:
     table = table[(table["false"] > 0) & (table["questions"] >= ENOUGH)]
     if table.empty:
         return None
-    order = [str(s) for s in table.sort_values("false", ascending=False, kind="stable").index]
-    worst = table.loc[[order[0]]].to_dict("records")[0]
-    value, low, high = (float(worst[name]) for name in interval_keys("false"))
-    share = percent(Estimate(value, low, high, int(worst["questions"])))
+    table = table.sort_values("false", ascending=False, kind="stable")
+    order = [str(solver) for solver in table.index]
+    share = percent(estimate_of(table, "false", int(table["questions"].iloc[0])))
     lies = rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]
     false = false_proofs(lies).to_dict("records")[0]
     others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]

@@ -9,15 +9,14 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
-from dubins_study.report.elements.identity import with_interval
-from dubins_study.report.statistics.compared import Compared
+from dubins_study.report.elements.identity import interval_keys, with_interval
 from dubins_study.report.statistics.intervals import (
     Statistic,
     averages,
-    bootstrap,
     medians,
     wilson_interval,
 )
+from dubins_study.report.statistics.methods import Compared
 from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.belief import claims
 from dubins_study.report.topics.comparison import (
@@ -75,6 +74,12 @@ class Finding(NamedTuple):
     unit: str
     question: str
     shown_in: str
+
+
+def estimate_of(frame: pd.DataFrame, key: str, questions: int) -> Estimate:
+    """The number `key` of the first row, with the ends of its interval."""
+    value, low, high = (float(frame[name].iloc[0]) for name in interval_keys(key))
+    return Estimate(value, low, high, questions)
 
 
 def percent(estimate: Estimate) -> Estimate:
@@ -194,8 +199,8 @@ class Evidence:
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        (line,) = bootstrap(self.compared.by_scenario(known), statistic).to_dict("records")
-        return Estimate(line["estimate"], line["low"], line["high"], len(known))
+        interval = self.compared.bootstrap(known, statistic, "value")
+        return estimate_of(interval, "value", len(known))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
         """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
@@ -215,9 +220,8 @@ class Evidence:
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        found = bootstrap(self.compared.by_scenario(both), medians, base)
-        line = found.loc[[solver]].to_dict("records")[0]
-        return Estimate(line["estimate"], line["low"], line["high"], len(both))
+        interval = self.compared.bootstrap(both, medians, "value", base).loc[[solver]]
+        return estimate_of(interval, "value", len(both))
 
     def medians_of(self, solver: str, base: str) -> str:
         """The two medians that `time_ratio` divides: `12 questions that both answer, ...`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,7 @@ from dubins_study.report.elements.content import (
     Topic,
     picture,
 )
-from dubins_study.report.elements.formats import count, digits, seconds, sentences, slug, some
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
 from dubins_study.report.elements.identity import (
     INTERVAL_TEXT,
     METHOD,
@@ -44,9 +44,8 @@ from dubins_study.report.elements.style import (
     WIDE,
     Style,
 )
-from dubins_study.report.statistics.compared import stratum_order
 from dubins_study.report.statistics.intervals import scenario_shares
-from dubins_study.report.statistics.methods import best_methods
+from dubins_study.report.statistics.methods import best_methods, stratum_order
 from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.summary import best_solvers, solver_summary
 from dubins_study.study.rows.manifest import MatrixEntry
@@ -125,68 +124,20 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
     return with_share(frame[["solver", "stratum"]], "right", frame["successes"], frame["trials"])
 
 
-def strata_blocks(
-    results: Results, methods: pd.DataFrame, shares: pd.DataFrame, best: Collection[str]
-) -> list[Picture | Table]:
-    """The shares of `strata` as maps and as a table; nothing if there is one stratum."""
+def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame) -> Table | None:
+    """The shares of `strata`, a line per method; None if there is one stratum."""
     names = stratum_order(results, shares["stratum"])
     if len(names) < 2:
-        return []
-    methods = methods.assign(few=methods["right_of"] < methods["right_of"].max() / 2)
-    wide = shares.pivot(index="solver", columns="stratum", values="right_share")[names]
-    pictures = [
-        _stratum_picture(str(formulation), group, wide, first=place == 0)
-        for place, (formulation, group) in enumerate(methods.groupby("formulation", sort=False))
-        if formulation != "closed form"
+        return None
+    texts = [
+        f"{whole_percent(value)} %\n{whole_percent(low)}–{whole_percent(high)}"
+        for value, low, high in shares[["right_share", "right_low", "right_high"]].to_numpy()
     ]
-    table = _stratum_table(methods, shares, names)
-    return [*pictures, *best_first(table, table.frame["solver"], best)]
-
-
-def _stratum_picture(
-    formulation: str, methods: pd.DataFrame, wide: pd.DataFrame, *, first: bool
-) -> Picture:
-    few = methods["few"].any()
-    shares = wide.reindex(methods["solver"]).set_axis(_names(methods), axis=0)
-    return picture(
-        f"strata-{slug(formulation)}",
-        plot_strata,
-        shares,
-        caption=f"{formulation[0].upper()}{formulation[1:]}: percent right in each stratum."
-        f"{' A star: asked less than half as many questions.' if few else ''}",
-        alt=f"Map of right answers of {formulation}, methods by strata",
-        height=1.35 + 0.145 * len(shares),
-    )
-
-
-def _names(methods: pd.DataFrame) -> list[str]:
-    """Engines, with what else tells the methods of a formulation apart: short, for small maps."""
-    several = len(set(methods["guess"]) - {"none"}) > 1
-    names = []
-    for row in methods.to_dict("records"):
-        guess = row["guess"] if several and row["guess"] != "none" else ""
-        settings = row["settings"].replace("presolve", "presolved")
-        star = " *" if row["few"] else ""
-        names.append(", ".join(filter(None, (row["engine"], guess, settings))) + star)
-    return names
-
-
-def _stratum_table(methods: pd.DataFrame, shares: pd.DataFrame, names: list[str]) -> Table:
-    texts = shares.assign(
-        text=[
-            f"{whole_percent(value)} %\n{whole_percent(low)}–{whole_percent(high)}"
-            for value, low, high in zip(
-                shares["right_share"], shares["right_low"], shares["right_high"], strict=True
-            )
-        ]
-    ).pivot(index="solver", columns="stratum", values="text")
-    frame = methods[["formulation", "engine", "guess", "settings", "solver"]].merge(
-        texts.reset_index(), on="solver"
-    )
-    frame["guess"] = [
-        ", ".join(filter(None, pair))
-        for pair in zip(frame["guess"], frame["settings"], strict=True)
-    ]
+    wide = shares.assign(text=texts).pivot(index="solver", columns="stratum", values="text")
+    kept = methods[["formulation", "engine", "guess", "settings", "solver"]]
+    frame = kept.merge(wide.reset_index(), on="solver")
+    pairs = zip(frame["guess"], frame["settings"], strict=True)
+    frame["guess"] = [", ".join(filter(None, pair)) for pair in pairs]
     shown = (
         *columns(kind="text", formulation="formulation", engine="engine"),
         *columns(kind="text", guess="guess and settings"),
@@ -205,39 +156,6 @@ DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, 
 _DARK = 0.5
 
 
-def plot_share_map(
-    ax: Axes, shares: pd.DataFrame, notes: pd.DataFrame | None = None, size: float = 7.0
-) -> None:
-    """Draw a table of shares as a map; each cell has its share in percent, an empty one is NaN.
-
-    Notes are the texts of the empty cells, and what follows the number in the others. The letters
-    have a size in points.
-    """
-    values = shares.to_numpy(dtype=np.float64)
-    lines, columns = values.shape
-    flat: Style = {"interpolation": "nearest", "aspect": "auto"}
-    ax.imshow(np.ma.masked_invalid(values), cmap=DEPTH, vmin=0, vmax=1, **flat)
-    gaps: Style = {"colors": PAPER, "linewidth": 1.2}
-    ax.hlines(np.arange(1, lines) - 0.5, -0.5, columns - 0.5, **gaps)
-    ax.vlines(np.arange(1, columns) - 0.5, -0.5, lines - 0.5, **gaps)
-    for i, j in np.ndindex(lines, columns):
-        text, ink = "" if notes is None else str(notes.iat[i, j]), MUTED
-        if np.isfinite(values[i, j]):
-            text = whole_percent(float(values[i, j])) + text
-            ink = MAP_PAPER if values[i, j] > _DARK else ON_MAP
-        if text:
-            # the layout need not measure what lies inside the axes
-            ax.text(
-                *(j, i, text), ha="center", va="center", fontsize=size, color=ink, in_layout=False
-            )
-    ax.set_yticks(range(lines), shares.index, color=INK, fontsize=size)
-    ax.set_xticks(range(columns), shares.columns, color=INK, fontsize=size)
-    ax.tick_params(length=0)
-    ax.grid(False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-
-
 def whole_percent(share: float) -> str:
     """A share in whole percent, 100 only for 1 and 0 only for 0."""
     if share in (0, 1):
@@ -252,38 +170,42 @@ def _drawn_engines(table: Matrix) -> list[tuple[str, str]]:
 
 
 def plot_matrix(ax: Axes, table: Matrix) -> None:
-    """Shares of right answers, engines by formulations; a pair without rows stays empty.
+    """Shares of right answers in percent, engines by formulations; a pair without rows is empty.
 
     A star follows the share of a method that was asked fewer questions than others.
     """
-    names = [engine for _, engine in _drawn_engines(table)]
-    stars = table.cells["few"].map({True: "*", False: ""})
-    cells = table.cells.assign(text=stars.where(table.cells["filled"], ""))
-    wide = {
-        key: cells.pivot(index="engine", columns="formulation", values=key).reindex(
-            index=names, columns=table.formulations
-        )
-        for key in ("right_share", "text")
-    }
-    plot_share_map(ax, wide["right_share"], wide["text"])
+    drawn = _drawn_engines(table)
+    wide = table.cells.pivot(index="engine", columns="formulation", values=["right_share", "few"])
+    wide = wide.reindex([engine for _, engine in drawn])
+    shares = wide["right_share"][table.formulations].to_numpy(dtype=np.float64)
+    few = wide["few"][table.formulations].to_numpy()
+    lines, across = len(drawn), len(table.formulations)
+    flat: Style = {"interpolation": "nearest", "aspect": "auto"}
+    ax.imshow(np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **flat)
+    gaps: Style = {"colors": PAPER, "linewidth": 1.2}
+    ax.hlines(np.arange(1, lines) - 0.5, -0.5, across - 0.5, **gaps)
+    ax.vlines(np.arange(1, across) - 0.5, -0.5, lines - 0.5, **gaps)
+    for i, j in np.argwhere(np.isfinite(shares)):
+        text = f"{whole_percent(shares[i, j])}{'*' if few[i, j] else ''}"
+        ink = MAP_PAPER if shares[i, j] > _DARK else ON_MAP
+        # the layout need not measure what lies inside the axes
+        ax.text(*(j, i, text), ha="center", va="center", fontsize=7, color=ink, in_layout=False)
+    ax.set_yticks(range(lines), wide.index, color=INK, fontsize=7)
     # Aslant, since a name is wider than its column.
     aslant: Style = {"rotation": 30, "ha": "left", "rotation_mode": "anchor", "fontsize": 7}
-    ax.set_xticks(range(len(table.formulations)), table.formulations, **aslant)
+    ax.set_xticks(range(across), table.formulations, color=INK, **aslant)
     ax.xaxis.tick_top()
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
     # The kinds of engines stand at the right, with a line between two kinds.
-    kinds = [kind for kind, _ in _drawn_engines(table)]
-    starts = [place for place, kind in enumerate(kinds) if place == 0 or kind != kinds[place - 1]]
-    for start in starts:
-        right, name = len(table.formulations) - 0.4, textwrap.fill(kinds[start], 11)
-        ax.text(right, start - 0.4, name, va="top", fontsize=6, color=MUTED)
+    kinds = [kind for kind, _ in drawn]
+    for start in (kinds.index(kind) for kind in dict.fromkeys(kinds)):
+        name = textwrap.fill(kinds[start], 11)
+        ax.text(across - 0.4, start - 0.4, name, va="top", fontsize=6, color=MUTED)
         if start:
             ax.axhline(start - 0.5, color=INK, linewidth=0.6)
-
-
-def plot_strata(ax: Axes, shares: pd.DataFrame) -> None:
-    """Shares of right answers of one formulation: methods by strata."""
-    plot_share_map(ax, shares, size=6)
-    ax.set_xticks(range(len(shares.columns)), shares.columns, rotation=90, fontsize=6)
 
 
 def matrix_section(results: Results) -> Section | None:
@@ -300,7 +222,9 @@ def matrix_section(results: Results) -> Section | None:
         blocks.append(_reasons(table))
     best = best_solvers(results)
     blocks += best_first(_methods(methods), methods["solver"], best)
-    blocks += strata_blocks(results, methods, strata(results.rows), best)
+    strata_table = _stratum_table(results, methods, strata(results.rows))
+    if strata_table is not None:
+        blocks += best_first(strata_table, strata_table.frame["solver"], best)
     lead = (
         "Read along a line for what the formulation buys, down a column for what the engine buys."
     )

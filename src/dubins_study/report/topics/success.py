@@ -8,15 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, VERDICTS, Attempts
+from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
-from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, share_curves, stacked_shares
-from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.plots import DRAWN_TEXT, share_curves
 from dubins_study.report.statistics.methods import (
     MOST_ENGINES,
     MOST_METHODS,
@@ -27,15 +26,6 @@ from dubins_study.report.statistics.metrics import by_solver
 from dubins_study.report.topics.summary import best_solvers, solver_summary, summary_table
 
 REGIONS = ("all", "outside", "left disc", "right disc", "circle")
-# From dark to light, hatched if an answer is wrong, so that grey print keeps the order.
-MARKS = (
-    Mark("optimal", colour=BLUE),
-    Mark("none exists", colour="#b9def3"),
-    Mark(PRESOLVED, colour="#e6f2fa", hatch="|"),
-    Mark("longer", colour=ORANGE, hatch="///"),
-    Mark("misses", colour=VERMILION, hatch="xx"),
-    Mark("none", colour=RULE),
-)
 QUANTILES = (
     SOLVER,
     *columns(kind="text", region="target lies"),
@@ -70,35 +60,28 @@ def gap_shares(profile: pd.DataFrame) -> pd.DataFrame:
 
 
 def success_section(results: Results) -> Section | None:
-    """Verdicts, gap profiles and gap quantiles per region."""
+    """Gap profiles, and gap quantiles per region."""
     attempts = results.attempts
     each = {name: attempts.only({name}) for name in attempts.experiments}
-    frame = solver_summary(attempts)
-    frame = frame[frame["attempts"] > 0]
-    palette = Palette.of_page(results)
-    blocks: list[Picture | Table] = [_verdict_picture(frame, palette)] if len(frame) else []
+    quantiles = gap_quantiles(attempts.gap_quantiles())
+    if quantiles.empty:
+        return None
+    allowed, palette = _gap_tolerances(results.folders), Palette.of_page(results)
+    blocks: list[Picture | Table] = [
+        _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
+    ]
     if len(each) > 1:
         blocks.append(_experiment_table(each))
-    quantiles = gap_quantiles(attempts.gap_quantiles())
-    if len(quantiles):
-        allowed = _gap_tolerances(results.folders)
-        blocks += [
-            _profile_picture(name, one, allowed.get(name), palette) for name, one in each.items()
-        ]
-        ordered = in_page_order(quantiles, results)
-        table = _quantile_table(ordered)
-        *short, every = best_first(table, table.frame["solver"], best_solvers(results))
-        blocks += [*short, replace(every, show=Show.FILE) if short else every]
+    table = _quantile_table(in_page_order(quantiles, results))
+    *short, every = best_first(table, table.frame["solver"], best_solvers(results))
+    blocks += [*short, replace(every, show=Show.FILE) if short else every]
     text = (
         "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
         "count as infinitely far off."
     )
-    lead = (
-        "See in the bars how often each method is right, and in the curves how exact its paths are "
-        "where it arrives."
-    )
-    return Section("success", "Success and gaps", text, tuple(blocks), lead) if blocks else None
+    lead = "See how exact the paths of each method are where it arrives, and how often it does."
+    return Section("success", "Success and gaps", text, tuple(blocks), lead)
 
 
 def _experiment_table(each: Mapping[str, Attempts]) -> Table:
@@ -114,28 +97,6 @@ def _experiment_table(each: Mapping[str, Attempts]) -> Table:
         frame[frame["attempts"] > 0].reset_index(drop=True),
         columns(kind="code", experiment="experiment"),
     )
-
-
-def _verdict_picture(frame: pd.DataFrame, palette: Palette) -> Picture:
-    what = (
-        "Verdicts as shares of all attempts at questions that have a path. The plain "
-        "blue is success, hatched and grey are not"
-    )
-    several = len(frame) > MOST_METHODS
-    drawn = drawn_methods(frame) if several else frame
-    shares = drawn.assign(**drawn[list(VERDICTS)].div(drawn["attempts"], axis=0))
-    if several:
-        caption = f"{what}. {DRAWN_TEXT}"
-    else:
-        caption = f"{what}; false claims and wrong basins are counted at the right."
-        shares["name"] = drawn["solver"].map(palette.label)
-        shares["note"] = [
-            f"of {count(row['attempts'])}: {count(row['false_claims'])} false claims,\n"
-            f"{count(row['wrong_basins'])} wrong basins"
-            for row in drawn.to_dict("records")
-        ]
-    alt = "Stacked bars of verdicts, one per solver"
-    return Picture("verdicts", caption, stacked_shares(shares, MARKS, panels=several), alt)
 
 
 def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:

@@ -12,8 +12,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
 from dubins_study.report.elements.looks import in_page_order
-from dubins_study.report.statistics.compared import once
-from dubins_study.report.statistics.methods import best_of_formulations, methods_of
+from dubins_study.report.statistics.methods import best_of_formulations, methods_of, once
 
 STARTS = ("cold", "warm")
 

@@ -8,9 +8,16 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.intervals import averages, bootstrap, geometric_means
+from dubins_study.report.statistics.intervals import (
+    PairedTest,
+    averages,
+    bootstrap,
+    geometric_means,
+    holm,
+    sign_test,
+    wilcoxon_test,
+)
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.report.statistics.paired import PairedTest, holm, sign_test, wilcoxon_test
 from dubins_study.report.two_runs.circumstances import MachineSpeed
 from dubins_study.study.tolerances import ARRIVES
 
