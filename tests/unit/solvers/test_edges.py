@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
+from cases import placed, scenario_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -79,7 +79,7 @@ def test_right_answers_are_right(name, solver):
 def test_the_frame_finds_what_the_scalar_finds(name):
     scenario, branch = FOUND[name]
     answer = solve(scenario, branch=branch)
-    row = solve_frame(framed([scenario]), branch=branch, certified=True).iloc[0]
+    row = solve_frame(scenario_frame([scenario]), branch=branch, certified=True).iloc[0]
 
     for column in ("verdict", "claim", "proof", "region", "false_claim", "false_bound"):
         assert row[column] == getattr(answer, column), column
@@ -120,29 +120,15 @@ def test_the_path_ends_within_delta_of_the_target_where_two_edges_meet():
     assert max(abs(end.x - X), abs(end.y - Y)) <= delta + 1e-15
 
 
-def framed(scenarios: list[Scenario]) -> pd.DataFrame:
-    names = ("x", "y", "heading", "target_x", "target_y", "radius")
-    return pd.DataFrame([{name: getattr(one, name) for name in names} for one in scenarios])
-
-
-def computed(rng: np.random.Generator, n: int, box: float, X: float, Y: float) -> pd.DataFrame:
-    """n scenarios whose target a user computed as (X, Y) in the vehicle's frame, in doubles."""
-    x, y = rng.uniform(-box, box, (2, n))
-    heading, radius = rng.uniform(-math.pi, math.pi, n), rng.uniform(0.5, 2, n)
-    cos, sin = np.cos(heading), np.sin(heading)
-    target_x, target_y = x + radius * (X * cos - Y * sin), y + radius * (X * sin + Y * cos)
-    columns = (x, y, heading, target_x, target_y, radius)
-    return pd.DataFrame(
-        dict(zip(("x", "y", "heading", "target_x", "target_y", "radius"), columns, strict=True))
-    )
-
-
 @pytest.mark.parametrize("box", [1.0, 1e4, 1e5])
 @pytest.mark.parametrize("branch", BRANCHES)
 @pytest.mark.parametrize("target", [(0, 2), (0, -2), (0, 4), (math.sin(0.3), 1 - math.cos(0.3))])
 def test_targets_that_a_user_computed_to_lie_on_an_edge(box, branch, target):
     """No false claim and no false bound, whatever rounding made of them; circles are circles."""
-    frame = computed(np.random.default_rng(1), 300, box, *target)
+    starts = np.random.default_rng(1).uniform(
+        (-box, -box, -math.pi, 0.5), (box, box, math.pi, 2), (300, 4)
+    )
+    frame = scenario_frame(placed(*target, *start) for start in starts)
     rows = solve_frame(frame, branch=branch, certified=True)
 
     assert not rows.false_claim.any()
@@ -160,10 +146,13 @@ def test_targets_that_a_user_computed_to_lie_on_an_edge(box, branch, target):
 )
 def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, heading, off):
     """Beside the circle by up to delta / 2 the arc and the path from inside are both right."""
-    r = 1 + off * 0.4 * local(placed(angle, 1.0, offset, heading)).delta
-    scenario = placed(angle, r, offset, heading)
-    target = local(scenario)
-    inside = shortest(placed(angle, 1 - 10 * target.delta, offset, heading))
+
+    def seen(r: float) -> Scenario:
+        """A target seen from C_L under an arc angle, at a distance r."""
+        return placed(r * math.sin(angle), 1 - r * math.cos(angle), offset, -offset, heading)
+
+    scenario = seen(1 + off * 0.4 * local(seen(1.0)).delta)
+    inside = shortest(seen(1 - 10 * local(scenario).delta))
     arc = as_path(scenario, "L", Segments(angle, 0.0))
     around = as_path(scenario, inside.word, inside.segments)
 
@@ -176,17 +165,8 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim
 
 
-def placed(angle: float, r: float, offset: float, heading: float) -> Scenario:
-    """A target seen from C_L under an arc angle, at a distance r, from a start away from 0."""
-    X, Y = r * math.sin(angle), 1 - r * math.cos(angle)
-    cos, sin = math.cos(heading), math.sin(heading)
-    return Scenario(
-        offset, -offset, heading, offset + X * cos - Y * sin, -offset + X * sin + Y * cos, 1
-    )
-
-
 def test_what_lies_between_two_parts_is_compared_with_the_lower():
-    interval = enclose(placed(0.3, 1.0, 0.0, 0.0))
+    interval = enclose(Scenario(0, 0, 0, math.sin(0.3), 1 - math.cos(0.3), 1))
     (_, arc), (around, _) = interval.parts
 
     assert interval.nearest(1.0) == arc

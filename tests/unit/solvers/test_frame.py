@@ -40,7 +40,7 @@ FRAME = pd.DataFrame(
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_a_frame_says_what_single_attempts_say(branch):
     """Texts and flags equal; numbers to 1e-11 of the radius and coordinates (see test_kernel)."""
-    frame = hard_frame(600, seed=4)
+    frame = hard_frame(150, seed=4)
     rows = solve_frame(frame, branch=branch, certified=True)
 
     for (_, row), scenario in zip(rows.iterrows(), scenarios(frame), strict=True):

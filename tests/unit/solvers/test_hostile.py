@@ -19,7 +19,7 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import QuestionError, attempt, judged
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.protocol import MAX_ARCS, FrameSolution, Question, Solution, Solver
-from dubins_study.solvers.registry import SolverError, load
+from dubins_study.solvers.registry import load
 from dubins_study.solvers.reply import ask
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
@@ -27,30 +27,6 @@ from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 ASKED = Scenario(0, 0, 0.3, 3, 2, 1)
-
-
-class Alike(tuple):
-    """A start pose that equals every other."""
-
-    x, y, heading = 3.0, 2.0, 0.0
-
-    def __eq__(self, other):
-        return True
-
-    def __ne__(self, other):
-        return False
-
-    __hash__ = None
-
-
-class Claiming(np.ndarray):
-    """Lengths that are short when they are summed."""
-
-    def tolist(self):
-        return [0.0]
-
-    def sum(self, *args, **options):
-        return 0.0
 
 
 def altered(field, value):
@@ -61,8 +37,6 @@ def altered(field, value):
 
 HOSTILE = {
     "a start at the target": altered("start", Pose(3.0, 2.0, 0.0)),
-    "a start that equals every other": altered("start", Alike((3.0, 2.0, 0.0))),
-    "lengths that lie": altered("length", np.array([1.0]).view(Claiming)),
     "complex lengths": altered("length", np.array([1.0 + 5j])),
     "lengths of text": altered("length", np.array(["1_0"])),
     "lengths of objects": altered("length", np.array([object()])),
@@ -359,27 +333,3 @@ def test_any_number_is_a_limit():
 def test_requests_of_other_types_are_refused_by_name(name, value):
     with pytest.raises(DubinsStudyError, match=name):
         solve(Scenario(target_x=3, target_y=1), "slsqp", **{name: value})
-
-
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("packages = None", "packages is None; expected texts"),
-        ("branches = ('best', 3)", r"branches is \('best', 3\); expected texts"),
-        ("profiles = 3", "profiles is 3; expected a dict"),
-        ("def __init__(self): raise OSError('no')", "cannot be made: OSError"),
-    ],
-)
-def test_classes_that_only_look_like_solvers_are_refused(tmp_path, line, message):
-    file = tmp_path / "bad.py"
-    lines = [
-        "from dubins_study import Solver",
-        "class Bad(Solver):",
-        "    name = method = guarantee = summary = 'bad'",
-        "    branches, warm, packages = ('best',), False, ()",
-        "    unavailable = build = solve = None",
-        f"    {line}",
-    ]
-    file.write_text("\n".join(lines))
-    with pytest.raises(SolverError, match=message):
-        load(f"{file}:Bad")

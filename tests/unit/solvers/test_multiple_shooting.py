@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -16,30 +14,14 @@ from scipy.integrate import solve_ivp
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
-from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, RATES, cut, mean_cosine
+from dubins_study.solvers.optimal_control.arcs import INTEGRATORS
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 # A free length's gap is what the engine's tolerance leaves, 1e-9 on equations and multipliers.
 LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
-
-
-@given(st.floats(0, 1.5 * math.pi))
-def test_the_mean_cosine_is_sinc(half):
-    """To rounding for turns up to 3 pi; its derivative too, which the engines use."""
-    points, weights = mean_cosine("exact")
-
-    value = (weights * np.cos(half * points)).sum()
-    slope = -(weights * points * np.sin(half * points)).sum()
-
-    assert value == pytest.approx(math.sin(half) / half if half else 1.0, abs=1e-14)
-    exact = (half * math.cos(half) - math.sin(half)) / half**2 if half > 1e-2 else -half / 3
-    # below 1e-2 the series' next term, half^3 / 30, is left out: 4e-8
-    assert slope == pytest.approx(exact, abs=1e-12 if half > 1e-2 else 4e-8)
 
 
 @given(st.integers(1, 5), st.integers(0, 10_000), st.sampled_from(INTEGRATORS), st.booleans())
@@ -94,32 +76,6 @@ def test_runge_kuttas_miss_falls_with_the_fourth_power():
     misses = [solve(LEFT, spec.format(n)).miss for n in (6, 18)]
 
     assert math.log(misses[0] / misses[1], 3) == pytest.approx(4, abs=1)
-
-
-@pytest.mark.parametrize("mesh", ["free", "equal"])
-@pytest.mark.parametrize("branch", RATES)
-def test_a_guess_follows_its_controls(branch, mesh):
-    """Arcs driven exactly satisfy every equation, the target's included, and every bound."""
-    given_programs = []
-
-    def engine(program, guess, seconds):
-        given_programs.append((program, guess))
-        return EngineResult(guess, Claim.LOCAL, None, 1, 1, "", "")
-
-    rates = RATES[branch]
-    template = replace(MultipleShooting(n=6, mesh=mesh).template(1.0), engine=engine)
-    path = Path(Pose(0, 0, 0), [rates.upper or rates.lower, 0.0], [2.0, 1.5])
-    guess = cut(path, 6, template.shares)
-    end = guess.path.end
-
-    transcribed = template.solve(guess, rates, np.array(end[:2]), perf_counter() + 1)
-
-    ((program, start),) = given_programs
-    assert (start >= program.lower).all()
-    assert (start <= program.upper).all()
-    assert program.functions.equations(start) == pytest.approx(0, abs=1e-13)
-    assert transcribed.elements.turn == pytest.approx(guess.turn, abs=1e-14)
-    assert transcribed.elements.length == pytest.approx(guess.length, abs=1e-14)
 
 
 # Engines that may end without a solution of three segments, and why: two build models from values

@@ -23,7 +23,6 @@ from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Outcome, 
 
 SEARCHES = names(SAMPLING, DERIVATIVE_FREE)
 AVAILABLE = [name for name in SEARCHES if ENGINES[name].unavailable() is None]
-DETERMINISTIC = {"shgo", "direct", "nelder-mead", "powell"}
 LEFT_DISC = EDGES["centre of the left disc"]
 SCENARIOS = {
     "ahead to the left": Scenario(0, 0, 0, 3, 2, 1),
@@ -65,32 +64,6 @@ def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
 
     np.testing.assert_allclose(function.at_each(points), expected, rtol=1e-13)
     np.testing.assert_allclose([function.at(point) for point in points.T], expected, rtol=1e-13)
-
-
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_the_least_value_of_both_orders_is_the_shortest_length(name):
-    """On a grid of half a million points none lies below, and the least lies as near as its steps.
-
-    The weight of 10 is enough for these targets: those in the discs are more than 2 pi / 10 behind
-    the front of their circle.
-    """
-    scenario, weight = SCENARIOS[name], 10.0
-    X, Y = scenario.local()
-    least, steps = math.inf, np.zeros(3)
-    for order in ("LRS", "RLS"):
-        function = function_of(scenario, order, weight)
-        axes = [np.linspace(0, high, 81) for high in function.upper]
-        steps = np.array([axis[1] for axis in axes])
-        grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
-        least = min(least, float(function.at_each(grid).min()))
-    # a point of the grid is within half a step in each length; turning by 1 rad moves the end by
-    # its distance from the turn's centre, at most 2 (|T| + 3) where it lies near the target
-    moved = (steps / 2) @ (
-        1 + weight * np.array([1, 1, 1 / (2 * math.hypot(X, Y) + 6)]) * (2 * math.hypot(X, Y) + 6)
-    )
-
-    optimum = shortest(scenario).total
-    assert optimum - 1e-12 <= least <= optimum + moved
 
 
 @pytest.mark.parametrize("Y", [1.0, 1.3, 1.6])
@@ -142,51 +115,24 @@ def test_every_engine_over_seeds(name):
 
 @pytest.mark.parametrize("name", AVAILABLE)
 def test_every_engine_in_a_disc(name):
-    """Where the search stops short, the claim says so; a path that arrives is no shorter."""
-    solver = load(spec(name, evaluations=500, rounds=2))
-    answers = [attempt(solver, Question(LEFT_DISC, repeat=seed)) for seed in range(2)]
+    """Where the search stops short, the claim says so; a path that arrives is no shorter.
 
-    for answer in answers:
-        assert not answer.false_claim
-        if answer.claim is Claim.FEASIBLE:
-            assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-            assert answer.gap >= -1e-12
-        else:
-            assert answer.claim in (Claim.LIMIT, Claim.FAILED)
-            assert answer.verdict is Verdict.MISSES
+    No search evaluates more often than it may; what each order cost is told.
+    """
+    answer = attempt(load(spec(name, evaluations=200, rounds=2)), Question(LEFT_DISC))
 
-
-@pytest.mark.parametrize("name", AVAILABLE)
-def test_runs_repeat_and_leave_the_global_generator_alone(name):
-    """The same seed gives the same path bit for bit; the repeat adds to the seed."""
-    before = np.random.get_state()  # noqa: NPY002  (the state that must not change)
-
-    def path(seed: int, repeat: int) -> object:
-        solver = load(spec(name, evaluations=300, rounds=1, polish=False, seed=seed))
-        question = Question(SCENARIOS["behind to the right"], repeat=repeat)
-        return solver.solve(solver.build(question), 60.0).path
-
-    first = path(0, 0)
-    assert path(0, 0) == first
-    assert path(2, 1) == path(0, 3)
-    assert (path(0, 1) == first) == (name in DETERMINISTIC)
-    after = np.random.get_state()  # noqa: NPY002
-    assert (before[1] == after[1]).all()
-    assert before[2:] == after[2:]
-
-
-@pytest.mark.parametrize("name", AVAILABLE)
-def test_the_budget_is_kept(name):
-    """No search evaluates more often than it may; what each order cost is told."""
-    solver = load(spec(name, evaluations=200, rounds=2))
-    solution = solver.solve(solver.build(Question(LEFT_DISC)), 60.0)
-
-    assert [effort.subproblem for effort in solution.efforts] == ["LRS", "RLS"]
-    assert all(0 < effort.evaluations <= 200 * effort.runs for effort in solution.efforts)
-    assert all(effort.runs <= 2 for effort in solution.efforts)
-    assert sum(effort.evaluations for effort in solution.efforts) == solution.evaluations
-    assert solution.best_run.subproblem in ("LRS", "RLS")
-    assert solution.best_run.evaluations <= 200
+    assert not answer.false_claim
+    if answer.claim is Claim.FEASIBLE:
+        assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+        assert answer.gap >= -1e-12
+    else:
+        assert answer.claim in (Claim.LIMIT, Claim.FAILED)
+        assert answer.verdict is Verdict.MISSES
+    assert answer.subproblems == "LRS RLS"
+    costs = zip(answer.subproblem_evaluations, answer.subproblem_runs, strict=True)
+    assert all(0 < evaluations <= 200 * runs <= 400 for evaluations, runs in costs)
+    assert sum(answer.subproblem_evaluations) == answer.evaluations
+    assert answer.best_run_evaluations <= 200
 
 
 @pytest.mark.parametrize("name", AVAILABLE)

@@ -7,22 +7,21 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from cases import placed
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dubins_study import solve_frame
 from dubins_study.cli.solve import answer_json, answer_text
-from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.presolve import WORDS, unreachable, words
-from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.registry import settings as settings_of
-from dubins_study.solvers.reply import Reply, ask
+from dubins_study.solvers.reply import ask
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import TURN, Claim, Outcome, Verdict
 
@@ -37,15 +36,9 @@ WITHOUT_A_PATH = {
     "RL": [(0.3, -0.8), (0.0, -5.0), (-40.0, 3.0)],
 }
 QUESTIONS = [
-    Question(Scenario(2, -1, 0.7, *world, 2.5), branch)
+    Question(placed(X, Y, 2, -1, 0.7, 2.5), branch)
     for branch, targets in WITHOUT_A_PATH.items()
     for X, Y in targets
-    for world in [
-        (
-            2 + 2.5 * (X * math.cos(0.7) - Y * math.sin(0.7)),
-            -1 + 2.5 * (X * math.sin(0.7) + Y * math.cos(0.7)),
-        )
-    ]
 ]
 
 
@@ -81,64 +74,33 @@ def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ENGINES)
-def test_without_it_no_engine_knows_for_nothing(name):
-    """It searches, and ends soon, with a claim that is not false and that nothing else made."""
-    solver = load(name)
-    for question in QUESTIONS:
-        if question.branch not in solver.branches:
-            continue
-        answer = attempt(solver, question, 20.0)
-
-        assert answer.outcome is Outcome.RETURNED
-        assert not answer.presolved
-        assert not answer.false_claim
-        assert answer.claim in (Claim.FAILED, Claim.LIMIT, Claim.INFEASIBLE)
-        worked = (answer.iterations or 0) + (answer.evaluations or 0)
-        # SCIP may decide before its first node
-        runs = sum(answer.subproblem_runs or [])
-        assert worked + runs > 0 or answer.claim is Claim.FAILED, question
-        assert answer.wall_s < 10  # measured: under half a second alone on the machine
-
-
-# not multiple-shooting: at the last place, 2e-15 R inside the circle, its path of one arc misses by
-# the rounding of four arcs, 1e-15 R, which is less than what the check allows a word to be off
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in TRANSCRIPTIONS if name != "multiple-shooting"])
-def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
-    """Straight first and then left leads into the rear half at any depth, and LS does not."""
-    solver = load(name)
-    for exponent in range(1, 16):
-        for arc in (3.5, 4.5, 5.9):
-            r = 1 - 10.0**-exponent
-            scenario = Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1)
-            answer = attempt(solver, Question(scenario, "LS"))
-            assert not answer.false_claim, (exponent, arc)
-    for place in [(-0.4499593609480958, 1.8930490319658606), (-7.604903753467853e-08, 3.9e-15)]:
-        assert not attempt(solver, Question(Scenario(0, 0, 0, *place, 1), "LS")).false_claim
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("name", TRANSCRIPTIONS)
-def test_a_word_that_exists_is_not_taken_for_turning_one_way(name):
-    """On the circle and outside, down to 1e-15 R, where the word's equations become singular."""
+def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
+    """Straight first and then left leads into the rear half at any depth, and LS does not.
+
+    On the circle and outside, down to 1e-15 R, where the word's equations become singular, the
+    word exists and is found.
+    """
     solver = load(name)
-    for distance in (0.0, *(10.0**-exponent for exponent in range(1, 16))):
+    for distance in (
+        0.0,
+        *(side * 10.0**-exponent for exponent in range(1, 16) for side in (1, -1)),
+    ):
         for arc in (3.5, 5.9):
             r = 1 + distance
             scenario = Scenario(0, 0, 0, r * math.sin(arc), 1 - r * math.cos(arc), 1)
             answer = attempt(solver, Question(scenario, "LS"))
-            assert "turning to one side" not in answer.message, (distance, arc)
+            assert not answer.false_claim, (distance, arc)
+            assert distance < 0 or "turning to one side" not in answer.message, (distance, arc)
+    for place in [(-0.4499593609480958, 1.8930490319658606), (-7.604903753467853e-08, 3.9e-15)]:
+        answer = attempt(solver, Question(Scenario(0, 0, 0, *place, 1), "LS"))
+        # at the second, 2e-15 R inside the circle, the path of one arc of multiple-shooting misses
+        # by the rounding of four arcs, less than what the check allows a word to be off
+        assert not answer.false_claim or name == "multiple-shooting"
 
 
 @pytest.mark.parametrize("name", ENGINES)
-@pytest.mark.parametrize(
-    "target",
-    [
-        (0.3, 0.8),
-        *(pytest.param(p, marks=pytest.mark.slow) for p in ((4, 2), (-0.6, -1.3), (-3, 0.5))),
-    ],
-)
+@pytest.mark.parametrize("target", [(0.3, 0.8), pytest.param((-3, 0.5), marks=pytest.mark.slow)])
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
     """No shortest path is lost with them, and the answer is the engine's own."""
     scenario = Scenario(0, 0, 0, *target, 1)
@@ -176,7 +138,7 @@ places = st.one_of(
 
 
 @given(place=places, word=st.sampled_from(WORDS))
-@settings(max_examples=400)
+@settings(max_examples=200)
 def test_what_it_says_is_right_by_brute_force(place, word):
     """It says that a word does not exist just where no path of many comes near the target."""
     distance = nearest(word, *place)
@@ -215,19 +177,14 @@ def exact_distances(scenario: Scenario, word: str) -> tuple[float, float]:
     heading=st.floats(-50, 50) | st.just(0.0),
     radius=st.floats(1e-3, 1e3),
 )
-@settings(max_examples=600)
+@settings(max_examples=300)
 def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, heading, radius):
     """Targets within a few delta of the circles of radius 1 and 3: where it speaks, all of delta's
     square around the target is on the far side, by the exact distance."""
     delta = local(Scenario(*start, heading, *start, radius)).delta + 1e-14
     r = size + steps * delta
     X, Y = r * math.sin(angle), TURN[word[0]] - r * math.cos(angle)
-    cos, sin = math.cos(heading), math.sin(heading)
-    target = (
-        start[0] + radius * (X * cos - Y * sin),
-        start[1] + radius * (X * sin + Y * cos),
-    )
-    scenario = Scenario(*start, heading, *target, radius)
+    scenario = placed(X, Y, *start, heading, radius)
     from_1, from_3 = exact_distances(scenario, word)
     reason = unreachable(scenario, word)
 
@@ -238,20 +195,12 @@ def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, 
 
 
 @given(place=places)
-@settings(max_examples=100)
 def test_some_word_is_always_left(place):
     """For the branch best, with the presolve; all four without it."""
     question = Question(Scenario(0, 0, 0, *place, 1))
 
     assert {"LS", "RS"} & set(words(question, presolve=True))
     assert words(question, presolve=False) == WORDS
-
-
-def test_the_mark_travels_from_a_worker():
-    solution = Solution(Claim.INFEASIBLE, message="presolve: so", presolved=True)
-    sent = WorkerReply(Reply(Outcome.RETURNED, solution, Times(0.0, 0.0, 0.0)))
-
-    assert decode_reply(encode_reply(sent)).reply.solution.presolved is True
 
 
 def test_rows_of_frames_are_marked():

@@ -16,26 +16,8 @@ from dubins_study.study.words import Outcome
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 FRAME_ROW = dict.fromkeys(["x", "y", "heading", "target_y"], 0.0) | {"radius": 1.0}
-PLUGIN = '''
-from dataclasses import dataclass
-from typing import ClassVar
-from dubins_study import Claim, Guarantee, Path, Solution, Solver
-
-@dataclass(frozen=True)
-class Straight(Solver):
-    """Drives straight on, whatever the target."""
-    far: float = 1.0
-    name: ClassVar[str] = "straight"
-    method: ClassVar[tuple[str, str]] = ("one NLP a word", "mine")
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
-    branches: ClassVar[tuple[str, ...]] = ("best",)
-    warm: ClassVar[bool] = False
-    packages: ClassVar[tuple[str, ...]] = ()
-    summary: ClassVar[str] = "straight on"
-    def unavailable(self): return None
-    def build(self, question): return question
-    def solve(self, model, limit):
-        return Solution(Claim.LOCAL, Path(model.scenario.start, [0.0], [self.far]))
+WRONG_PLUGINS = """
+from dubins_study import Claim, Solution, Solver
 
 class Stranger:
     name, solve = "stranger", None
@@ -45,7 +27,21 @@ class Nameless(Solver):
 
 class Idle(Solver):
     name = "idle"
-'''
+
+class Unmade(Solver):
+    name = method = guarantee = summary = "unmade"
+    solve = None
+    def __init__(self): raise OSError("no")
+
+class Packed(Solver):
+    name, solve, packages = "packed", None, None
+
+class Branched(Solver):
+    name, solve, branches = "branched", None, ("best", 3)
+
+class Profiled(Solver):
+    name, solve, profiles = "profiled", None, 3
+"""
 SHORTEST_PLUGIN = """\
 from dataclasses import dataclass
 from dubins_study import Claim, Path, Solution, Solver
@@ -58,11 +54,20 @@ class Ahead(Solver):
 """
 
 
-@pytest.fixture
-def plugin(tmp_path):
-    file = tmp_path / "plugin.py"
-    file.write_text(PLUGIN)
-    return file
+ANNOTATED_PLUGIN = """\
+from __future__ import annotations
+from dataclasses import dataclass
+from typing import ClassVar
+from dubins_study.solvers.protocol import Guarantee, Solution, Solver
+from dubins_study.study.words import Claim
+@dataclass(frozen=True)
+class Plug(Solver):
+    n: int = {answer}
+    name: ClassVar[str] = "plug"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    def unavailable(self): raise OSError("no such luck")
+    def solve(self, question, limit): return Solution(Claim.NONE)
+"""
 
 
 def test_settings_are_read_by_the_type_of_their_default():
@@ -113,30 +118,31 @@ def test_what_cannot_be_loaded(spec, message):
     assert message in str(error.value)
 
 
-def test_a_plug_in_from_a_file(plugin):
-    """A stranger's solver is judged like ours."""
-    answer = solve(EASY, f"{plugin}:Straight[far=2.5]")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Stranger", r"does not extend dubins_study\.Solver; expected a frozen"),
+        ("Nameless", "has no 'name'; expected a name and solve"),
+        ("Idle", "has no 'solve'; expected a name and solve"),
+        ("Nothing", "has no class 'Nothing'"),
+        ("Unmade", "cannot be made: OSError"),
+        ("Packed", "packages is None; expected texts"),
+        ("Branched", r"branches is \('best', 3\); expected texts"),
+        ("Profiled", "profiles is 3; expected a dict"),
+    ],
+)
+def test_plug_ins_that_do_not_keep_the_promise(tmp_path, name, message):
+    (tmp_path / "wrong.py").write_text(WRONG_PLUGINS)
 
-    assert answer.length == 2.5
-    assert answer.verdict == "misses"
-    assert answer.false_claim
+    with pytest.raises(SolverError, match=message):
+        load(f"{tmp_path / 'wrong.py'}:{name}")
 
 
-def test_plug_ins_that_do_not_keep_the_promise(plugin, tmp_path):
-    with pytest.raises(
-        SolverError, match=r"does not extend dubins_study\.Solver; expected a frozen"
-    ):
-        load(f"{plugin}:Stranger")
-    with pytest.raises(SolverError, match="has no 'name'; expected a name and solve"):
-        load(f"{plugin}:Nameless")
-    with pytest.raises(SolverError, match="has no 'solve'; expected a name and solve"):
-        load(f"{plugin}:Idle")
-    with pytest.raises(SolverError, match="has no class 'Nothing'"):
-        load(f"{plugin}:Nothing")
-    broken = tmp_path / "broken.py"
-    broken.write_text("1/0")
+def test_a_plug_in_that_raises_when_it_is_loaded(tmp_path):
+    (tmp_path / "broken.py").write_text("1/0")
+
     with pytest.raises(SolverError, match="ZeroDivisionError"):
-        load(f"{broken}:Any")
+        load(f"{tmp_path / 'broken.py'}:Any")
 
 
 def test_a_plug_in_in_eight_lines(tmp_path):
@@ -158,29 +164,11 @@ def test_a_plug_in_in_eight_lines(tmp_path):
 
 
 def test_a_plug_in_may_look_like_our_own(tmp_path):
-    """Postponed annotations and an unqualified ClassVar, as CONTRIBUTING shows; two files of one
-    name are two modules."""
+    """Postponed annotations and ClassVars, as CONTRIBUTING shows; two files of one name are two
+    modules."""
     for folder, answer in (("one", 1), ("two", 2)):
         (tmp_path / folder).mkdir()
-        (tmp_path / folder / "plug.py").write_text(
-            "from __future__ import annotations\n"
-            "from dataclasses import dataclass\n"
-            "from typing import ClassVar\n"
-            "from dubins_study.solvers.protocol import Guarantee, Solution, Solver\n"
-            "from dubins_study.study.words import Claim\n"
-            "@dataclass(frozen=True)\n"
-            "class Plug(Solver):\n"
-            f"    n: int = {answer}\n"
-            "    name: ClassVar[str] = 'plug'\n"
-            "    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL\n"
-            "    branches: ClassVar[tuple[str, ...]] = ('best',)\n"
-            "    warm: ClassVar[bool] = False\n"
-            "    packages: ClassVar[tuple[str, ...]] = ()\n"
-            "    summary: ClassVar[str] = 'nothing'\n"
-            "    def unavailable(self): raise OSError('no such luck')\n"
-            "    def build(self, question): return question\n"
-            "    def solve(self, model, limit): return Solution(Claim.NONE)\n"
-        )
+        (tmp_path / folder / "plug.py").write_text(ANNOTATED_PLUGIN.format(answer=answer))
     found = [load(f"{tmp_path / folder / 'plug.py'}:Plug") for folder in ("one", "two")]
 
     assert [solver.n for solver in found] == [1, 2]

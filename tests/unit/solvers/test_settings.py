@@ -94,17 +94,18 @@ def test_an_executable_is_a_name_and_no_path(name):
         "nlp[engine=nlopt-slsqp,model=joint,initial_guess=random,count=2]",
         "shooting[initial_guess=random,count=2]",
         "multiple-shooting[initial_guess=random,count=1]",
+        "penalty[evaluations=300,rounds=1,polish=false]",
     ],
 )
 def test_each_repeat_has_a_seed_of_its_own(spec):
-    """The repeats spend different evaluations, and each of them always the same."""
+    """The repeats find or spend something else, and each of them always the same."""
     solver = load(spec)
 
-    def evaluations(repeat):
-        question = Question(PAPER["problem 1"], repeat=repeat)
-        return attempt(solver, question, 20.0).evaluations
+    def found(repeat):
+        answer = attempt(solver, Question(PAPER["problem 1"], repeat=repeat), 20.0)
+        return answer.evaluations, answer.length
 
-    spent = [evaluations(repeat) for repeat in range(4)]
+    answers = [found(repeat) for repeat in range(4)]
 
-    assert len(set(spent)) > 1
-    assert evaluations(2) == spent[2]
+    assert len(set(answers)) > 1
+    assert found(2) == answers[2]

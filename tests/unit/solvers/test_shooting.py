@@ -7,17 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cases import PAPER, scenarios
+from cases import PAPER
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.indirect.shooting import Shooting
 from dubins_study.solvers.indirect.structure import Conditions, Structure, examine
-from dubins_study.solvers.protocol import Question
-from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Verdict
 
@@ -135,71 +132,6 @@ def test_two_arcs_are_an_extremal_where_theory_says(a1, a2):
         assert "sign of nu3" in fault(prescribed=False)
 
 
-def test_costates_near_the_extremal_ones_never_drive_straight():
-    """Why the structure is assumed: with the control left to the sign of nu3, 1e-6 is too much.
-
-    nu3 changes sign with its derivative, or turns back, so that the vehicle circles for ever.
-    """
-    problem = Scenario(0, 0, 0, 10, 5, 1)
-    answer = solve(problem, "shooting")
-    nu1, nu2 = -answer.multiplier_x, -answer.multiplier_y
-    assert math.hypot(nu1, nu2) == pytest.approx(1, abs=1e-9)
-
-    for change in (-1e-6, 1e-6):
-        a, b = nu1 * (1 + change), nu2 * (1 + change)
-        x = y = theta = 0.0
-        nearest, nu3, dt = math.inf, -(1 + a), 1e-3
-        for _ in range(15_000):  # a third longer than the shortest path
-            turn = -math.copysign(dt, nu3 + a * y - b * x)
-            theta += turn
-            x, y = x + dt * math.cos(theta - turn / 2), y + dt * math.sin(theta - turn / 2)
-            nearest = min(nearest, math.hypot(x - 10, y - 5))
-        assert nearest > 5
-
-
-@settings(max_examples=60)
-@given(scenario=scenarios(far=1000.0))
-def test_best_is_right_everywhere(scenario):
-    """Outside and in both discs, away from the circles where a miss may be shorter."""
-    assume(margin(scenario) > 1e-6)
-
-    answer = attempt(Shooting(), Question(scenario))
-
-    assert answer.claim is Claim.LOCAL
-    assert answer.verdict is Verdict.OPTIMAL
-    assert answer.gap < 1e-8  # ten times the residual allowed
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("branch", "root"),
-    # of two arcs' two solutions lm misses the shorter now and then
-    [("LS", "hybr"), ("RS", "hybr"), ("LR", "hybr"), ("RL", "hybr"), ("LS", "lm"), ("RS", "lm")],
-)
-@settings(max_examples=40)
-@given(scenario=scenarios())
-def test_a_branch_is_answered_or_searched_in_vain(branch, root, scenario):
-    """The shortest path of the word where it exists; where not, no claim that there is one."""
-    assume(margin(scenario) > 1e-6)
-    other = _of_two_arcs(scenario)
-    assume(all(abs(distance - limit) > 1e-6 for distance in other for limit in (1, 3)))
-
-    answer = attempt(Shooting(root=root), Question(scenario, branch))
-
-    if shortest(scenario, branch) is None:
-        assert answer.claim is Claim.FAILED
-        assert answer.iterations > 0
-    else:
-        assert answer.claim is Claim.LOCAL
-        assert answer.verdict is Verdict.OPTIMAL
-
-
-def _of_two_arcs(scenario):
-    """The target's distances from both turning centres: RL and LR need them between 1 and 3."""
-    X, Y = scenario.local()
-    return math.hypot(X, Y - 1), math.hypot(X, Y + 1)
-
-
 @pytest.mark.parametrize("front", [True, False])
 @pytest.mark.parametrize("side", [1, -1])
 def test_margins_down_to_rounding(front, side):
@@ -217,22 +149,6 @@ def test_margins_down_to_rounding(front, side):
                 exists = shortest(near, branch) is not None
                 assert answer.verdict is Verdict.OPTIMAL or not exists, (near, branch)
                 assert not answer.false_claim
-
-
-@pytest.mark.parametrize("scenario", [PAPER["problem 1"], Scenario(1, 2, 0.7, 1.1, 2.9, 1)])
-def test_the_multipliers_are_the_gradient_of_the_length(scenario):
-    """-(nu1, nu2)/nu0 against differences of the closed form; outside (RS) and in the disc (RL)."""
-    h = 1e-6
-
-    def length(dx, dy):
-        x, y = scenario.target_x + dx, scenario.target_y + dy
-        return shortest(Scenario(*scenario.start, x, y, scenario.radius)).total * scenario.radius
-
-    answer = solve(scenario, "shooting")
-
-    # central differences of a length near 10: rounding of 2e-15 / 1e-6, and h^2 times curvature
-    assert answer.multiplier_x == pytest.approx((length(h, 0) - length(-h, 0)) / (2 * h), abs=1e-7)
-    assert answer.multiplier_y == pytest.approx((length(0, h) - length(0, -h)) / (2 * h), abs=1e-7)
 
 
 def test_an_extremal_need_not_be_the_shortest():
@@ -294,18 +210,3 @@ def test_a_start_that_fails_says_so_and_keeps_its_point():
     assert "misses the target" in answer.message
     assert answer.native_status.startswith("hybr")
     assert answer.path is not None
-
-
-@pytest.mark.parametrize("root", ["hybr", "lm"])
-def test_time_that_is_up_ends_the_iteration(root):
-    """Between two evaluations of the conditions, whose number is a setting."""
-    solver = Shooting(root=root, max_evaluations=10**9)
-    model = solver.build(Question(PAPER["problem 1"]))
-    case = model.cases[0]
-    guess = next(solver._guesses(model.question, case))
-
-    point = solver._from(case, False, guess, -1.0)
-
-    assert point.claim is Claim.LIMIT
-    assert point.message == "out of time"
-    assert np.isnan(point.x).all()
