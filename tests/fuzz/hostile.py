@@ -7,10 +7,8 @@ from typing import Any
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-
-def cases(number: int) -> settings:
-    """So many cases; fixtures that live longer than one of them are meant."""
-    return settings(max_examples=number, suppress_health_check=list(HealthCheck))
+# Fixtures that live longer than one case are meant.
+LONG_LIVED = settings(suppress_health_check=list(HealthCheck))
 
 
 # what must never stand in a page or on a terminal as it is

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 import shutil
-from pathlib import Path
 
 import pytest
 import scipy.stats  # noqa: F401
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 # loaded here, as scipy.stats is, since a module may write a cache file when first loaded
 import dubins_study.cli.app
 import dubins_study.cli.terminal.output
 import dubins_study.report.page.render  # noqa: F401
-from tests.fuzz.hostile import HOSTILE, cases
+from tests.fuzz.hostile import HOSTILE, LONG_LIVED
 from tests.fuzz.page import check_json
 from tests.fuzz.watched import command, raw_controls, temporary_files_in, watched
 
@@ -95,7 +94,6 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
     ),
     "": (st.lists(_JUNK, max_size=3), []),
 }
-_SLOW = {"plot": _option("--plot", _PLACES)}
 
 
 @st.composite
@@ -104,7 +102,7 @@ def requests(draw: st.DrawFn, plots: bool = False) -> list[str]:
     name = "solve" if plots else draw(st.sampled_from(list(_COMMANDS)))
     words, options = _COMMANDS[name]
     chosen = draw(st.lists(st.one_of(*options), max_size=4)) if options else []
-    groups = [*chosen, draw(words), *([draw(_SLOW["plot"])] if plots else [])]
+    groups = [*chosen, draw(words), *([draw(_option("--plot", _PLACES))] if plots else [])]
     made = [name, *(word for group in draw(st.permutations(groups)) for word in group)]
     how = draw(st.sampled_from(["", "", "", "drop", "double", "junk", "help"]))
     at = draw(st.integers(0, len(made) - 1))
@@ -150,7 +148,9 @@ def place(tmp_path_factory, small_run, song):
 _GROUPS = ([], ["new"])
 
 
-def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
+@settings(LONG_LIVED)
+@given(words=st.one_of(requests(), requests(), requests(), requests(plots=True)))
+def test_a_request_is_answered_or_refused(words, place, song):
     outer = sorted(place.parent.iterdir())
     with watched() as seen, temporary_files_in(place):
         said = command(*words)
@@ -173,24 +173,3 @@ def answered_or_refused(words: list[str], place: Path, song: Path) -> None:
     # /dev/full is what a link of ours names
     assert [p for p in seen.outside(place) if not p.startswith("/dev/")] == []
     assert sorted(place.parent.iterdir()) == outer
-
-
-@cases(40)
-@given(words=requests())
-def test_a_request_is_answered_or_refused(words, place, song):
-    answered_or_refused(words, place, song)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1200)  # 2000 requests take four minutes of a quiet core
-@cases(200)
-@given(words=requests())
-def test_thousands_of_requests_are(words, place, song):
-    answered_or_refused(words, place, song)
-
-
-@pytest.mark.slow
-@cases(40)
-@given(words=requests(plots=True))
-def test_places_of_plots(words, place, song):
-    answered_or_refused(words, place, song)

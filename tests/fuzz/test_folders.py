@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dubins_study import load_results
@@ -16,7 +16,7 @@ from dubins_study.experiments.store.folder import count_rows, read_rows
 from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import read_manifest
 from tests.fuzz.damage import DAMAGES
-from tests.fuzz.hostile import cases
+from tests.fuzz.hostile import LONG_LIVED
 from tests.fuzz.watched import command
 
 CELL = ["scenario_id", "solver", "branch"]
@@ -44,7 +44,9 @@ def damaged(small_run, tmp_path_factory):
     return make
 
 
-def never_another_number(damage, seed, damaged, expected):
+@settings(LONG_LIVED)
+@given(damage=st.sampled_from(DAMAGES), seed=st.integers(0, 2**32 - 1))
+def test_a_damaged_folder_never_gives_another_number(damage, seed, damaged, expected):
     """What is read of a damaged folder stood there before; the rest is told."""
     folder = damaged(damage, seed)
     try:
@@ -60,8 +62,9 @@ def never_another_number(damage, seed, damaged, expected):
     shutil.rmtree(folder)
 
 
-def made_whole(damage, seed, damaged, small_run, expected):
-    folder = damaged(damage, seed)
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_run_makes_a_damaged_folder_whole(damage, damaged, small_run, expected):
+    folder = damaged(damage, 1)
     try:
         read_manifest(folder)
     except ResultsError:  # who lost it has the rows still
@@ -72,26 +75,3 @@ def made_whole(damage, seed, damaged, small_run, expected):
         assert rows.sort_index().equals(expected.sort_index())
         assert count_rows(folder)[1] == 0
     shutil.rmtree(folder)
-
-
-damages, seeds = st.sampled_from(DAMAGES), st.integers(0, 2**32 - 1)
-
-
-@cases(20)
-@given(damage=damages, seed=seeds)
-def test_a_damaged_folder_never_gives_another_number(damage, seed, damaged, expected):
-    never_another_number(damage, seed, damaged, expected)
-
-
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_a_run_makes_a_damaged_folder_whole(damage, damaged, small_run, expected):
-    made_whole(damage, 1, damaged, small_run, expected)
-
-
-@pytest.mark.slow
-@cases(100)
-@given(damage=damages, seed=seeds)
-def test_many_damaged_folders(damage, seed, damaged, small_run, expected):
-    never_another_number(damage, seed, damaged, expected)
-    if seed % 5 == 0:
-        made_whole(damage, seed, damaged, small_run, expected)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import dubins_study.report.page.render  # noqa: F401  its libraries write to places of their own when loaded
 from dubins_study.study.scenario import Scenario
-from tests.fuzz.hostile import HOSTILE, MARK, cases, texts
+from tests.fuzz.hostile import HOSTILE, LONG_LIVED, MARK, texts
 from tests.fuzz.page import check_json, check_report
 from tests.fuzz.watched import command, raw_controls
 from tests.unit.report.results_folder import attempt, write_folder
@@ -35,7 +35,7 @@ class Rude(Slsqp):
 def rows(draw):
     """Some attempts, a few of them with a path, with any texts where a plug-in may put its own."""
     made = []
-    for number in range(draw(st.integers(1, 3))):
+    for number in range(draw(st.integers(1, 5))):
         said = {name: draw(words) for name in ("message", "native_status", "word", "run_id")}
         scenario = Scenario(0, 0, 0, 5, number + 2, 1, label=draw(words))
         path = draw(st.sampled_from(["exact", None]))
@@ -45,7 +45,10 @@ def rows(draw):
     return made
 
 
-def shown_as_text(made, name, tmp_path_factory):
+@pytest.mark.slow
+@settings(LONG_LIVED, max_examples=4)
+@given(made=rows(), name=words)
+def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
     folder = write_folder(tmp_path_factory.mktemp("words") / "run", name, made, cells=len(made))
     for request in (["status"], ["status", "--json"], ["report"]):
         said = command(*request, str(folder))
@@ -54,21 +57,6 @@ def shown_as_text(made, name, tmp_path_factory):
         if "--json" in request:
             check_json(said.out)
     check_report(folder / "report")
-
-
-@pytest.mark.slow
-@cases(2)
-@given(made=rows(), name=words)
-def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
-    shown_as_text(made, name, tmp_path_factory)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)  # 30 pages take three minutes of a quiet core
-@cases(30)
-@given(made=rows(), name=words)
-def test_dozens_of_folders_of_words_are(made, name, tmp_path_factory):
-    shown_as_text(made, name, tmp_path_factory)
 
 
 def test_a_rude_plugin_is_quoted(tmp_path):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse
 from dubins_study.experiments.plan import cells as cells_module
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.registry import SolverError
-from tests.fuzz.hostile import MARK, cases
+from tests.fuzz.hostile import LONG_LIVED, MARK
 from tests.fuzz.toml_text import experiments, mutilated, text_of
 from tests.fuzz.watched import raw_controls, watched
 
@@ -31,10 +31,13 @@ def check_lines(message: str) -> None:
     assert len(mistakes) <= MOST_LINES
 
 
-def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
-    """Ask for it as `dubins-study run FILE` does, up to the point where cells are solved."""
+@settings(LONG_LIVED)
+@given(fields=experiments())
+def test_an_experiment_is_expanded_or_refused(fields, tmp_path_factory, song):
+    """As `dubins-study run FILE` does, up to the point where cells are solved."""
+    place = tmp_path_factory.getbasetemp()
     file = place / f"{MARK}.toml"
-    file.write_bytes(content)
+    file.write_text(text_of(fields))
     request = Request(str(file))
     with watched() as seen:
         try:
@@ -50,20 +53,9 @@ def expanded_or_refused(content: bytes, place: Path, song: Path) -> None:
     assert not [*seen.started, *seen.unpickled, *seen.outside(place)]
 
 
-@cases(30)
-@given(fields=experiments())
-def test_an_experiment_is_expanded_or_refused(fields, tmp_path_factory, song):
-    expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
-
-
-@pytest.mark.slow
-@cases(300)
-@given(fields=experiments())
-def test_thousands_of_experiments_are(fields, tmp_path_factory, song):
-    expanded_or_refused(text_of(fields).encode(), tmp_path_factory.getbasetemp(), song)
-
-
-def parsed_or_refused(content: bytes) -> None:
+@settings(LONG_LIVED)
+@given(content=mutilated(PACKAGED))
+def test_a_mutilated_file_is_parsed_or_refused(content):
     text = content.decode("utf-8", "replace")
     try:
         parse("name", f"{MARK}.toml", text)
@@ -74,16 +66,3 @@ def parsed_or_refused(content: bytes) -> None:
     assert message.startswith(f"{MARK}.toml: ")
     assert not raw_controls(message)
     check_lines(message)
-
-
-@cases(40)
-@given(content=mutilated(PACKAGED))
-def test_a_mutilated_file_is_parsed_or_refused(content):
-    parsed_or_refused(content)
-
-
-@pytest.mark.slow
-@cases(300)
-@given(content=mutilated(PACKAGED))
-def test_thousands_of_mutilated_files_are(content):
-    parsed_or_refused(content)
