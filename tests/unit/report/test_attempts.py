@@ -29,8 +29,8 @@ REGIONS = ("outside", "left disc", "right disc", "circle")
 _GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
 _SIZES = st.none() | st.floats(0, 1e3)
 
-# loading a folder and asking for its tables takes half a second: a few examples by default
-FEW, MANY = settings(deadline=None, max_examples=2), settings(deadline=None, max_examples=100)
+# Loading a folder and asking for its tables takes half a second: a twentieth of the usual examples.
+FEW = settings(max_examples=settings.default.max_examples // 20)
 
 
 @st.composite
@@ -100,7 +100,9 @@ def alike(one, two):
         pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
 
 
-def any_split_in_any_order_is_the_whole(rows, random, parts):
+@FEW
+@given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
+def test_any_split_in_any_order_is_the_whole(rows, random, parts):
     """Rows go to any parts, and experiments to folders in any order."""
     shuffled = rows.sample(frac=1, random_state=random.randrange(2**32))
     which = [random.randrange(parts) for _ in range(len(rows))]
@@ -109,14 +111,9 @@ def any_split_in_any_order_is_the_whole(rows, random, parts):
         alike(whole, attempts_of(Path(place, "split"), shuffled, which))
 
 
-_split = given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
-test_any_split_in_any_order_is_the_whole = FEW(_split(any_split_in_any_order_is_the_whole))
-test_any_split_in_any_order_is_the_whole_often = pytest.mark.slow(
-    MANY(_split(any_split_in_any_order_is_the_whole))
-)
-
-
-def numbers_are_those_of_the_frame(rows):
+@FEW
+@given(attempts())
+def test_numbers_are_those_of_the_frame(rows):
     """Computed from the rows themselves, another way."""
     with tempfile.TemporaryDirectory() as place:
         found = attempts_of(Path(place), rows)
@@ -125,12 +122,6 @@ def numbers_are_those_of_the_frame(rows):
         assert one.count == (rows["experiment"] == "paper").sum()
         if one.count:
             numbers_are_those_of(one, rows[rows["experiment"] == "paper"])
-
-
-test_numbers_are_those_of_the_frame = FEW(given(attempts())(numbers_are_those_of_the_frame))
-test_numbers_are_those_of_the_frame_often = pytest.mark.slow(
-    MANY(given(attempts())(numbers_are_those_of_the_frame))
-)
 
 
 def numbers_are_those_of(found, rows):
