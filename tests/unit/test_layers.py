@@ -52,9 +52,9 @@ BUDGETS |= {
     "solvers": Size(9_770, 66),
     "experiments": Size(6_390, 41),
     "conformance": Size(1_910, 9),
-    "report": Size(15_320, 90),
+    "report": Size(14_170, 83),
     "package": Size(40_270, 263),
-    "tests": Size(33_330, 220),
+    "tests": Size(32_300, 200),
 }
 
 _LEAVES = (
