@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
 
 import pytest
 
 from dubins_study import Scenario, load_results, run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import AHEAD_S, Job, Limits, WorkerPool
-from dubins_study.experiments.isolation.sandbox import pinned_threads
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.solvers.protocol import Question
 
@@ -165,23 +163,3 @@ def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
             [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption()))
             assert answer.reply.outcome == "returned"
             os.kill(int(answer.reply.solution.message), signal.SIGKILL)
-
-
-def test_two_threads_that_pin_give_the_environment_back(monkeypatch):
-    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    inside, leave = threading.Event(), threading.Event()
-
-    def other():
-        with pinned_threads():
-            inside.set()
-            leave.wait()
-
-    thread = threading.Thread(target=other)
-    with pinned_threads():
-        thread.start()
-        inside.wait()
-    assert os.environ["OMP_NUM_THREADS"] == "1"
-    leave.set()
-    thread.join()
-
-    assert "OMP_NUM_THREADS" not in os.environ

@@ -7,10 +7,12 @@ from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
 from uuid import uuid4
 
+from threadpoolctl import threadpool_limits
+
 from dubins_study.experiments.executors.executor import Executor, unfinished
 from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.sandbox import THREADS, pinned_threads
+from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.matrix import matrix
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, cell_counts, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
@@ -143,7 +145,7 @@ def _solve(
     with recorded(folder, manifest, entry, completes) as record:
         writer.after_step = record.write_now_and_then
         try:
-            with pinned_threads():
+            with threadpool_limits(THREADS):  # of the check, which is made in this process
                 writer.skip(sum(map(len, plan.chains)) - left.cells)
                 if left.chains:
                     with closing(executor.solve(left, stop, record.probe)) as row_blocks:

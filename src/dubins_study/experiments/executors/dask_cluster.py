@@ -8,7 +8,6 @@ its standard input closes then.
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 import signal
@@ -16,11 +15,11 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.isolation.pool import RunError
+from dubins_study.experiments.isolation.process_state import ONE_THREAD
 from dubins_study.solvers.reply import exception_text
 
 # Seconds to wait for the scheduler's answer, and for the end of the local cluster.
@@ -60,6 +59,7 @@ def local_cluster(workers: int) -> Iterator[Cluster]:
             stdout=subprocess.PIPE,
             stderr=output,
             text=True,
+            env=os.environ | ONE_THREAD,
             start_new_session=True,
         ) as process,
     ):
@@ -111,21 +111,12 @@ def connected(address: str) -> Iterator[Any]:
     from distributed import Client
 
     try:
-        # Check the address first: a Client without a scheduler tries for twenty seconds and prints.
-        # The check runs in its own thread, since the caller's may already run an event loop.
-        with ThreadPoolExecutor(1) as thread:
-            kind = thread.submit(asyncio.run, _kind(address)).result()
-        if kind != "Scheduler":
-            raise ValueError(f"it is a {kind}")
         client = Client(address, timeout=_ANSWER_WAIT_S, set_as_default=False)
     except Exception as error:  # any lower layer: names, sockets, certificates, protocols
-        cause: BaseException = error
-        while cause.__cause__ is not None and str(cause.__cause__):
-            cause = cause.__cause__  # only the lowest layer names the problem
-        text = exception_text(cause) if str(cause) else f"nothing came within {_ANSWER_WAIT_S:g} s"
         raise RunError(
-            f"no Dask scheduler answers at {address!r} ({text}); expected an address such "
-            "as tcp://127.0.0.1:8786, or tls://... and certificates (see docs/scaling.md)"
+            f"no Dask scheduler answers at {address!r} ({exception_text(error)}); expected an "
+            "address such as tcp://127.0.0.1:8786, or tls://... and certificates (see "
+            "docs/scaling.md)"
         ) from None
     try:
         problem = mismatch(client.get_versions())
@@ -137,33 +128,19 @@ def connected(address: str) -> Iterator[Any]:
             client.close(timeout=_ANSWER_WAIT_S)
 
 
-async def _kind(address: str) -> str:
-    """The type of Dask node at an address."""
-    from distributed.core import rpc
-    from distributed.security import Security
-
-    certificates = Security().get_connection_args("client")
-    node = rpc(address, timeout=_ANSWER_WAIT_S, connection_args=certificates)
-    async with asyncio.timeout(_ANSWER_WAIT_S + 1), node:
-        return str((await node.identity())["type"])
-
-
 def mismatch(versions: Mapping[str, Any]) -> str | None:
     """The difference in Python's or Dask's version between a cluster and this machine, or None.
 
-    The last digit of Python's version does not matter, which it does to Dask's own comparison.
+    The last digit of Python's version does not matter.
     """
-    expected = _release(versions["client"])
     nodes = {"the Dask scheduler": versions["scheduler"]}
     nodes |= {f"the Dask worker {name}": node for name, node in versions["workers"].items()}
-    for name, node in nodes.items():
-        for what, version in _release(node).items() if node else ():
-            if version != expected[what]:
-                return f"{name} has {what} {version}; expected {expected[what]}, as here"
+    for package, digits in (("python", 2), ("distributed", 3)):
+        expected, *others = (
+            ".".join(str(node["packages"][package]).split(".")[:digits]) if node else None
+            for node in (versions["client"], *nodes.values())
+        )
+        for name, version in zip(nodes, others, strict=True):
+            if version not in (None, expected):
+                return f"{name} has {package} {version}; expected {expected}, as here"
     return None
-
-
-def _release(node: Mapping[str, Any]) -> dict[str, str]:
-    packages = node["packages"]
-    python = ".".join(str(packages["python"]).split(".")[:2])
-    return {"Python": python, "distributed": str(packages["distributed"])}

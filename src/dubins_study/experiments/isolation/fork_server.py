@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import fcntl
 import json
 import os
 import select
@@ -34,7 +33,7 @@ import psutil
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import Channel
-from dubins_study.experiments.isolation.sandbox import ONE_THREAD
+from dubins_study.experiments.isolation.process_state import ONE_THREAD
 
 # The folder from which this package was imported: a forked process must find it too.
 _PACKAGE_FOLDER = str(FilePath(__file__).parents[3])
@@ -47,10 +46,8 @@ _START_UP_S = 120.0
 # Seconds to wait until a killed process has ended, and until a stopped server has killed its
 # descendants and ended.
 _KILL_WAIT_S, _STOP_WAIT_S = 2.0, 5.0
-_OUTPUT_PIPE_BYTES = 2**20
 # Options of Linux's prctl.
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
-_MAX_DESCRIPTORS = 16
 # Rounds of killing, and seconds per round: a killed process may leave children, which the next
 # round kills.
 _MAX_KILL_ROUNDS, _KILL_ROUND_S = 400, 0.005
@@ -128,10 +125,12 @@ class _ForkServer:
                 self._control, server_end = socket.socketpair()
                 with server_end:
                     self._process = subprocess.Popen(
-                        [sys.executable, "-P", "-c", _PROGRAM, json.dumps(_search_path())],
+                        # -u: what a solver has printed is read even if its process crashes
+                        [sys.executable, "-uPc", _PROGRAM, json.dumps(_search_path())],
                         stdin=server_end.fileno(),
                         stdout=subprocess.DEVNULL,
-                        env=os.environ | ONE_THREAD,  # a process is forked safely without threads
+                        # a process is forked safely without threads
+                        env=os.environ | ONE_THREAD | {"PYTHONIOENCODING": "utf-8:replace"},
                         start_new_session=True,
                     )
             socket.send_fds(self._control, [b"f"], descriptors)
@@ -193,10 +192,6 @@ def _forked(message: list[Any]) -> ForkedProcess:
             caller_ends.callback(os.close, pipe)
         for pipe in (output_end, exit_end):
             process_ends.callback(os.close, pipe)
-        # Enlarge the pipe, so that a solver that prints a lot rarely blocks.
-        if hasattr(fcntl, "F_SETPIPE_SZ"):
-            with suppress(OSError):
-                fcntl.fcntl(output_end, fcntl.F_SETPIPE_SZ, _OUTPUT_PIPE_BYTES)
         _server.request([exit_end, output_end, line_end.fileno()])
         process_ends.close()
         pid = os.read(exit_pipe, 8) if _readable(exit_pipe, _START_UP_S) else b""
@@ -254,7 +249,7 @@ def serve() -> None:
             wake.recv(4096)
             _reap(exit_pipes)
         if control in ready:
-            request, descriptors, _, _ = socket.recv_fds(control, 1, _MAX_DESCRIPTORS)
+            request, descriptors, _, _ = socket.recv_fds(control, 1, 3)
             if not request:
                 break
             exit_pipe, *others = descriptors
@@ -321,7 +316,9 @@ def _run_child(server: int, output: int, line: int) -> None:
         os.setsid()  # so that Ctrl-C in a terminal does not reach this process
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD):
             signal.signal(number, signal.SIG_DFL)
-        _redirect(output)
+        os.dup2(output, 1)
+        os.dup2(output, 2)
+        os.close(output)
         channel = Channel(socket.socket(fileno=line))
         function, arguments, path, environment, directory = channel.receive()
         sys.path[:] = path
@@ -337,21 +334,7 @@ def _run_child(server: int, output: int, line: int) -> None:
     except BaseException:
         sys.excepthook(*sys.exc_info())
     finally:
-        with suppress(Exception):
-            sys.stderr.flush()
         os._exit(code)
-
-
-def _redirect(output: int) -> None:
-    """Send stdout and stderr to a pipe, and close the pipe's own descriptor."""
-    for name, number in (("stdout", 1), ("stderr", 2)):
-        os.dup2(output, number)
-        stream = open(  # noqa: SIM115
-            number, "w", encoding="utf-8", errors="replace", buffering=1, closefd=False
-        )
-        setattr(sys, name, stream)
-        setattr(sys, f"__{name}__", stream)
-    os.close(output)
 
 
 def _set_process_option(option: int, value: int) -> None:

@@ -20,15 +20,13 @@ from dubins_study.experiments.isolation.worker_process import (
     Allowance,
     Answer,
     Ended,
-    Task,
-    Watch,
     WorkerProcess,
+    wait,
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import Reply, no_answer, with_possible_times
 
-_SERVE = "dubins_study.experiments.isolation.worker:serve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
 GRACE_S = 0.1
@@ -47,8 +45,6 @@ _NEW_WEIGHT, _MAX_COUNTED_S = 0.2, 0.1
 _YIELD_INTERVAL_S = 0.2
 # Seconds between two calibration probes.
 _PROBE_INTERVAL_S = 2.0
-# Number of replies to jobs of unloadable solvers that are yielded together.
-_MAX_RESULTS = 8
 # Number of workers in a row that may end before they begin a job.
 _MAX_FALSE_STARTS = 3
 
@@ -103,29 +99,10 @@ class _Worker(WorkerProcess):
     """A worker process, the group whose jobs it solves, and the solvers that it has loaded."""
 
     def __init__(self, group: str, memory_bytes: int):
-        super().__init__(_SERVE, [memory_bytes], memory_bytes)
+        function = "dubins_study.experiments.isolation.worker:serve"
+        super().__init__(function, [memory_bytes], memory_bytes)
         self.group = group
         self.loaded: set[SolverKey] = set()
-        # Whether tasks were dropped that it still has: it ends with its last pending task.
-        self.final = False
-
-    def may_take_more(self) -> bool:
-        """Whether it may get a job in advance."""
-        soon = self.expected_s < AHEAD_S and len(self.pending) < _AHEAD_JOBS
-        return soon and not self.final
-
-    def jobs(self) -> Iterator[Job]:
-        """Its unanswered jobs."""
-        return (task.tag for task in self.pending if _is_solve(task))
-
-    def keep_first_job(self) -> None:
-        """Drop all jobs but the first, which it is solving or makes ready for."""
-        for place, task in enumerate(self.pending, 1):
-            if _is_solve(task):
-                self.final |= len(self.pending) > place
-                while len(self.pending) > place:
-                    self.pending.pop()
-                return
 
 
 class WorkerPool:
@@ -144,10 +121,10 @@ class WorkerPool:
         probed: Callable[[float], None] | None = None,
     ):
         self._limits, self._probed = limits, probed
+        # The allowance of a task tells its kind: these two, `_LOADING` and `_PROBING`.
         self._solving = Allowance(limits.time_s, GRACE_S)
         self._warming_up = Allowance(limits.time_s + _WARM_UP_S, activity="warming up")
         self._workers: list[_Worker | None] = [None] * workers
-        self._watch = Watch()
         self._warm_up = warm_up
         # Solvers whose warm-up ended a worker: they are loaded without it.
         self._without_warm_up: set[SolverKey] = set()
@@ -190,23 +167,22 @@ class WorkerPool:
         """
         self.drop_waiting()
         self._later = iter(jobs)
-        self._watch.begin()
         yielded_s = monotonic()
         while True:
             if stop.requested:
                 self.drop_waiting()
-                for worker in self._live_workers():
-                    worker.keep_first_job()
             results = self._feed()
-            busy = any(worker.pending for worker in self._live_workers())
-            if not (results or busy or self._next_job()):
+            if not (results or any(worker.pending for worker in self._live_workers())):
                 return
             timeout_s = 0.0 if results else POLL_INTERVAL_S
-            for worker, event in self._watch.wait(self._live_workers(), timeout_s):
-                if isinstance(event, Answer):
-                    results += self._answered(worker, event)
-                else:
+            for worker, event in wait(self._live_workers(), timeout_s):
+                if isinstance(event, Ended):
                     results += self._ended(worker, event)
+                    continue
+                results += self._answered(worker, event)
+                solved = event.task.allowance is self._solving
+                if event.changed or (solved and stop.requested):
+                    self._remove(worker)
             if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
                 yield results
                 yielded_s = monotonic()
@@ -224,23 +200,20 @@ class WorkerPool:
         return self._first[0]
 
     def _feed(self) -> Results:
-        """Give jobs to workers; return a few replies to jobs of unloadable solvers."""
-        results: Results = []
-        while len(results) < _MAX_RESULTS and (job := self._next_job()) is not None:
+        """Give jobs to workers; return the reply to the next job if its solver is unloadable."""
+        while (job := self._next_job()) is not None:
             reply = self._unloadable.get(job.solver_key)
             if reply is not None:
-                results.append((self._first.popleft(), WorkerReply(reply)))
-                continue
+                return [(self._first.popleft(), WorkerReply(reply))]
             worker = self._free_worker(worker_group(job.solver))
             if worker is None:
                 break
             self._give(worker, self._first.popleft())
         first = self._workers[0]
-        due = self._probed is not None and monotonic() > self._next_probe_s
-        if due and first is not None and not first.final:
+        if first is not None and self._probed is not None and monotonic() > self._next_probe_s:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
             first.put(["probe"], _PROBING, float)
-        return results
+        return []
 
     def _free_worker(self, group: str) -> _Worker | None:
         """A worker that can take a job of the group, perhaps a new one; None if there is none.
@@ -254,7 +227,11 @@ class WorkerPool:
                 ranks.append((1, 0.0, place))
             elif not worker.pending:
                 ranks.append((0 if worker.group == group else 2, 0.0, place))
-            elif worker.group == group and worker.may_take_more():
+            elif (
+                worker.group == group
+                and worker.expected_s < AHEAD_S
+                and len(worker.pending) < _AHEAD_JOBS
+            ):
                 ranks.append((3, worker.expected_s, place))
         if not ranks:
             return None
@@ -277,34 +254,33 @@ class WorkerPool:
         if key not in worker.loaded:
             worker.loaded.add(key)
             expected_s = AHEAD_S
-            worker.put(["load", *key], _LOADING, _ignored, job)
+            worker.put(["load", *key], _LOADING, tag=job)
             if self._warm_up and key not in self._without_warm_up:
                 message = ["warm up", *key, self._limits.time_s]
-                worker.put(message, self._warming_up, _ignored, job)
+                worker.put(message, self._warming_up, tag=job)
         message = ["solve", *key, encode_question(job.question), self._limits.time_s]
         worker.put(message, self._solving, decode_reply, job, expected_s)
 
     def _answered(self, worker: _Worker, answer: Answer) -> Results:
+        """The job that was answered with its reply, if the task was to solve one."""
         self._false_starts = 0
-        if answer.changed or (worker.final and not worker.pending):
-            self._remove(worker)
-        if isinstance(answer.value, float) and self._probed is not None:
-            self._probed(answer.value)
-        if not isinstance(answer.value, WorkerReply):
+        task, value, _ = answer
+        if task.allowance is _PROBING and self._probed is not None:
+            self._probed(value)
+        if task.allowance is not self._solving:
             return []
-        job: Job = answer.task.tag
-        seconds = min(answer.seconds, _MAX_COUNTED_S)
-        mean_s = self._expected_s.get(job.solver_key, seconds)
-        self._expected_s[job.solver_key] = mean_s + _NEW_WEIGHT * (seconds - mean_s)
-        reply = with_possible_times(answer.value.reply, answer.waited_s)
-        return [(job, answer.value._replace(reply=reply))]
+        reply = with_possible_times(value.reply, monotonic() - task.put_s)
+        key = task.tag.solver_key
+        seconds = min(reply.times.wall_s or 0.0, _MAX_COUNTED_S)
+        mean_s = self._expected_s.get(key, seconds)
+        self._expected_s[key] = mean_s + _NEW_WEIGHT * (seconds - mean_s)
+        return [(task.tag, value._replace(reply=reply))]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
         """Replace a worker that has ended; return the reply to the job that it was at, if any."""
         reply, task = ended
-        job: Job | None = None if task is None else task.tag
         self._remove(worker)
-        if task is None or job is None:
+        if task is None or task.tag is None:
             self._false_starts += 1
             if self._false_starts >= _MAX_FALSE_STARTS:
                 raise RunError(
@@ -312,33 +288,22 @@ class WorkerPool:
                 )
             return []
         self._false_starts = 0
+        key = task.tag.solver_key
         if task.allowance is self._warming_up:  # load the solver again, without a warm-up
-            self._without_warm_up.add(job.solver_key)
+            self._without_warm_up.add(key)
             return []
         if task.allowance is _LOADING:
-            reply = self._load_failed(job.solver_key, reply)
+            outcome, (_, solution, _) = reply.outcome, reply
+            message = f"{solution.message}, while it was loaded"
+            reply = no_answer(outcome, message, status=solution.native_status)
+            if key not in self._expected_s:
+                self._unloadable[key] = reply
         self._first.popleft()  # the job, which comes first among those that were put back
-        return [(job, WorkerReply(reply))]
-
-    def _load_failed(self, solver: SolverKey, reply: Reply) -> Reply:
-        """The reply to a job whose solver ended its worker while it was loaded."""
-        (outcome, solution, _), status = reply, reply.solution.native_status
-        message = f"{solution.message}, while it was loaded"
-        if solver not in self._expected_s:
-            later_message = f"{message} for another cell; not tried again"
-            self._unloadable[solver] = no_answer(outcome, later_message, status=status)
-        return no_answer(outcome, message, status=status)
+        return [(task.tag, WorkerReply(reply))]
 
     def _remove(self, worker: _Worker) -> None:
         """End a worker and free its place; put its unanswered jobs back in the queue."""
         self._workers[self._workers.index(worker)] = None
         worker.close()
-        self.put_first(worker.jobs())
-
-
-def _is_solve(task: Task) -> bool:
-    return task.tag is not None and task.decode is decode_reply
-
-
-def _ignored(value: Any) -> None:
-    """Decode the answer to a task that only makes a solver ready."""
+        tasks = worker.pending
+        self.put_first(task.tag for task in tasks if task.allowance is self._solving)

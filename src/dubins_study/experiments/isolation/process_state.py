@@ -1,7 +1,7 @@
-"""The state of a worker process that all its solves share. If a solve changes it, the worker ends.
+"""The limits that a worker process sets itself, and the state that all its solves share.
 
-The state is not restored instead: a part that we forget to restore would affect the answers of
-other solvers.
+If a solve changes the state, the worker ends. The state is not restored instead: a part that we
+forget to restore would affect the answers of other solvers.
 """
 
 from __future__ import annotations
@@ -23,10 +23,16 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from dubins_study.experiments.isolation.sandbox import THREADS
-
+THREADS = 1
+# Environment in which numerical libraries start no threads.
+ONE_THREAD = dict.fromkeys(
+    (f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")), str(THREADS)
+)
+# Bytes beyond the memory limit at which a solver's own allocations fail. The pool checks the limit
+# every few hundredths of a second; the margin is for what a solver takes between two checks.
+_MARGIN_BYTES = 512 * 2**20
 # Seed of the global random generators before every solve, so that a solve can be repeated.
 SEED = 0
 
@@ -41,6 +47,17 @@ _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
 # Seconds between two checks of memory and open files, which take longer than the other checks.
 _LEAK_INTERVAL_S = 0.02
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+def bound_process(memory_bytes: int) -> None:
+    """Make allocations fail far beyond a limit, write no core dumps, use one thread a library."""
+    bounds = [memory_bytes + _MARGIN_BYTES, *resource.getrlimit(resource.RLIMIT_DATA)]
+    soft = min(bound for bound in bounds if bound != resource.RLIM_INFINITY)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, bounds[-1]))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    # NUMBA_NUM_THREADS is set only here: Numba reads it at once and fails if its threads run.
+    os.environ.update(ONE_THREAD | {"NUMBA_NUM_THREADS": str(THREADS)})
+    threadpool_limits(THREADS)  # also of libraries that are loaded already
 
 
 def _state() -> dict[str, Any]:

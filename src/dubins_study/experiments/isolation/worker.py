@@ -7,7 +7,7 @@ import math
 import os
 import signal
 from collections.abc import Callable
-from time import monotonic, perf_counter
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +19,7 @@ from dubins_study.experiments.isolation.messages import (
     decode_question,
     encode_reply,
 )
-from dubins_study.experiments.isolation.process_state import ProcessState, seed
-from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
+from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load, reported_versions
@@ -37,23 +36,21 @@ _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, lab
 def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool]]) -> None:
     """Say that this process is ready, and answer tasks until the channel is closed.
 
-    An answer holds the task's number, the time at which it was sent, and what `handle` returns: a
-    value that JSON can hold, and whether the process must be replaced. A worker that had to wait
-    says when it begins its next task.
+    An answer is what `handle` returns: a value that JSON can hold, and whether the process must be
+    replaced. A worker that had to wait says that it begins its next task.
     """
-    process, number, value, changed = os.getpid(), 0, None, False
+    process, value, changed = os.getpid(), None, False
     while True:
-        channel.put([number, monotonic(), value, changed])
+        channel.put([value, changed])
         channel.line.setblocking(True)  # a solver may have made the socket non-blocking
         channel.flush()
         while changed:  # this process answers no further task; its owner will replace it
             signal.pause()
-        message = channel.next_received()
-        if message is None:
-            message = channel.receive()
-            channel.put(["begun", monotonic()])
+        task = channel.next_received()
+        if task is None:
+            task = channel.receive()
+            channel.put("begun")
             channel.flush()
-        number, *task = message
         value, changed = handle(task)
         if os.getpid() != process:  # a child that a solver has forked must not answer
             os._exit(1)
@@ -61,8 +58,7 @@ def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool
 
 def serve(channel: Channel, memory_limit: int) -> None:
     """Answer the tasks of a pool (`pool.WorkerPool`)."""
-    bound_memory(memory_limit)
-    pin_threads()
+    bound_process(memory_limit)
     answer_tasks(channel, _Worker(memory_limit).handle)
 
 

@@ -1,7 +1,7 @@
 """A worker process from its owner's side: tasks go in, answers come back, limits end it.
 
 A worker answers its tasks in order. Its current task is therefore the first one that it has not
-answered. The task began when the worker sent the answer before, or when it woke up for the task.
+answered: it began when the answer before it arrived, or when the worker woke up for it.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from time import monotonic, process_time
+from time import monotonic
 from typing import Any, NamedTuple, Self, TypeVar
 
 import psutil
 
 from dubins_study.experiments.isolation.fork_server import exit_status, fork
-from dubins_study.experiments.isolation.messages import MessageError
 from dubins_study.solvers.reply import Reply, no_answer
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
@@ -28,8 +27,8 @@ from dubins_study.study.words import Outcome
 POLL_INTERVAL_S, _CHECKS_PER_CHILDREN_CHECK = 0.02, 10
 # Seconds within which an idle worker must begin its next task.
 _STALL_S = 10.0
-# A pause between two checks longer than this means that the whole process was suspended.
-_SUSPENDED_S = 1.0
+# Seconds that count at most between two checks. In a longer pause the run was suspended.
+_MAX_PAUSE_S = 1.0
 # Length of the last output that is kept, in bytes, and that a message shows, in characters.
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20
@@ -49,15 +48,16 @@ class Allowance(NamedTuple):
     activity: str = ""
 
 
-STARTING = Allowance(60.0, activity="starting a worker")
+_STARTING = Allowance(60.0, activity="starting a worker")
+_WAKING = Allowance(_STALL_S, activity="waiting for it to begin")
 
 
 class Task(NamedTuple):
     """A task that a worker has received, with any object of the caller's as `tag`."""
 
-    number: int  # from 0, which is the start of the process
     allowance: Allowance
     decode: Callable[[Any], Any]  # makes a value of what the worker answers; may raise anything
+    put_s: float  # when the owner handed it over
     tag: Any = None
     expected_s: float = 0.0
 
@@ -67,8 +67,6 @@ class Answer(NamedTuple):
 
     task: Task
     value: Any
-    seconds: float  # that the task took, by time stamps of the worker
-    waited_s: float  # from the beginning of the task until its answer was read
     changed: bool  # whether the task changed the process; the worker then answers no more
 
 
@@ -77,6 +75,10 @@ class Ended(NamedTuple):
 
     reply: Reply
     task: Task | None
+
+
+def _as_sent(value: Any) -> Any:
+    return value
 
 
 class WorkerProcess:
@@ -91,15 +93,11 @@ class WorkerProcess:
     def __init__(self, function: str, arguments: list[Any], memory_bytes: int):
         self._process = fork(function, arguments)
         self._memory_bytes = memory_bytes
-        self.pending = deque([Task(0, STARTING, _nothing)])
+        self._checked_s, self._checks = monotonic(), 0
+        self.pending = deque([Task(_STARTING, _as_sent, self._checked_s)])
         self.expected_s, self.closed = 0.0, False
-        self._tasks = 1
         # Whether the current task has begun, and since when it runs, or waits for the worker.
-        self._begun, self._since_s = True, monotonic()
-        # The last moment at which no answer was waiting to be read.
-        self._silent_s = self._since_s
-        # The earliest moment at which the current task may have begun, whatever pauses there were.
-        self._earliest_s = self._since_s
+        self._begun, self._since_s = True, self._checked_s
         self._output = b""
         self._open = {self._process.channel.line.fileno(), self._process.output}
 
@@ -113,18 +111,17 @@ class WorkerProcess:
         self,
         message: list[Any],
         allowance: Allowance,
-        decode: Callable[[Any], Any],
+        decode: Callable[[Any], Any] = _as_sent,
         tag: Any = None,
         expected_s: float = 0.0,
     ) -> None:
-        """Add a task; `register` sends it."""
+        """Add a task; `wait` sends it."""
+        now_s = monotonic()
         if not self.pending:
-            self._begun, self._since_s, self.expected_s = False, monotonic(), 0.0
-            self._earliest_s = self._since_s
-        self.pending.append(Task(self._tasks, allowance, decode, tag, expected_s))
-        self._process.channel.put([self._tasks, *message])
+            self._begun, self._since_s, self.expected_s = False, now_s, 0.0
+        self.pending.append(Task(allowance, decode, now_s, tag, expected_s))
+        self._process.channel.put(message)
         self.expected_s += expected_s
-        self._tasks += 1
 
     def request(
         self, message: list[Any], allowance: Allowance, decode: Callable[[Any], Any]
@@ -133,10 +130,10 @@ class WorkerProcess:
         self._read_output()
         self._output = b""
         self.put(message, allowance, decode)
-        task, watch = self.pending[-1], Watch()
+        task = self.pending[-1]
         while True:
-            for _, event in watch.wait([self], POLL_INTERVAL_S):
-                if isinstance(event, Ended) or event.task is task:
+            for _, event in wait([self], POLL_INTERVAL_S):
+                if event.task is task or isinstance(event, Ended):
                     return event
 
     def register(self, poll: select.poll) -> None:
@@ -150,96 +147,73 @@ class WorkerProcess:
         if not sent:  # the rest of a long message is sent once the worker has read more
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
-    def events(self, ready: set[int], polled_s: float) -> Iterator[Answer | Ended]:
-        """What the worker has sent, and its end, by a poll that began at `polled_s`."""
+    def events(self, ready: set[int]) -> Iterator[Answer | Ended]:
+        """The answers that have arrived, and the end of a worker that has ended or breaks a limit.
+
+        A worker that is over a limit is killed; what it may answer meanwhile comes too late.
+        """
         if self._process.output in ready:
             self._read_output()
-        try:
-            if self._process.channel.line.fileno() in ready:
+        ended = self._process.exit_pipe in ready
+        reply = None
+        if ended or self._process.channel.line.fileno() in ready:
+            try:
                 yield from self._answers()
-            else:
-                self._silent_s = polled_s
-        except MessageError as error:
-            yield from self.end(no_answer(Outcome.CRASHED, f"stopped: its worker sent {error}"))
-        if not self.closed and self._process.exit_pipe in ready:
-            yield from self.end()
+            except Exception as error:  # a worker may send anything
+                message = f"stopped: its worker sent what cannot be read: {error}"
+                reply = no_answer(Outcome.CRASHED, message)
+        if self.closed:
+            return
+        if ended:
+            reply = self._crash_reply()
+        elif reply is None and monotonic() - self._checked_s >= POLL_INTERVAL_S:
+            reply = self._broken_limit()
+        if reply is not None:
+            task = self.pending[0] if self.pending and self._begun else None
+            self.close()
+            yield Ended(reply, task)
 
     def _answers(self) -> Iterator[Answer]:
-        """The answers that have arrived."""
         try:
             for message in self._process.channel.received():
-                if message[0] == "begun":
-                    self._begun, self._since_s = True, self._moment(message[1])
+                self._since_s = monotonic()
+                if message == "begun":
+                    self._begun = True
                     continue
-                yield self._answer(message)
+                value, changed = message
+                task = self.pending[0]
+                answer = Answer(task, task.decode(value), bool(changed))
+                self.pending.popleft()
+                self.expected_s -= task.expected_s
+                self._begun = bool(self.pending)
+                yield answer
                 if self.closed:
                     return
         except (EOFError, OSError):  # the worker closed its end: it has ended, or its limit will
             self._open.discard(self._process.channel.line.fileno())
 
-    def _answer(self, message: list[Any]) -> Answer:
-        try:
-            number, sent_s, value, changed = message
-            task = self.pending[0]
-            if number != task.number:
-                raise ValueError(f"task {number} was not to be answered")
-            ended_s, decoded = self._moment(sent_s), task.decode(value)
-        except Exception as error:  # a worker may send anything
-            raise MessageError(f"an answer that cannot be read: {error}") from None
-        began_s, self._since_s = self._since_s, ended_s
-        waited_s = monotonic() - self._earliest_s
-        self._earliest_s = min(max(self._earliest_s, sent_s), ended_s)
-        self.pending.popleft()
-        self.expected_s -= task.expected_s
-        self._begun = bool(self.pending)
-        return Answer(task, decoded, ended_s - began_s, waited_s, bool(changed))
-
-    def _moment(self, stamp_s: float) -> float:
-        """A time stamp of the worker's clock, within what its owner has seen itself."""
-        return min(max(self._since_s, self._silent_s, stamp_s), monotonic())
-
-    def restart_clock(self) -> None:
-        """Give the current task its whole time again."""
-        self._since_s = self._silent_s = monotonic()
-
-    def check_limits(self, *, with_children: bool) -> Iterator[Answer | Ended]:
-        """End the worker if it breaks the limit of time or of memory."""
-        seconds = monotonic() - self._since_s
+    def _broken_limit(self) -> Reply | None:
+        """The reply to the current task if the worker breaks the limit of time or of memory."""
+        now_s = monotonic()
+        suspended_s = max(0.0, now_s - self._checked_s - _MAX_PAUSE_S)
+        self._since_s = min(self._since_s + suspended_s, now_s)
+        self._checked_s, self._checks = now_s, self._checks + 1
+        seconds = now_s - self._since_s
         if self.pending:
-            limit_s, margin_s, activity = self.pending[0].allowance
-            if not self._begun:
-                limit_s, margin_s, activity = _STALL_S, 0.0, "waiting for it to begin"
+            allowance = self.pending[0].allowance if self._begun else _WAKING
+            limit_s, margin_s, activity = allowance
             if seconds > limit_s + margin_s:
                 message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
                 if activity:
                     message = f"stopped after {seconds:.0f} s of {activity}"
-                yield from self.end(no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds)))
-                return
+                return no_answer(Outcome.TIMEOUT, message, Times(wall_s=seconds))
         limit = self._memory_bytes
+        with_children = self._checks % _CHECKS_PER_CHILDREN_CHECK == 0
         used = _used_bytes(self._process.pid, limit, with_children=with_children)
-        if used > limit:
-            message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
-            yield from self.end(no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall_s=seconds)))
-
-    def end(self, reply: Reply | None = None) -> Iterator[Answer | Ended]:
-        """Kill the worker; yield the answers that it still gave, and its end.
-
-        `reply` is that to its current task; None if the worker has ended by itself.
-        """
-        condemned = self._current()
-        self._process.kill()
-        crash_reply = self._crash_reply()
-        with suppress(MessageError):
-            yield from self._answers()
-        task = self._current()
-        if reply is not None and task is not condemned:
-            task = None  # it answered in the last moment: the next task has broken no limit
-        self.close()
-        yield Ended(reply or crash_reply, task)
-
-    def _current(self) -> Task | None:
-        """The task that the worker is at, or was at when it ended."""
-        return self.pending[0] if self.pending and self._begun else None
+        if used <= limit:
+            return None
+        message = f"stopped holding {used / _GIB:.2f} GiB; the limit is {limit / _GIB:g} GiB"
+        return no_answer(Outcome.OUT_OF_MEMORY, message, Times(wall_s=seconds))
 
     def _crash_reply(self) -> Reply:
         """The reply to the task of a worker that has ended: its exit status and last output."""
@@ -282,71 +256,36 @@ class WorkerProcess:
 _AnyWorker = TypeVar("_AnyWorker", bound=WorkerProcess)
 
 
-class Watch:
-    """Waits for the answers and ends of workers, and checks their limits every 20 ms."""
-
-    def __init__(self) -> None:
-        self._checks = 0
-        self.begin()
-
-    def begin(self) -> None:
-        """Restart the measurement of pauses: time before this call does not count as suspended."""
-        self._last_check_s, self._cpu_s = monotonic(), process_time()
-
-    def wait(
-        self, workers: Sequence[_AnyWorker], timeout_s: float
-    ) -> Iterator[tuple[_AnyWorker, Answer | Ended]]:
-        """Wait until something arrives or `timeout_s` is over; yield all that has happened."""
-        poll = select.poll()
-        for worker in workers:
-            worker.register(poll)
-        polled_s = monotonic()
-        ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
-        now_s = monotonic()
-        due = now_s - self._last_check_s >= POLL_INTERVAL_S
-        if due:
-            self._checks += 1
-            cpu_s, pause_s = process_time() - self._cpu_s, now_s - self._last_check_s
-            self.begin()
-            # A long pause with little CPU time: the whole run was suspended, no worker could solve.
-            # With much CPU time, this process judged or wrote rows while the workers were solving.
-            if pause_s > _SUSPENDED_S and cpu_s < pause_s / 2:
-                for worker in workers:
-                    worker.restart_clock()
-        with_children = self._checks % _CHECKS_PER_CHILDREN_CHECK == 0
-        for worker in workers:
-            for event in worker.events(ready, polled_s):
-                yield worker, event
-            if due and not worker.closed:
-                for event in worker.check_limits(with_children=with_children):
-                    yield worker, event
-
-
-def _nothing(value: Any) -> None:
-    """Decode an answer that says nothing."""
+def wait(
+    workers: Sequence[_AnyWorker], timeout_s: float
+) -> Iterator[tuple[_AnyWorker, Answer | Ended]]:
+    """Wait until something arrives or `timeout_s` is over; yield all that has happened."""
+    poll = select.poll()
+    for worker in workers:
+        worker.register(poll)
+    ready = {descriptor for descriptor, _ in poll.poll(1000 * timeout_s)}
+    for worker in workers:
+        for event in worker.events(ready):
+            yield worker, event
 
 
 def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
     """Bytes of memory that a process uses, optionally with its descendants; 0 if it has ended.
 
-    If the sum is above the limit, memory that several processes share is counted only once (Linux).
-    This count is slower.
+    If the sum is above the limit, memory that several processes share is counted only once (Linux),
+    which is slower.
     """
     try:
         process = psutil.Process(pid)
         family = [process, *process.children(recursive=True)] if with_children else [process]
     except psutil.Error:
         return 0
-    used = _sum_bytes(family, "memory_info", "rss")
-    if with_children and used > limit:
-        used = _sum_bytes(family, "memory_full_info", "pss")
-    return used
-
-
-def _sum_bytes(family: list[psutil.Process], method: str, column: str) -> int:
-    total = 0
-    for process in family:
+    used = shared = 0
+    for member in family:
         with suppress(psutil.Error):
-            memory = getattr(process, method)()
-            total += getattr(memory, column, memory.rss)
-    return total
+            used += member.memory_info().rss
+    for member in family if used > limit and with_children else ():
+        with suppress(psutil.Error):
+            memory = member.memory_full_info()
+            shared += getattr(memory, "pss", memory.rss)
+    return shared or used
