@@ -15,11 +15,6 @@ def _abort(last_words=b""):
     os.abort()
 
 
-def _terminate():
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    os.kill(os.getpid(), signal.SIGTERM)
-
-
 def _complain():
     print("no licence for more than 3 variables", flush=True)
     os._exit(3)
@@ -36,11 +31,7 @@ def _overflow():
 DEATHS = {
     "Segfault": lambda: ctypes.string_at(0),
     "Abort": lambda: _abort(b"hostile.c:17: Assertion `x > 0' failed.\n"),
-    "FloatingPoint": lambda: os.kill(os.getpid(), signal.SIGFPE),
-    "Illegal": lambda: os.kill(os.getpid(), signal.SIGILL),
-    "Bus": lambda: os.kill(os.getpid(), signal.SIGBUS),
     "Killed": lambda: os.kill(os.getpid(), signal.SIGKILL),
-    "Terminated": _terminate,
     "ExitZero": lambda: os._exit(0),
     "ExitThree": _complain,
     "ExitInC": lambda: ctypes.CDLL(None).exit(5),
@@ -64,13 +55,6 @@ class SomeTimes(Analytic):
         if model.scenario.label != "warm-up" and round(model.scenario.target_x * 1000) % 3 == 0:
             os.abort()
         return super().solve(model, limit)
-
-
-class CrashInBuild(Analytic):
-    """Dies before it is asked to solve."""
-
-    def build(self, question):
-        os.abort()
 
 
 class CrashInUnavailable(Analytic):

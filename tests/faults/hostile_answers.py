@@ -40,11 +40,6 @@ class Liar(Path):
     word = lambda *_: "S"  # noqa: E731
 
 
-class RaisesInBuild(Analytic):
-    def build(self, question):
-        raise RuntimeError("cannot be translated")
-
-
 class RaisesInUnavailable(Analytic):
     def unavailable(self):
         raise RuntimeError("cannot say")
@@ -58,40 +53,18 @@ RAISED = {
     "RaisesSpeechless": Speechless,
     "RaisesAtLength": lambda: OSError("licence " * 2**17),
     "RaisesMarkup": lambda: OSError("\ud800 \x00 \x1b[31m <script>alert(1)</script> \r\n|`$(id)`"),
-    "RaisesGroup": lambda: ExceptionGroup("several", [OSError("a"), ValueError("b")]),
 }
 # class -> what its `solve` returns, given the scenario; no solution, or one that misleads
 RETURNED = {
-    "AnswersNone": lambda s: None,
-    "AnswersText": lambda s: "optimal",
-    "AnswersDict": lambda s: {"claim": "optimal"},
-    "AnswersNumber": lambda s: 3,
     "AnswersGenerator": lambda s: (each for each in [s]),
     "NotANumber": lambda s: Solution(
         *(Claim.OPTIMAL, Path(s.start, [np.nan, 0.0], [1.0, np.nan])),
         *(float("nan"), float("inf"), (np.nan, np.inf)),
     ),
-    "Infinite": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [0.0], [np.inf]), -np.inf),
     "Elsewhere": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [0.0], [1.0]), 1.0),
-    "OtherStart": lambda s: Solution(Claim.OPTIMAL, *_straight(s)),
-    "Empty": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [], [])),
-    "NoPath": lambda s: Solution(Claim.OPTIMAL, None, 3.0),
-    "SaysImpossible": lambda s: Solution(Claim.INFEASIBLE),
-    "Modest": lambda s: Solution(Claim.NONE),  # no path and no claim: nothing to hold against it
-    "NoClaim": lambda s: Solution("superb", shortest_path(s)),
     "LyingPath": lambda s: Solution(Claim.OPTIMAL, Liar(s.start, [0.0], [1.0]), 1.0),
     "Wordy": lambda s: Solution(Claim.OPTIMAL, shortest_path(s), message="word " * 2**18),
 }
-# class -> an attribute of a right solution, and what it is set to, past every check
-FORCED = {"ForcedClaim": ("claim", "superb"), "ForcedCount": ("iterations", "many")}
-
-
-def _straight(scenario):
-    """The straight way to the target, from a start of its own, and its length."""
-    x, y = scenario.target_x - scenario.x, scenario.target_y - scenario.y
-    length = float(np.hypot(x, y))
-    start = Pose(scenario.x, scenario.y, np.arctan2(y, x))
-    return Path(start, [0.0], [length]), length
 
 
 def _raising(name, error):
@@ -105,18 +78,8 @@ def _returning(name, answer):
     return type(name, (Analytic,), {"solve": lambda self, model, limit: answer(model.scenario)})
 
 
-def _forcing(name, attribute, value):
-    def solve(self, model, limit):
-        solution = Analytic.solve(self, model, limit)
-        object.__setattr__(solution, attribute, value)
-        return solution
-
-    return type(name, (Analytic,), {"solve": solve})
-
-
 globals().update({name: _raising(name, error) for name, error in RAISED.items()})
 globals().update({name: _returning(name, answer) for name, answer in RETURNED.items()})
-globals().update({name: _forcing(name, *forced) for name, forced in FORCED.items()})
 
 
 class ForcedPath(Analytic):

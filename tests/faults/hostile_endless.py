@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -43,14 +42,6 @@ class LoopInC(Endless):
         signal.signal(signal.SIGTERM, lambda *_: None)
         signal.signal(signal.SIGINT, lambda *_: None)
         loop_in_c()
-
-
-class Loop(Endless):
-    """An endless loop in Python."""
-
-    def hang(self):
-        while True:
-            pass
 
 
 class Stubborn(Endless):
@@ -170,16 +161,6 @@ class LoopInUnavailable(Analytic):
 
     def unavailable(self):
         loop_in_c()
-
-
-class DeadThreads(Endless):
-    """Two threads that wait for one another, and one that burns."""
-
-    def hang(self):
-        lock = threading.Lock()
-        lock.acquire()
-        threading.Thread(target=lock.acquire).start()
-        lock.acquire()
 
 
 def loop_in_two_children(file: str, ignore_signals: bool = False) -> None:

@@ -46,7 +46,7 @@ def test_whatever_a_plugin_does_is_a_finding(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["LoopInC", "Stubborn", "Stopped", "OwnSession", "DeadThreads"])
+@pytest.mark.parametrize("name", ["LoopInC", "OwnSession"])
 def test_a_plugin_that_never_returns_is_ended(name):
     """Three questions are asked, and none of its processes is left."""
     before = {child.pid for child in psutil.Process().children(recursive=True)}
