@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
+import math
 import pickle
 from collections import deque
 from collections.abc import Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from itertools import count
 from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
@@ -25,13 +25,10 @@ _LOG = logging.getLogger(__name__)
 # Dask's loggers. They are silenced, because they repeat what the exceptions say.
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-# Cells per unit. A worker returns a unit after a second, solved or not. If a cell takes a few
-# milliseconds, this many cells fill the second. With fewer cells there would be more messages; with
-# more, unsolved cells would travel back and forth if solves are slow.
-_MAX_CELLS = 256
-# Near the end of a run, a unit holds one part in this many of the cells left per thread, so that
-# all threads finish at about the same time.
-_PARTS_PER_THREAD = 4
+# Cells per unit: quick ones fill the second after which a worker returns a unit, slow ones do not
+# travel back and forth in vain. Near the end of a run a unit holds one part in so many of the cells
+# left per thread, so that all threads finish at about the same time.
+_MAX_CELLS, _PARTS_PER_THREAD = 256, 4
 # Units sent per thread: the one that is being solved, and the next.
 _UNITS_PER_THREAD = 2
 # Retries of a unit that raised an exception. Dask itself counts workers that die
@@ -73,12 +70,11 @@ def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
         def solve(
             unit: WorkUnit, stop: Interruption, probed: Probe | None
         ) -> Generator[list[Row], None, None]:
-            cluster_client = client
-            if cluster_client is None:
+            if (here := client) is None:
                 cluster = stack.enter_context(local_cluster(jobs))
-                cluster_client = stack.enter_context(connected(cluster.address))
+                here = stack.enter_context(connected(cluster.address))
                 _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
-            with closing(_Submission(cluster_client, unit, probed)) as submission:
+            with closing(_Submission(here, unit, probed)) as submission:
                 yield from submission.solve(stop)
 
         run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
@@ -94,8 +90,7 @@ class _Submission:
         self._before = dict(unit.before)
         self._units: dict[str, tuple[Any, WorkUnit]] = {}  # Dask's key -> (future, unit)
         self._ended: SimpleQueue[Any] = SimpleQueue()
-        self._numbers = count()
-        self._threads, self._counted_s, self._warned = 0, float("-inf"), False
+        self._sent, self._threads, self._counted_s, self._warned = 0, 0, -math.inf, False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
         self._machines: dict[str, int] = {}
 
@@ -120,12 +115,19 @@ class _Submission:
             if reply is None:
                 continue
             _, unit = self._units.pop(future.key)
-            rows = self._rows(reply)
+            if self._probed is not None and reply.probes_s:
+                number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
+                for seconds in reply.probes_s:
+                    self._probed(seconds, number)
+            rows: list[Row] = reply.rows.to_pylist()
             yield rows
             if reply.refusal:
                 raise RunError(f"{reply.refusal}; {_KEPT}")
             if not (stopping or stop.requested):
-                self._take_back(unit, rows)
+                # what the worker has not solved comes first again
+                rest = unit.remaining({row_key(row): row_path(row) for row in rows})
+                self._waiting.extendleft(reversed(rest.chains))
+                self._before |= rest.before
 
     def _count_threads(self) -> None:
         if monotonic() - self._counted_s < _COUNT_INTERVAL_S:
@@ -152,7 +154,8 @@ class _Submission:
             firsts = [chain[0].key for chain in chains]
             before = {key: self._before.pop(key) for key in firsts if key in self._before}
             unit = WorkUnit(self._settings, chains, before)
-            key = f"dubins-study-{self._settings.run_id}-{next(self._numbers)}"
+            self._sent += 1
+            key = f"dubins-study-{self._settings.run_id}-{self._sent}"
             future = self._client.submit(
                 function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
             )
@@ -184,21 +187,6 @@ class _Submission:
         # The worker that held the rows has died: another worker solves the unit.
         future.add_done_callback(self._ended.put)
         return None
-
-    def _rows(self, reply: UnitReply) -> list[Row]:
-        """Pass on a reply's probes and return its rows."""
-        if self._probed is not None and reply.probes_s:
-            number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
-            for seconds in reply.probes_s:
-                self._probed(seconds, number)
-        rows: list[Row] = reply.rows.to_pylist()
-        return rows
-
-    def _take_back(self, unit: WorkUnit, rows: list[Row]) -> None:
-        """Put the cells that a worker has not solved at the front of the queue."""
-        rest = unit.remaining({row_key(row): row_path(row) for row in rows})
-        self._waiting.extendleft(reversed(rest.chains))
-        self._before |= rest.before
 
     def _call_workers(self, name: str) -> None:
         """Call a function of `dask_worker` with the run's id in every worker that answers."""

@@ -30,11 +30,10 @@ _PACKAGE = FilePath(__file__).parents[2]
 
 
 def in_worker(name: str) -> Callable[[Any], Any]:
-    """A function of this module, in a form that a worker without this package can receive.
+    """A function of this module, sent as code: a worker without this package raises ImportError.
 
-    Dask sends a module's function by its name. A worker that cannot import the module ends the
-    connection, and the run would wait forever. A nested function is sent as code, and raises an
-    ImportError in such a worker.
+    By its name, as Dask sends a module's function, it would end the connection of such a worker,
+    and the run would wait forever.
     """
 
     def call(argument: Any) -> Any:

@@ -9,7 +9,7 @@ from dubins_study.experiments.executors.executor import ChainState, Executor, Pr
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
-from dubins_study.experiments.isolation.sandbox import THREADS
+from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
@@ -82,20 +82,17 @@ def _job(state: ChainState) -> Job:
 
 def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
     """Refuse a reply whose code has another digest than its cell."""
+    digest = answer.code_digest
+    if not (answer.started and cell.code_digest) or digest == cell.code_digest:
+        return
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
-    known = answer.code_digest or executor != "local"
-    if not answer.started or answer.code_digest == cell.code_digest:
+    if not digest and executor == "local":
         return
-    if not (cell.code_digest and known):
-        return
-    digest = (
-        f"is {answer.code_digest} now"
-        if answer.code_digest
-        else f"does not load: {answer.reply.solution.message}"
-    )
+    message = answer.reply.solution.message
     raise RunError(
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
-        f"{digest}; its files, its settings or its libraries' versions differ"
+        f"{f'is {digest} now' if digest else f'does not load: {message}'}; its files, its settings "
+        "or its libraries' versions differ"
     )
 
 
@@ -103,8 +100,16 @@ def row_of(
     cell: Cell, initial_guess: Path | None, settings: RunSettings, answer: WorkerReply
 ) -> tuple[Row, Path | None]:
     """The row for a worker's reply to a cell, and the path if it reaches the target."""
-    known = dict(zip(_KEY, cell.key, strict=True))
-    known |= run_columns(settings, answer.started or now(), answer.versions)
+    known: Row = dict(zip(_KEY, cell.key, strict=True))
+    known |= {
+        "versions": answer.versions,
+        "machine": host(),
+        "threads": THREADS,
+        "jobs": settings.jobs,
+        "executor": settings.executor,
+        "run_id": settings.run_id,
+        "started": answer.started or now(),
+    }
     question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
     try:
         allowed = tolerances(cell.profile)
@@ -115,19 +120,6 @@ def row_of(
         return raised_row(known, exception_text(error)), None
     row.update(known)
     return row, answer.reply.solution.path if row["gap"] is not None else None
-
-
-def run_columns(settings: RunSettings, started: str, versions: str) -> Row:
-    """The columns that say in which run, when and where a row was solved."""
-    return {
-        "versions": versions,
-        "machine": host(),
-        "threads": THREADS,
-        "jobs": settings.jobs,
-        "executor": settings.executor,
-        "run_id": settings.run_id,
-        "started": started,
-    }
 
 
 def ask_isolated(
