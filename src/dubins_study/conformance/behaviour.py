@@ -6,7 +6,6 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,9 +16,8 @@ from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
-from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question
-from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import BRANCHES, FORMULATIONS, Outcome
+from dubins_study.solvers.protocol import Guarantee, Question
+from dubins_study.study.words import BRANCHES, Outcome
 
 Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
@@ -41,54 +39,11 @@ def loading(interview: Interview) -> Checked:
     """What a solver that was loaded says of itself."""
     declared = interview.declared
     formulation, engine = declared["method"][:2]
-    found = [*_wrong_declaration(declared), *_settings(declared)]
-    return found, f"{declared['name']}: {formulation}, {engine}"
-
-
-def _wrong_declaration(declared: dict[str, Any]) -> list[Finding]:
-    found = []
-    unknown = [name for name in declared["branches"] if name not in BRANCHES]
-    if unknown or not declared["branches"]:
-        observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
-        found.append(Finding(Status.FAIL, observed, f"expected some of: {', '.join(BRANCHES)}"))
-    if declared["guarantee"] not in set(Guarantee):
-        observed = f"guarantee is {declared['guarantee']!r}"
-        advice = f"expected a Guarantee: {', '.join(Guarantee)}"
-        found.append(Finding(Status.FAIL, observed, advice))
-    if declared["unavailable"] is not None:
-        observed, status, advice = f"it cannot run here: {declared['unavailable']}", Status.NOTE, ""
-        if declared["reason_raised"]:
-            status = Status.FAIL
-            advice = "unavailable() does not raise: it returns the reason as a text, or None"
-        found.append(Finding(status, observed, advice))
-    formulation, engine = declared["method"][:2]
-    if (formulation, engine) == NOT_STATED[:2]:
-        advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
-        found.append(Finding(Status.NOTE, "it does not state its method", advice))
-    elif formulation not in FORMULATIONS:
-        hint = did_you_mean(formulation, FORMULATIONS)
-        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
-        observed = f"its formulation, {formulation!r}, is not one of this package's"
-        found.append(Finding(Status.NOTE, observed, advice))
-    if not declared["summary"]:
-        found.append(Finding(Status.NOTE, "it has no summary", "add a line: summary = ..."))
-    return found
-
-
-def _settings(declared: dict[str, Any]) -> list[Finding]:
     found = [
-        Finding(Status.NOTE, f"a spec cannot set {problem}", advice)
-        for problem, advice in declared["setting_problems"]
+        Finding(Status(status), observed, advice)
+        for status, observed, advice in declared["problems"]
     ]
-    if declared["no_settings"] is not None:
-        names = ", ".join(declared["no_settings"])
-        observed = f"it is no dataclass: {names} cannot be set" if names else "it is no dataclass"
-        advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
-        found.append(Finding(Status.NOTE, observed, advice))
-    if not declared["frozen"]:
-        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
-        found.append(Finding(Status.NOTE, "its settings can be changed", advice))
-    return found
+    return found, f"{declared['name']}: {formulation}, {engine}"
 
 
 def _question(interview: Interview, name: str) -> Question:

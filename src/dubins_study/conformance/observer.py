@@ -8,9 +8,11 @@ import random
 import sys
 import tempfile
 import traceback
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, is_dataclass
 from inspect import get_annotations
+from itertools import dropwhile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -23,17 +25,17 @@ from dubins_study.experiments.isolation.messages import (
     decode_question,
     encode_reply,
 )
-from dubins_study.experiments.isolation.process_state import ProcessState, seed
-from dubins_study.experiments.isolation.sandbox import bound_memory, pin_threads
+from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.profiles import PROFILES
-from dubins_study.solvers.protocol import Question, Solution, Solver
+from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
 from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import Claim, Outcome
+from dubins_study.study.values import did_you_mean
+from dubins_study.study.words import BRANCHES, FORMULATIONS, Claim, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -44,7 +46,9 @@ _NO_IMPORTS = {
     *("working directory", "umask", "numpy's error handling", "decimal context", "timers"),
     *("standard streams", "recursion limit", "garbage collector", "trace functions"),
 }
-_PACKAGE = str(FilePath(__file__).parents[1])
+# Files of this package whose functions call a solver's code.
+_PACKAGE = FilePath(__file__).parents[1]
+_ASKING = {__file__, *(str(_PACKAGE / "solvers" / name) for name in ("reply.py", "registry.py"))}
 _MAX_TRACEBACK_CHARS = 4000
 
 
@@ -94,7 +98,7 @@ class Observer:
             changes.append("child processes")
         self._state.accept()
         self._children = _children()
-        text = own_frames(raised[-1], type(self.solver)) if raised else ""
+        text = own_frames(raised[-1]) if raised else ""
         return Observation(reply, text, tuple(changes), loaded)
 
     def ask_frame(self, questions: list[Question]) -> list[Observation]:
@@ -133,106 +137,109 @@ def _children() -> int:
     return 0
 
 
-def own_frames(error: BaseException, kind: type[Any] | None = None) -> str:
-    """The traceback of a solver's exception without the frames of this package around it.
-
-    Frames of the libraries that the solver calls are left out but for the innermost one.
-    """
-    source = getattr(sys.modules.get(kind.__module__ if kind else ""), "__file__", None) or ""
-    ours = source.startswith(_PACKAGE)
-    folder = str(FilePath(source).resolve().parent) if source else ""
-    outside = [
-        frame
-        for frame in traceback.extract_tb(error.__traceback__)
-        if not frame.filename.startswith("<frozen")
-        and ((ours and "reply.py" not in frame.filename) or not frame.filename.startswith(_PACKAGE))
-    ]
-    near = [
-        frame
-        for frame in outside
-        if folder
-        and frame.filename.startswith(folder)
-        # an environment may lie inside the solver's folder
-        and "site-packages" not in frame.filename.removeprefix(folder)
-    ]
-    kept = near or outside
-    entries = "".join(traceback.format_list(kept)).splitlines(keepends=True)
-    lines = [line for line in entries if line.strip(" ^~\n")]  # no marks below parts of the source
-    if kept and outside[-1] is not kept[-1]:
-        last = outside[-1]
-        lines.append(f'  raised in "{last.filename}", line {last.lineno}, in {last.name}\n')
-    return ("".join(lines) + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
+def own_frames(error: BaseException) -> str:
+    """The traceback of a solver's exception, without the frames of this package that asked it."""
+    frames = dropwhile(
+        lambda frame: frame.filename.startswith("<frozen") or frame.filename in _ASKING,
+        traceback.extract_tb(error.__traceback__),
+    )
+    lines = "".join(traceback.format_list([*frames])).splitlines(keepends=True)
+    text = "".join(line for line in lines if line.strip(" ^~\n"))  # no marks below a line's parts
+    return (text + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
 
 
 def declaration(solver: Solver, spec: str) -> dict[str, Any]:
-    """What a solver says of itself, as plain values; a plug-in's own code answers."""
+    """What a solver says of itself, as plain values, and what is wrong with that."""
     kind = type(solver)
-    raised = False
-    try:
-        solver.unavailable()
-    except Exception:
-        raised = True
     return {
         "name": str(kind.name),
         "guarantee": str(kind.guarantee),
         "branches": list(kind.branches),
         "warm": bool(kind.warm),
-        "packages": list(kind.packages),
-        "summary": str(kind.summary),
         "method": list(stated_method(solver)),
         "keeps_limit": bool(solver.keeps_limit),
         "whole_frames": kind.solve_frame is not None,
-        "no_settings": _no_settings(kind),
-        "frozen": not is_dataclass(kind) or kind.__dataclass_params__.frozen,
-        "setting_problems": _setting_problems(solver, spec),
         "unavailable": unavailable(solver),
-        "reason_raised": raised,
+        "problems": [*_wrong_declaration(solver), *_wrong_settings(solver, spec)],
     }
 
 
-def _no_settings(kind: type[Solver]) -> list[str] | None:
-    """What looks like settings and is none for want of a dataclass; None if nothing is missing."""
-    own = kind.__mro__[: kind.__mro__.index(Solver)]
-    declared = {name: str(type_) for one in own for name, type_ in get_annotations(one).items()}
-    fields = getattr(kind, "__dataclass_fields__", {})
-    names = [
-        name
-        for name, type_ in declared.items()
-        if name not in fields and not hasattr(Solver, name) and "ClassVar" not in type_
-    ]
-    return names if names or not is_dataclass(kind) else None
+# How bad a problem is (`report.Status`), what was seen, and what to do.
+_Problem = tuple[str, str, str]
+
+
+def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
+    kind = type(solver)
+    unknown = [name for name in kind.branches if name not in BRANCHES]
+    if unknown or not kind.branches:
+        observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
+        yield "fail", observed, f"expected some of: {', '.join(BRANCHES)}"
+    if kind.guarantee not in set(Guarantee):
+        yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
+    if (reason := unavailable(solver)) is not None:
+        status, advice = "note", ""
+        try:
+            solver.unavailable()
+        except Exception:
+            status = "fail"
+            advice = "unavailable() does not raise: it returns the reason as a text, or None"
+        yield status, f"it cannot run here: {reason}", advice
+    formulation, engine = stated_method(solver)[:2]
+    if (formulation, engine) == NOT_STATED[:2]:
+        advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
+        yield "note", "it does not state its method", advice
+    elif formulation not in FORMULATIONS:
+        hint = did_you_mean(formulation, FORMULATIONS)
+        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
+        observed = f"its formulation, {formulation!r}, is not one of this package's"
+        yield "note", observed, advice
+    if not kind.summary:
+        yield "note", "it has no summary", "add a line: summary = ..."
 
 
 _DEFAULT = "give each setting a default of type int, float, bool or str"
 _TEXT = "a spec has no room for a comma, a bracket or spaces at the ends; use a word as the default"
 
 
-def _setting_problems(solver: Solver, spec: str) -> list[tuple[str, str]]:
-    """Settings that a spec cannot set to the value that they have, each with what to do."""
-    name = spec.partition("[")[0]
-    problems = []
+def _wrong_settings(solver: Solver, spec: str) -> Iterator[_Problem]:
+    """Settings that a spec cannot set to the value that they have, and what is no setting."""
+    name, kind = spec.partition("[")[0], type(solver)
     for profile in PROFILES:
         try:
             load(spec, profile)
         except SolverError as error:
             advice = "a profile is a dict of settings that the class accepts"
-            problems.append((f"the profile {profile}: {error}", advice))
+            yield "note", f"a spec cannot set the profile {profile}: {error}", advice
     for key, value in settings(solver).items():
         if value == "":  # nothing that a spec could write
             continue
-        kind = type(value).__name__
-        if kind not in ("int", "float", "bool", "str"):
-            problems.append((f"{key}: its default {value!r:.40} is a {kind}", _DEFAULT))
+        if not isinstance(value, int | float | str):
+            problem = f"{key}: its default {value!r:.40} is a {type(value).__name__}"
+            yield "note", f"a spec cannot set {problem}", _DEFAULT
             continue
-        advice = _TEXT if isinstance(value, str) else "the class must accept its own default"
         try:
             again = settings(load(f"{name}[{key}={value}]"))[key]
+            problem = f"{key}={value!r}: it comes back as {again!r}"
+            right = again == value and type(again) is type(value)
         except Exception as error:
-            problems.append((f"{key}={value}: {exception_text(error)}", advice))
-        else:
-            if again != value or type(again) is not type(value):
-                problems.append((f"{key}={value!r}: it comes back as {again!r}", advice))
-    return problems
+            problem, right = f"{key}={value}: {exception_text(error)}", False
+        if not right:
+            advice = _TEXT if isinstance(value, str) else "the class must accept its own default"
+            yield "note", f"a spec cannot set {problem}", advice
+    fields = getattr(kind, "__dataclass_fields__", {})
+    names = [
+        name
+        for one in kind.__mro__[: kind.__mro__.index(Solver)]
+        for name, annotation in get_annotations(one).items()
+        if not (name in fields or hasattr(Solver, name) or "ClassVar" in str(annotation))
+    ]
+    if names or not is_dataclass(kind):
+        unset = f": {', '.join(names)} cannot be set" if names else ""
+        advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
+        yield "note", f"it is no dataclass{unset}", advice
+    elif not kind.__dataclass_params__.frozen:
+        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
+        yield "note", "its settings can be changed", advice
 
 
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
@@ -242,8 +249,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     ["broken", message, traceback]. Any other task is ["ask", questions, limit, whether as one
     frame]; its answer has an observation for each question.
     """
-    bound_memory(MEMORY_BYTES)
-    pin_threads()
+    bound_process(MEMORY_BYTES)
     os.chdir(folder)
     os.environ["TMPDIR"] = tempfile.tempdir = f"{folder}/{TEMPORARY}"
     loaded: list[Observer] = []
