@@ -50,8 +50,8 @@ BUDGETS = {
 BUDGETS |= {
     "study": Size(5_110, 34),
     "solvers": Size(9_770, 66),
-    "experiments": Size(6_390, 41),
-    "conformance": Size(1_910, 9),
+    "experiments": Size(6_150, 40),
+    "conformance": Size(1_870, 9),
     "report": Size(14_170, 83),
     "package": Size(40_270, 263),
     "tests": Size(32_300, 200),

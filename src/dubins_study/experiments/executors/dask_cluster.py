@@ -135,9 +135,9 @@ def mismatch(versions: Mapping[str, Any]) -> str | None:
     """
     nodes = {"the Dask scheduler": versions["scheduler"]}
     nodes |= {f"the Dask worker {name}": node for name, node in versions["workers"].items()}
-    for package, digits in (("python", 2), ("distributed", 3)):
+    for package, digits in (("Python", 2), ("distributed", 3)):
         expected, *others = (
-            ".".join(str(node["packages"][package]).split(".")[:digits]) if node else None
+            ".".join(str(node["packages"][package.lower()]).split(".")[:digits]) if node else None
             for node in (versions["client"], *nodes.values())
         )
         for name, version in zip(nodes, others, strict=True):
