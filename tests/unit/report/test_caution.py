@@ -39,7 +39,7 @@ def test_a_path_that_stops_on_the_circle_is_named(results):
 
     assert rows[0]["verdict"] == "optimal"
     times = shortest_path(INSIDE).total_length / 1.0
-    assert caution.value == 1
+    assert caution.estimate.value == 1
     assert "1 right answer at 1 scenario next to" in caution.sentence
     assert float(caution.sentence.split(" times shorter")[0].split()[-1]) == pytest.approx(
         times,

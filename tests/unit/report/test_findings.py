@@ -115,20 +115,7 @@ def changing(n: int, effect: bool) -> list[Row]:
     return first + [row(q, solver, guess="random", repeat=1, right=not wrong[q]) for q in range(n)]
 
 
-def alike(n: int, effect: bool) -> list[Row]:
-    """Two engines whose times differ by chance alone; without the effect, one is twice as slow."""
-    rows = [row(q, "ipopt", wall_s=1e-3 * (1.1 if q % 2 else 1)) for q in range(n)]
-    factor = 1 if effect else 2
-    return rows + [row(q, **SLSQP, wall_s=factor * 1e-3 * (1 if q % 2 else 1.1)) for q in range(n)]
-
-
 CASES = [
-    Case(
-        found.fastest_formulation,
-        of_two(IPOPT, SCIP, partial(slower, 3.0)),
-        ("Ipopt (bearing) on one NLP a word", "SCIP on disjunction", "3.00 (3.00 to 3.00) times"),
-        3.0,
-    ),
     Case(
         found.words_against_joint,
         of_two(IPOPT, BOTH_ORDERS, half_wrong),
@@ -142,11 +129,7 @@ CASES = [
             {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
             lambda _: {"gap": 0.3, "verdict": "longer", "right": False},
         ),
-        (
-            "in the left disc, 100 % (88.6 to 100)",
-            "LRS alone",
-            "it is 30.0 % (30.0 to 30.0) longer",
-        ),
+        ("in the left disc, 100 % (88.6 to 100)", "LRS alone"),
         100.0,
     ),
     Case(
@@ -199,7 +182,6 @@ CASES = [
         ("CMA-ES on penalty", "66.7 % (", "20.0 ("),
         20.0,
     ),
-    Case(found.no_rank, alike, ("Do not conclude a rank", "Ipopt", "SLSQP"), 1.0),
     Case(
         found.price_of_proof,
         of_two(IPOPT, SCIP | PROOF, partial(slower, 50.0)),
@@ -268,16 +250,6 @@ def test_a_run_of_one_solver_or_of_failures_finds_nothing_of_it(find):
             of_two({"solver": "z", "guess": "zero"}, IPOPT, half_wrong),
             "Start from the zero point",
         ),
-        (
-            found.price_of_proof,
-            of_two(SCIP | PROOF, IPOPT, partial(slower, 9.0)),
-            "Take the proof",
-        ),
-        (
-            found.presolve,
-            of_two(IPOPT, {"solver": "ipopt[presolve=True]"}, lambda _: {"evaluations": 40.0}),
-            "Do not drop words",
-        ),
     ],
 )
 def test_a_sentence_turns_round_with_the_rows(find, made, advice):
@@ -286,10 +258,7 @@ def test_a_sentence_turns_round_with_the_rows(find, made, advice):
 
     assert finding is not None
     assert finding.sentence.startswith(advice)
-    if find is found.words_against_joint:
-        assert finding.estimate.low > 0
-    if find is found.presolve:
-        assert finding.estimate.value == 4.0
+    assert finding.estimate.low > 0
 
 
 def test_the_number_follows_the_rows():
@@ -332,7 +301,6 @@ def test_an_engine_that_met_few_questions_answers_them_too():
 
 
 RATIOS = (
-    found.fastest_formulation,
     found.slowest_engine,
     found.derivative_free_search,
     found.price_of_proof,

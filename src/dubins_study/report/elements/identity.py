@@ -48,6 +48,17 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
     return frame.assign(**texts)
 
 
+def method_table(
+    name: str, caption: str, frame: pd.DataFrame, shown: tuple[Column, ...], **shows: Format
+) -> Table:
+    """A table with a line per method; the numbers of `shows` have an interval, shown in `key`_text.
+
+    The CSV file has those numbers and the ends of their intervals.
+    """
+    texts, every = with_interval_texts(frame, **shows), (*method_columns(frame), *shown)
+    return Table(name, caption, texts, every, numbers=interval_keys(*shows), dense=True)
+
+
 def cell_text(text: str) -> str:
     """A number and its interval in two lines that break nowhere else."""
     return text.replace(" (", "\n(", 1).replace(" ", "\u00a0")

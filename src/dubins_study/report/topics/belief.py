@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
@@ -14,8 +16,8 @@ from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
-    interval_keys,
     method_columns,
+    method_table,
     with_interval,
     with_interval_texts,
 )
@@ -57,55 +59,33 @@ _SHORT = {
 PROOFS = tuple(_SHORT)
 
 
-def truth(rows: pd.DataFrame) -> pd.Series[str]:
-    """The worth of each attempt's claim, one of `TRUTHS`.
-
-    Columns claim, verdict, false_claim, false_bound, tolerance, and those of `excess`. A local
-    optimum of another word is no false claim of a local solver.
-    """
-    claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
-    silent = claim.isin(_SILENT)
-    arrives = verdict.isin(["optimal", "longer"])
-    less = (silent & arrives) | ((claim == "feasible") & (verdict == "optimal"))
-    tolerated = excess(rows) <= _TOLERANCES * rows["tolerance"]
-    false = is_true(rows["false_claim"]) | (is_true(rows["false_bound"]) & ~tolerated)
-    kinds = [false, is_true(rows["false_bound"]), less, silent]
-    values = np.select(kinds, [FALSE, TOLERATED, LESS, NOTHING], TRUE)
-    return pd.Series(values, rows.index)
-
-
-def excess(rows: pd.DataFrame) -> pd.Series[float]:
-    """By how much each false bound exceeds the shortest length, relative to it; NaN of others.
-
-    A length below the radius counts as the radius.
-    """
-    scale = np.maximum(rows["reference_high"], rows["radius"])
-    above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
-    return above.where(is_true(rows["false_bound"]))
-
-
 @once
 def claims(compared: Compared) -> pd.DataFrame:
-    """The attempts whose claim is an engine's: none of the presolve; with `truth` and `proof`.
+    """The attempts whose claim is an engine's, none of the presolve, and what each claim is worth.
 
+    `truth` is one of `TRUTHS`; a local optimum of another word is no false claim of a local solver.
     `proof` is the kind of a false claim, one of `PROOFS`; missing if the claim is true. `excess` is
-    by how much its bound is too high, relative to the shortest length.
+    by how much its bound is too high, relative to the shortest length, or to a larger radius.
     """
     rows = compared.rows[~compared.rows["presolved"]]
-    worth = truth(rows)
     claim, verdict = rows["claim"].fillna("none"), rows["verdict"].fillna("none")
-    kind = np.select(
-        [
-            is_true(rows["false_bound"]) & (worth == FALSE),
-            worth == TOLERATED,
-            (claim == "optimal") & (verdict == "longer"),
-            claim == "infeasible",
-        ],
-        PROOFS[:4],
-        PROOFS[4],
-    )
-    proof = pd.Series(kind, rows.index, dtype=object).where(worth.isin([FALSE, TOLERATED]))
-    return rows.assign(truth=worth, proof=proof, excess=excess(rows))
+    high = is_true(rows["false_bound"])
+    scale = np.maximum(rows["reference_high"], rows["radius"])
+    above: pd.Series[float] = (rows["lower_bound"] - rows["reference_high"]) / scale
+    excess = above.where(high)
+    false = is_true(rows["false_claim"]) | (high & ~(excess <= _TOLERANCES * rows["tolerance"]))
+    silent = claim.isin(_SILENT)
+    less = silent & verdict.isin(["optimal", "longer"])
+    less |= (claim == "feasible") & (verdict == "optimal")
+    truth = np.select([false, high, less, silent], [FALSE, TOLERATED, LESS, NOTHING], TRUE)
+    kinds = [
+        high & false,
+        high,
+        (claim == "optimal") & (verdict == "longer"),
+        claim == "infeasible",
+    ]
+    proof = pd.Series(np.select(kinds, PROOFS[:4], PROOFS[4]), rows.index, dtype=object)
+    return rows.assign(truth=truth, proof=proof.where(false | high), excess=excess)
 
 
 def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
@@ -260,7 +240,6 @@ def _picture(table: pd.DataFrame) -> Picture:
 
 def _belief_table(table: pd.DataFrame) -> Table:
     shown = (
-        *method_columns(table),
         *columns(count, questions="questions"),
         *(interval_column(name, name) for name in TRUTHS),
     )
@@ -268,10 +247,9 @@ def _belief_table(table: pd.DataFrame) -> Table:
         "Shares of questions (one with a false claim in one of three repeats counts a third) with "
         "Wilson's 95 % intervals for as many trials as there are questions."
     )
-    frame = with_interval_texts(table, **dict.fromkeys(TRUTHS, share))
+    made = method_table("belief", caption, table, shown, **dict.fromkeys(TRUTHS, share))
     bad = {(row, "false_text"): "bad" for row, value in enumerate(table["false"]) if value}
-    numbers = (*interval_keys(*TRUTHS), *PROOFS)
-    return Table("belief", caption, frame, shown, bad, numbers, dense=True)
+    return replace(made, marks=bad, numbers=(*made.numbers, *PROOFS))
 
 
 def _kind_table(table: pd.DataFrame) -> Table:

@@ -1,8 +1,6 @@
-"""The section on what not to conclude."""
+"""The section on what not to conclude: each conclusion that the rows do not carry, and a number."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import pandas as pd
 
@@ -14,7 +12,7 @@ from dubins_study.report.elements.formats import count, digits, seconds, share, 
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings import WARNINGS, findings
-from dubins_study.report.topics.findings_evidence import Evidence
+from dubins_study.report.topics.findings_evidence import Evidence, Finding, exactly
 from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
@@ -24,77 +22,64 @@ _OTHER_PATH = 1e-4
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
-class Caution(NamedTuple):
-    """A conclusion that the rows do not carry, with its number (NaN if it has none).
-
-    `of` says what the number is of, `shown_in` names the section that shows more.
-    """
-
-    sentence: str
-    value: float
-    unit: str
-    of: str
-    shown_in: str
-
-
-def overlapping_shares(attempts: Compared) -> Caution | None:
+def overlapping_shares(attempts: Compared) -> Finding | None:
     """How finely a share of as many questions as there are is known."""
     questions = int(attempts.answerable["question"].nunique())
     if not questions:
         return None
     low, high = wilson_interval(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
-    return Caution(
+    return Finding(
         "Do not rank methods by shares whose intervals overlap: a share of "
         f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
-        points,
+        exactly(points),
         "percentage points",
         f"{some(questions, 'question')} with a path",
         "Summary",
     )
 
 
-def unsteady_machine(results: Results) -> Caution:
+def unsteady_machine(results: Results) -> Finding:
     """By how much the speed of the machines varied while the runs went on."""
     runs = [run for folder in results.folders for run in folder.manifest.runs]
     spreads = [run.spread for run in runs if run.spread is not None]
     if not spreads:
-        return Caution(
+        return Finding(
             "Do not rank methods by small differences in time: no run was long enough to tell how "
             "steady its machine was.",
-            float("nan"),
+            exactly(float("nan")),
             "",
             some(len(runs), "run"),
             "The runs and their machines",
         )
-    return Caution(
+    return Finding(
         f"Do not rank methods by times that differ by less than {share(max(spreads))}: by so much "
         "the speed of the machine varied during a run.",
-        100 * max(spreads),
+        exactly(100 * max(spreads)),
         "%",
         f"{some(len(spreads), 'run')} that timed a fixed piece of work",
         "The runs and their machines",
     )
 
 
-def stopped_attempts(attempts: Compared) -> Caution | None:
+def stopped_attempts(attempts: Compared) -> Finding | None:
     """Attempts that ended at the limit: nobody knows what they would have found."""
     rows = attempts.answerable[attempts.answerable["solver"] != EXACT]
     stopped = rows["outcome"].isin(_STOPPED_OUTCOMES) | (rows["claim"] == "limit")
     number = int(stopped.fillna(False).sum())
     if not number:
         return None
-    return Caution(
+    return Finding(
         f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
         f"ended at a limit, {seconds(attempts.limit_s)} at most, or at a limit of iterations.",
-        float(number),
+        exactly(number),
         "attempts",
         f"{some(len(rows), 'attempt')} of engines at questions with a path",
         "Success and gaps",
     )
 
 
-def shorter_paths(attempts: Compared) -> Caution | None:
+def shorter_paths(attempts: Compared) -> Finding | None:
     """Right answers that are shorter than any path to the target itself.
 
     Arriving allows a miss. A path that stops on a turning circle beside its target is then right,
@@ -106,18 +91,18 @@ def shorter_paths(attempts: Compared) -> Caution | None:
         return None
     most = float((shorter["reference_low"] / shorter["length"]).max())
     scenarios = some(shorter["scenario_id"].nunique(), "scenario")
-    return Caution(
+    return Finding(
         f"Do not take every right answer for the shortest path to the target itself: "
         f"{some(len(shorter), 'right answer')} at {scenarios} next to a turning circle use the "
         f"miss that arriving allows, and are up to {digits(2)(most)} times shorter.",
-        float(len(shorter)),
+        exactly(len(shorter)),
         "attempts",
         some(len(rows), "right answer"),
         "Formulation by engine: strata",
     )
 
 
-def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
+def missing_pairs(results: Results, attempts: Compared) -> Finding | None:
     """Pairs of a formulation and an engine that nobody asked, or could ask."""
     # the closed form is a formulation without an engine, and no pair
     entries = {
@@ -131,10 +116,10 @@ def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     missing = len(entries - asked)
     if not missing:
         return None
-    return Caution(
+    return Finding(
         f"Do not conclude anything about pairs that are not here: {count(missing)} of "
         f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
-        float(missing),
+        exactly(missing),
         "pairs",
         "all formulations with all engines",
         "Formulation by engine",
@@ -146,13 +131,10 @@ def caution_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    every: list[Caution | None] = []
+    every: list[Finding | None] = []
     # As the findings, from a benchmark only: elsewhere the methods met different questions.
     if any(folder.section == BENCHMARK for folder in results.folders):
-        every += [
-            Caution(f.sentence, f.estimate.value, f.unit, f.question, f.shown_in)
-            for f in findings(Evidence(attempts), WARNINGS)
-        ]
+        every += findings(Evidence(attempts), WARNINGS)
     every += [
         overlapping_shares(attempts),
         unsteady_machine(results),
@@ -166,7 +148,9 @@ def caution_section(results: Results) -> Section | None:
         *columns(kind="section", shown_in="shown in"),
     )
     caption = "Each number is computed from the rows and the runs' manifests."
-    frame = pd.DataFrame([caution for caution in every if caution is not None])
+    known = [caution for caution in every if caution is not None]
+    frame = pd.DataFrame(known).rename(columns={"question": "of"})
+    frame["value"] = [caution.estimate.value for caution in known]
     table = Table("caution", caption, frame, shown, numbers=("value", "unit"), stacked=True)
     lead = "Read these sentences before you quote a number from this page."
     return Section("caution", "What not to conclude", "", (table,), lead)

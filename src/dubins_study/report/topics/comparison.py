@@ -16,10 +16,8 @@ from dubins_study.report.elements.formats import count, digits, seconds, sentenc
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
-    interval_keys,
-    method_columns,
+    method_table,
     with_interval,
-    with_interval_texts,
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import share_curves
@@ -90,13 +88,10 @@ def _costs(compared: Compared, cost: str) -> pd.DataFrame:
 def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     """Shares right, means of `times` with failures counted three ways, and ranks.
 
-    Returns:
-        A frame indexed by solver in the order of the ranks: the method's columns; questions,
-        right, right_low, right_high (share); mean, mean_low, mean_high (shifted geometric mean
-        with failures at the limit, s); par2, par2_low, par2_high (s); common (shifted geometric
-        mean over what all methods answer that are right on nine tenths, s); rank (missing if it
-        changes with the shift or the penalty), best, worst, rank_tenth and rank_tenfold (at that
-        multiple of the shift). Then the shift (s), and the number of questions behind `common`.
+    First a row per method in the order of the ranks: its columns; questions, right (share) with its
+    interval; mean (shifted geometric mean with failures at the limit, s) and par2 (s) with theirs;
+    common (shifted geometric mean over what all methods answer that are right on nine tenths, s);
+    and the columns of `ranking`. Then the shift (s), and the number of questions behind `common`.
     """
     shared = shared_questions(times(compared))
     shift = chosen_shift(shared)
@@ -264,7 +259,6 @@ def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) 
         place=[str(rank) if rank is not pd.NA else f"none\n({a} to {b})" for rank, a, b in places]
     )
     shown = (
-        *method_columns(frame),
         *columns(count, questions="questions"),
         interval_column("right", "right"),
         interval_column("mean", "mean time"),
@@ -283,10 +277,7 @@ def rank_table(ranked: pd.DataFrame, shift: float, common: int, limit_s: float) 
         "trials as there are questions, and bootstrap over scenarios for means."
     )
     shows = {"right": share, "mean": seconds, "par2": seconds}
-    frame = with_interval_texts(frame, **shows)
-    return Table(
-        "comparison-ranks", caption, frame, shown, numbers=interval_keys(*shows), dense=True
-    )
+    return method_table("comparison-ranks", caption, frame, shown, **shows)
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
@@ -321,12 +312,9 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
 
 
 def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
-    """Spread over repeats, of the methods whose verdict or time changes most."""
-    frame = methods.join(spread, how="inner").reindex(spread.index)
-    changing = frame[frame["changing"] > 0]
-    shown_rows = changing if len(changing) else frame.head(5)
+    """Spread over repeats, of the methods whose verdict changes."""
+    changing = spread[spread["changing"] > 0]
     shown = (
-        *method_columns(shown_rows),
         *columns(count, questions="questions", repeats="repeats"),
         interval_column("changing", "verdict changes"),
         *columns(share, sometimes="right only sometimes"),
@@ -334,16 +322,14 @@ def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
             digits(2), cv="time: deviation / mean", iqr_relative="time: quartile range / median"
         ),
     )
-    same = len(frame) - len(changing)
     caption = (
         "Spread over repeats, each with another seed where the engine draws random numbers: how "
         "often the verdict changes (Wilson's 95 % interval), and the spread of the time. "
-        f"{count(same)} methods give one verdict in all repeats"
-        f"{' and are left out' if len(changing) else '; those with the widest spread are shown'}."
+        f"{count(len(spread) - len(changing))} methods give one verdict in all repeats and are "
+        "left out."
     )
-    shown_rows = with_interval_texts(shown_rows, changing=share)
-    numbers = interval_keys("changing")
-    return Table("comparison-spread", caption, shown_rows, shown, numbers=numbers, dense=True)
+    frame = methods.join(changing, how="inner").reindex(changing.index)
+    return method_table("comparison-spread", caption, frame, shown, changing=share)
 
 
 def comparison_section(results: Results) -> Section | None:
@@ -362,13 +348,11 @@ def comparison_section(results: Results) -> Section | None:
     best = set(ranked.drop_duplicates("formulation").index)
     which = "Of each formulation the method with the least mean."
     blocks += best_first(ranks, ranked.index, best, which)
-    engines, formulations = engine_tests(table, ranked), formulation_tests(table, ranked)
-    if len(engines):
-        blocks.append(test_table(engines, ranked, "formulation"))
-    if len(formulations):
-        blocks.append(test_table(formulations, ranked, "engine"))
+    tests = {"formulation": engine_tests, "engine": formulation_tests}
+    made = {shared: find(table, ranked) for shared, find in tests.items()}
+    blocks += [test_table(each, ranked, shared) for shared, each in made.items() if len(each)]
     repeats = spread(attempts)
-    if len(repeats):
+    if len(repeats) and repeats["changing"].any():
         blocks.append(spread_table(repeats, attempts.methods))
     unranked = int(ranked["rank"].isna().sum())
     left_out = sum(solver not in table for solver in attempts.engines.index)

@@ -16,7 +16,7 @@ from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     interval_keys,
-    method_columns,
+    method_table,
     with_interval,
     with_interval_texts,
 )
@@ -71,11 +71,9 @@ def ratios(split: Split, amount: str) -> pd.DataFrame:
 def factors(compared: Compared, split: Split) -> pd.DataFrame:
     """Median over questions of total / winning run, with intervals over scenarios.
 
-    Returns:
-        Indexed by solver in the order of tables: the method's columns; questions (those with a
-        right answer whose winning run is known); and for evaluations and seconds the median (as
-        `evaluations`), its interval (`_low`, `_high`), and the means over answers of the total
-        (`_total`) and of the winning run (`_floor`).
+    A row per method, with its columns; questions (those with a right answer whose winning run is
+    known); and for evaluations and seconds the median (as `evaluations`), its interval (`_low`,
+    `_high`), and the means over answers of the total (`_total`) and of the winning run (`_floor`).
     """
     solver = split.answers["solver"]
     questions = split.answers.groupby("solver")["question"].nunique().rename("questions")
@@ -91,9 +89,8 @@ def factors(compared: Compared, split: Split) -> pd.DataFrame:
 def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     """What the total goes to: the mean amount of each kind over the mean total.
 
-    Returns:
-        Indexed by solver in the order of tables: the method's columns, each of `KINDS` as a share,
-        and total (mean over answers). Methods that do not count the amount are left out.
+    A row per method that counts the amount, with its columns, each of `KINDS` as a share, and total
+    (mean over answers).
     """
     means = split.amount(amount).groupby(split.answers["solver"]).mean().dropna()
     parts = means[list(KINDS)].div(means["total"], axis=0)
@@ -103,8 +100,7 @@ def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
 def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     """Median of total / winning run in each stratum, with its interval.
 
-    Returns:
-        One row per solver and stratum: solver, stratum, questions, ratio, ratio_low, ratio_high.
+    Columns solver, stratum, questions, ratio, ratio_low, ratio_high.
     """
     table = ratios(split, amount)
     stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
@@ -137,10 +133,9 @@ def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
 def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
     """What the presolve divides the cost by: median over questions, with interval.
 
-    Returns:
-        One row per pair of solvers: the columns of the method without it; questions that both
-        answer; for evaluations and seconds the ratio total without / total with (as
-        `evaluations`) with `_low` and `_high`, and total / winning run of both (`_off`, `_on`).
+    A row per pair of solvers: the columns of the method without it; questions that both answer; for
+    evaluations and seconds the ratio total without / total with (as `evaluations`) with `_low` and
+    `_high`, and total / winning run of both (`_off`, `_on`).
     """
     known = set(split.answers["solver"])
     pairs = [pair for pair in presolve_pairs(compared.engines) if known.issuperset(pair)]
@@ -164,11 +159,8 @@ _NUMBERS = ["x", "y", "heading", "target_x", "target_y", "radius"]
 
 
 def example(compared: Compared, split: Split) -> pd.DataFrame:
-    """Total / winning run in evaluations for the target (10, 5) from (0, 0, 120deg) at R = 4.
-
-    Returns:
-        The method's columns and `ratio`, one row per solver; empty if no row asks the question.
-    """
+    """`ratio`: total / winning run in evaluations for the target (10, 5) from (0, 0, 120deg) at
+    R = 4; a row per method, none if no row asks the question."""
     rows = compared.rows.loc[split.answers.index]
     numbers = rows[_NUMBERS].to_numpy(dtype=np.float64)
     wanted = [getattr(_EXAMPLE, name) for name in _NUMBERS]
@@ -196,8 +188,7 @@ def cost_section(results: Results) -> Section | None:
     blocks += best_first(_factor_table(table), table.index, best_solvers(results))
     if len(savings):
         blocks.append(_presolve_table(savings))
-    by_strata = strata(attempts, answers, "evaluations")
-    by_stratum = _stratum_table(attempts, answers, by_strata)
+    by_stratum = _stratum_table(attempts, answers)
     if by_stratum is not None:
         blocks.append(by_stratum)
     text = sentences(
@@ -206,7 +197,6 @@ def cost_section(results: Results) -> Section | None:
         "count. The floor is the winning run: the same engine called once, from the same guess.",
         _most_and_least(table),
         _saved(savings),
-        _typical(attempts, by_strata),
         _example(example(attempts, answers)),
     )
     lead = "See how little of the cost is the run that gives the answer (plain blue)."
@@ -238,22 +228,6 @@ def _saved(savings: pd.DataFrame) -> str:
     between = " (the most) and " if len(parts) > 1 else ""
     last = " (the least)" if len(parts) > 1 else ""
     return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
-
-
-def _typical(attempts: Compared, by_strata: pd.DataFrame) -> str:
-    """The median over the strata of the methods that are posed with and without the presolve."""
-    medians = _over_strata(by_strata)
-    pairs = [pair for pair in presolve_pairs(attempts.engines) if set(pair) <= set(medians.index)]
-    parts = [
-        f"{attempts.methods['engine'][on]} {_RATIO(medians[on])} ({_RATIO(medians[off])} without)"
-        for off, on in pairs
-    ]
-    if not parts or by_strata["stratum"].nunique() < 2:
-        return ""
-    return (
-        "Evaluations with the presolve as a multiple of those of the winning run, median over the "
-        f"strata: {'; '.join(parts)}."
-    )
 
 
 def _example(table: pd.DataFrame) -> str:
@@ -303,9 +277,7 @@ def _factor_table(table: pd.DataFrame) -> Table:
         "questions of total / winning run, with its 95 % interval (bootstrap over scenarios). "
         "A dash: the engine does not count evaluations."
     )
-    shown = *method_columns(table), *FACTORS
-    frame = with_interval_texts(table, **_SHOWN)
-    return Table("cost", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
+    return method_table("cost", caption, table, FACTORS, **_SHOWN)
 
 
 def _presolve_table(savings: pd.DataFrame) -> Table:
@@ -314,13 +286,12 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
         "on the questions that both answer: median of total / winning run, and median over "
         "questions of the total without / with it, with its 95 % interval."
     )
-    shown = *method_columns(savings), *SAVINGS
-    frame = with_interval_texts(savings, **_SHOWN)
-    return Table("cost-presolve", caption, frame, shown, numbers=interval_keys(*_SHOWN), dense=True)
+    return method_table("cost-presolve", caption, savings, SAVINGS, **_SHOWN)
 
 
-def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> Table | None:
+def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
     """Strata in lines, the methods of the first formulation of the figure in columns."""
+    table = strata(attempts, answers, "evaluations")
     kinds = shares(attempts, answers, "evaluations")
     bars = _bars(kinds, attempts)
     chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)
@@ -331,7 +302,7 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
     texts = kept.pivot(index="stratum", columns="solver", values="ratio_text")
     present = [stratum for stratum in attempts.strata if stratum in texts.index]
     texts = texts.reindex(index=present, columns=chosen)
-    medians = _over_strata(table).reindex(chosen)
+    medians = kept.groupby("solver")["ratio"].median().reindex(chosen)
     texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
     frame = texts.reset_index()
     names = attempts.methods["short"]
@@ -344,11 +315,6 @@ def _stratum_table(attempts: Compared, answers: Split, table: pd.DataFrame) -> T
         f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
     )
     return Table("cost-strata", caption, frame, shown, dense=True)
-
-
-def _over_strata(table: pd.DataFrame) -> pd.Series[float]:
-    """The median over strata of each solver's median over questions."""
-    return table.groupby("solver")["ratio"].median()
 
 
 TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

@@ -73,16 +73,14 @@ NEEDS = (
 class Choice(NamedTuple):
     """The method to use in one region (a key of `REGIONS`, or `ANYWHERE`) for one need.
 
-    `sure` of the methods that were compared meet the need on at least `SURE` of the questions. Of
-    the solver to use, empty if none meets the need even once: how often it does, with the ends of
-    the 95 % interval, and its median time.
+    Of the solver to use, empty if none meets the need even once: how often it does, with the ends
+    of the 95 % interval, and its median time.
     """
 
     region: str
     need: Need
     questions: int
-    methods: int
-    sure: int
+    methods: int  # that were compared
     solver: str = ""
     share: float = float("nan")
     low: float = float("nan")
@@ -188,12 +186,11 @@ def _choice(rows: pd.DataFrame, region: str, need: Need) -> Choice:
     shares = scenario_shares(judged, by=["solver"], success="met", scenario=["question"])
     methods = shares.join(rows.groupby("solver", observed=True)["wall_s"].median())
     methods = methods[methods["trials"] >= ENOUGH_ASKED * questions]
-    sure = int((methods["share"] >= SURE).sum())
     solver = choose(methods)
     if not solver:
-        return Choice(region, need, questions, len(methods), sure)
+        return Choice(region, need, questions, len(methods))
     numbers = methods.loc[[solver], ["share", "low", "high", "wall_s"]].to_numpy(float)[0]
-    return Choice(region, need, questions, len(methods), sure, solver, *numbers.tolist())
+    return Choice(region, need, questions, len(methods), solver, *numbers.tolist())
 
 
 def _places(rows: pd.DataFrame) -> pd.Series[str]:

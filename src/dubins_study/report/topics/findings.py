@@ -12,10 +12,10 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.intervals import averages, geometric_means, medians
+from dubins_study.report.statistics.intervals import geometric_means, medians
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import engine_tests, separated, spread
+from dubins_study.report.topics.comparison import spread
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -25,6 +25,7 @@ from dubins_study.report.topics.findings_evidence import (
     Estimate,
     Evidence,
     Finding,
+    Pair,
     estimate_of,
     percent,
 )
@@ -35,54 +36,90 @@ TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 STRATA = "Formulation by engine: strata"
-# The check cannot tell a smaller gap from the miss that it allows.
-_RESOLVED = 1e-6
-
-
-def fastest_formulation(evidence: Evidence) -> Finding | None:
-    """The formulation whose best method is right everywhere and the fastest."""
-    best = evidence.reliable.drop_duplicates("formulation")
-    if len(best) < 2:
-        return None
-    first, second = map(str, best.index[:2])
-    ratio = evidence.time_ratio(second, first)
-    if ratio is None or not ratio.low > 1:
-        return None
-    right = evidence.share_of(evidence.rates[first])
-    share = "" if right is None else right.percent_text()
-    return Finding(
-        f"Of the methods without the closed form, take {evidence.name(first)}: it is right on "
-        f"{share} of the questions, and the best method of another formulation, "
-        f"{evidence.name(second)}, takes {ratio.text()} times its median time.",
-        ratio,
-        TIMES,
-        f"{evidence.medians_of(second, first)}; the best method of each of {len(best)} "
-        "formulations that are right on at least 99 %",
-        RANKS,
-    )
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
     """One problem a word against the joint model in both orders, engine by engine."""
     pairs = evidence.pairs(["engine", "guess"], "formulation", WORDS, JOINT)
-    points = evidence.rate_difference(pairs)
-    if points is None or not points.excludes(0):
-        return None
     alone = sum(("presolve=True" in one) != ("presolve=True" in other) for one, other in pairs)
     of_pairs = f"{alone} of {some(len(pairs), 'pair')}"
     presolved = f", and {of_pairs} are presolved on one side only" if alone else ""
-    better, worse = "one problem a word", "the joint model in both orders"
+    return _difference(
+        evidence,
+        pairs,
+        "engine",
+        ("one problem a word", "the joint model in both orders"),
+        lambda better, worse, points: (
+            f"Pose {better}: with the same engines it is right on {points} percentage points more "
+            f"of the questions than {worse}. Not the formulation alone does it: a word gets up to "
+            f"six guesses where the joint model gets one an order{presolved}."
+        ),
+    )
+
+
+def zero_start(evidence: Evidence) -> Finding | None:
+    """The guess along the bearing against the zero point: same engine, same formulation."""
+    return _difference(
+        evidence,
+        evidence.pairs(_SAME, "guess", "bearing", "zero"),
+        "method",
+        ("the bearing of the target", "the zero point"),
+        lambda better, worse, points: (
+            f"Start from {better}: from {worse} the same engines on the same formulations are "
+            f"right on {points} percentage points fewer of the questions."
+        ),
+    )
+
+
+def random_restarts(evidence: Evidence) -> Finding | None:
+    """Random guesses against the one along the bearing, and the time that they take."""
+    pairs = evidence.pairs(_SAME, "guess", "random", "bearing")
+    ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
+    cost = medians_text = ""
+    if ratios:
+        dearest, pair = max(ratios)
+        cost = f", for up to {dearest.text(digits(2))} times the median time"
+        medians_text = f"; time of {evidence.medians_of(*pair)}"
+    return _difference(
+        evidence,
+        pairs,
+        "method",
+        ("more", "fewer"),
+        lambda more, _, points: (
+            f"{_RANDOM[more]}: with the same engine and formulation they are right on {points} "
+            f"percentage points {more} of the questions than the guess along the bearing{cost}."
+        ),
+        medians_text,
+    )
+
+
+_SAME = ["formulation", "engine"]
+_RANDOM = {
+    "more": "Try several random guesses where the model is joint",
+    "fewer": "Do not rely on random guesses",
+}
+
+
+def _difference(
+    evidence: Evidence,
+    pairs: list[Pair],
+    noun: str,
+    names: tuple[str, str],
+    sentence: Callable[[str, str, str], str],
+    more: str = "",
+) -> Finding | None:
+    """How much more often the first of each pair is right, or the second: whichever is better.
+
+    The sentence is made of the better and the worse name, and the percentage points.
+    """
+    points = evidence.rate_difference(pairs)
+    if points is None or not points.excludes(0):
+        return None
+    better, worse = names
     if points.value < 0:
         points, better, worse = points.negated(), worse, better
-    return Finding(
-        f"Pose {better}: with the same engines it is right on {points.text()} percentage points "
-        f"more of the questions than {worse}. Not the formulation alone does it: a word gets up to "
-        f"six guesses where the joint model gets one an order{presolved}.",
-        points,
-        POINTS,
-        _asked(points, len(pairs), "engine"),
-        MATRIX,
-    )
+    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), noun)}, in pairs"
+    return Finding(sentence(better, worse, points.text()), points, POINTS, f"{asked}{more}", MATRIX)
 
 
 def single_order(evidence: Evidence) -> Finding | None:
@@ -91,7 +128,7 @@ def single_order(evidence: Evidence) -> Finding | None:
     Engines and guesses together, those that met few questions too: a question is answered if any
     attempt of any method of the formulation is right.
     """
-    answered = _by_formulation(evidence, evidence.rates, "max")
+    answered = _by_formulation(evidence, evidence.rates)
     if JOINT not in answered:
         return None
     rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
@@ -114,7 +151,7 @@ def single_order(evidence: Evidence) -> Finding | None:
     return Finding(
         f"Pose both orders: where the target lies {_where(region)}, {share.percent_text()} of the "
         "questions that both orders answer are answered by no engine with the order "
-        f"{order[-3:]} alone{more}.{_longer(evidence, order, regions == region)}",
+        f"{order[-3:]} alone{more}.",
         share,
         PERCENT,
         f"{some(share.questions, 'question')} {_where(region)}; all attempts of all engines",
@@ -129,21 +166,11 @@ def _where(region: str) -> str:
 _WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}
 
 
-def _longer(evidence: Evidence, order: str, here: pd.Series[bool]) -> str:
-    """A sentence on the length of the paths that one order yields; empty if few arrive."""
-    least = _by_formulation(evidence, evidence.gaps, "min")
-    loss = evidence.estimate((least[order] - least[JOINT])[here.reindex(least.index)], averages)
-    if loss is None or not loss.low > _RESOLVED:
-        return ""
-    text = percent(loss).percent_text()
-    return f" Where a path arrives, it is {text} longer on average."
-
-
-def _by_formulation(evidence: Evidence, table: pd.DataFrame, best: str) -> pd.DataFrame:
-    """The best value of any method: questions by formulations."""
-    values = table[[solver for solver in table if solver in evidence.methods.index]]
+def _by_formulation(evidence: Evidence, rates: pd.DataFrame) -> pd.DataFrame:
+    """The largest rate of any method: questions by formulations."""
+    values = rates[[solver for solver in rates if solver in evidence.methods.index]]
     formulation = evidence.methods["formulation"].reindex(values.columns)
-    return values.T.groupby(formulation).agg(best).T
+    return values.T.groupby(formulation).max().T
 
 
 def coarse_transcription(evidence: Evidence) -> Finding | None:
@@ -204,12 +231,7 @@ def near_circles(evidence: Evidence) -> Finding | None:
 _NEAR, _AWAY = 1e-5, 0.05
 
 
-def _asked(estimate: Estimate, pairs: int, noun: str) -> str:
-    return f"{some(estimate.questions, 'question')} with a path, {some(pairs, noun)}, in pairs"
-
-
 STOCHASTIC = "penalty"
-_RIGHT_ENOUGH = 0.9
 
 
 def slowest_engine(evidence: Evidence) -> Finding | None:
@@ -248,16 +270,13 @@ def presolve(evidence: Evidence) -> Finding | None:
         return None
     ratios = pd.DataFrame({on: table[off] / table[on] for off, on in pairs})
     factor = evidence.estimate(np.exp(np.log(ratios).mean(axis=1)), geometric_means(0.0))
-    if factor is None or not factor.excludes(1):
+    if factor is None or not factor.low > 1:
         return None
-    advice, verb = "Drop the words that geometry excludes before any engine is called", "divides"
-    if factor.value < 1:
-        factor, ratios = factor.inverse(), 1 / ratios
-        advice, verb = "Do not drop words by geometry", "multiplies"
     each = [(solver, evidence.estimate(ratios[solver], medians)) for solver in ratios]
     parts = [f"{one.text()} with {evidence.name(str(solver))}" for solver, one in each if one]
     return Finding(
-        f"{advice}: that {verb} the function evaluations of a question by {factor.text()} in the "
+        "Drop the words that geometry excludes before any engine is called: that divides the "
+        f"function evaluations of a question by {factor.text()} in the "
         f"geometric mean over questions and methods; in the median by {' and by '.join(parts)}.",
         factor,
         TIMES,
@@ -275,13 +294,11 @@ def derivative_free_search(evidence: Evidence) -> Finding | None:
         return None
     solver, rival = str(ranked["right"][on_penalty].idxmax()), str(ranked.index[~on_penalty][0])
     ratio, right = evidence.time_ratio(solver, rival), evidence.share_of(evidence.rates[solver])
-    if ratio is None or right is None or not ratio.excludes(1):
+    if ratio is None or right is None or not ratio.low > 1:
         return None
-    advice = "Keep search without derivatives for problems that have none"
-    if ratio.value < 1:
-        advice = "Try search without derivatives first"
     return Finding(
-        f"{advice}: the most reliable of it, {evidence.name(solver)}, is right on "
+        "Keep search without derivatives for problems that have none: the most reliable of it, "
+        f"{evidence.name(solver)}, is right on "
         f"{right.percent_text()} of the questions, and takes {ratio.text()} times the median time "
         f"of {evidence.name(rival)} where both are right.",
         ratio,
@@ -289,87 +306,6 @@ def derivative_free_search(evidence: Evidence) -> Finding | None:
         f"{some(right.questions, 'question')} with a path; {evidence.medians_of(solver, rival)}; "
         f"{some(int(on_penalty.sum()), 'method')} on the penalty",
         RANKS,
-    )
-
-
-def no_rank(evidence: Evidence) -> Finding | None:
-    """Two methods of one formulation, right nearly everywhere, that the tests do not separate."""
-    ranked = evidence.ranked[evidence.ranked["right"] >= _RIGHT_ENOUGH]
-    if len(ranked) < 2:
-        return None
-    tests = engine_tests(evidence.times, ranked)
-    if tests.empty:
-        return None
-    ties = [
-        (abs(np.log(ratio.value)), ratio, line)
-        for line in tests[~separated(tests) & tests["p"].notna()].to_dict("records")
-        if ranked["engine"][line["solver"]] != ranked["engine"][line["rival"]]
-        and (ratio := evidence.time_ratio(str(line["rival"]), str(line["solver"]))) is not None
-        and not ratio.excludes(1)
-    ]
-    if not ties:
-        return None
-    _, ratio, line = min(ties, key=lambda tie: tie[0])
-    end = f" on {line['shared']}"
-    names = [evidence.name(str(line[key])).removesuffix(end) for key in ("solver", "rival")]
-    return Finding(
-        f"Do not conclude a rank between {' and '.join(names)}{end}: the ratio of their median "
-        f"times is {ratio.text()}, and the paired test does not separate them "
-        f"(p = {digits(2)(line['p_holm'])}). Undecided like that: {len(ties)} of "
-        f"{some(len(tests), 'pair')}.",
-        ratio,
-        TIMES,
-        f"{some(ratio.questions, 'question')} that both answer; Wilcoxon's test with Holm's "
-        f"correction for {some(len(tests), 'pair')}",
-        "Comparison of methods: paired tests",
-    )
-
-
-_SAME = ["formulation", "engine"]
-
-
-def zero_start(evidence: Evidence) -> Finding | None:
-    """The guess along the bearing against the zero point: same engine, same formulation."""
-    pairs = evidence.pairs(_SAME, "guess", "bearing", "zero")
-    points = evidence.rate_difference(pairs)
-    if points is None or not points.excludes(0):
-        return None
-    better, worse = "the bearing of the target", "the zero point"
-    if points.value < 0:
-        points, better, worse = points.negated(), worse, better
-    return Finding(
-        f"Start from {better}: from {worse} the same engines on the same formulations are right on "
-        f"{points.text()} percentage points fewer of the questions.",
-        points,
-        POINTS,
-        _asked(points, len(pairs), "method"),
-        MATRIX,
-    )
-
-
-def random_restarts(evidence: Evidence) -> Finding | None:
-    """Random guesses against the one along the bearing, and the time that they take."""
-    pairs = evidence.pairs(_SAME, "guess", "random", "bearing")
-    points = evidence.rate_difference(pairs)
-    if points is None or not points.excludes(0):
-        return None
-    ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
-    cost = medians_text = ""
-    if ratios:
-        dearest, pair = max(ratios)
-        cost = f", for up to {dearest.text(digits(2))} times the median time"
-        medians_text = f"; time of {evidence.medians_of(*pair)}"
-    if points.value > 0:
-        advice, what = "Try several random guesses where the model is joint", "more"
-    else:
-        points, advice, what = points.negated(), "Do not rely on random guesses", "fewer"
-    return Finding(
-        f"{advice}: with the same engine and formulation they are right on {points.text()} "
-        f"percentage points {what} of the questions than the guess along the bearing{cost}.",
-        points,
-        POINTS,
-        _asked(points, len(pairs), "method") + medians_text,
-        MATRIX,
     )
 
 
@@ -407,14 +343,11 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     ratio = evidence.time_ratio(prover, local)
     proven = evidence.rates[prover] == 1.0
     right = evidence.share_of(evidence.rates.loc[proven, local])
-    if ratio is None or right is None or not ratio.excludes(1):
+    if ratio is None or right is None or not ratio.low > 1:
         return None
-    if ratio.value > 1:
-        advice = "Buy a proof only where a wrong answer costs more than time"
-    else:
-        advice = "Take the proof: it costs nothing here"
     return Finding(
-        f"{advice}: {evidence.name(prover)} takes {ratio.text()} times the median time of "
+        "Buy a proof only where a wrong answer costs more than time: "
+        f"{evidence.name(prover)} takes {ratio.text()} times the median time of "
         f"{evidence.name(local)}, which proves nothing and is right on {right.percent_text()} of "
         "the questions that the other answers.",
         ratio,
@@ -481,7 +414,6 @@ def infeasible_claims(evidence: Evidence) -> Finding | None:
 
 
 FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
-    fastest_formulation,
     words_against_joint,
     zero_start,
     slowest_engine,
@@ -490,7 +422,6 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     false_proof,
     infeasible_claims,
     near_circles,
-    no_rank,
     derivative_free_search,
     single_order,
     coarse_transcription,
@@ -500,7 +431,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 
 
 # Those that say what not to do: they stand with what not to conclude.
-WARNINGS = (infeasible_claims, no_rank, coarse_transcription)
+WARNINGS = (infeasible_claims, coarse_transcription)
 ADVICE = tuple(find for find in FINDINGS if find not in WARNINGS)
 
 

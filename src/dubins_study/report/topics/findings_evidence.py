@@ -57,10 +57,6 @@ class Estimate(NamedTuple):
         """The estimate of the number with the other sign."""
         return Estimate(-self.value, -self.high, -self.low, self.questions)
 
-    def inverse(self) -> Estimate:
-        """The estimate of one over the number, which is above 0."""
-        return Estimate(1 / self.value, 1 / self.high, 1 / self.low, self.questions)
-
 
 class Finding(NamedTuple):
     """A sentence that a practitioner can act on, with its number and interval in it.
@@ -80,6 +76,11 @@ def estimate_of(frame: pd.DataFrame, key: str, questions: int) -> Estimate:
     """The number `key` of the first row, with the ends of its interval."""
     value, low, high = (float(frame[name].iloc[0]) for name in interval_keys(key))
     return Estimate(value, low, high, questions)
+
+
+def exactly(number: float) -> Estimate:
+    """A number that is no estimate, or NaN for none."""
+    return Estimate(float(number), float("nan"), float("nan"), 0)
 
 
 def percent(estimate: Estimate) -> Estimate:
@@ -116,13 +117,6 @@ class Evidence:
     def evaluations(self) -> pd.DataFrame:
         """Cost table of function evaluations."""
         return evaluations(self.compared)
-
-    @cached_property
-    def gaps(self) -> pd.DataFrame:
-        """Largest gap over repeats: questions by solvers; NaN where no path arrived."""
-        rows = self.compared.answerable
-        gaps = rows["gap"].clip(lower=0.0)
-        return gaps.groupby([rows["question"], rows["solver"]]).max().unstack()
 
     @cached_property
     def coarse(self) -> pd.DataFrame:
