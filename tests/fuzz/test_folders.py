@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from dubins_study import load_results
 from dubins_study.experiments.store.folder import count_rows, read_rows
-from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import read_manifest
+from dubins_study.study.rows.parts import ResultsError
 from tests.fuzz.damage import DAMAGES
 from tests.fuzz.hostile import LONG_LIVED
 from tests.fuzz.watched import command

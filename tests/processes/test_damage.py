@@ -21,8 +21,13 @@ from dubins_study.experiments.store import part_writer
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
-from dubins_study.study.rows.files import DamagedPartError, ResultsError
-from dubins_study.study.rows.parts import check_part, read_footer, read_part
+from dubins_study.study.rows.parts import (
+    DamagedPartError,
+    ResultsError,
+    check_part,
+    read_footer,
+    read_part,
+)
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 

@@ -21,8 +21,15 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.manifest_changes import recorded
 from dubins_study.solvers.engines import ipopt_in_casadi, scip_in_pyscipopt
 from dubins_study.solvers.registry import load, reported_versions
-from dubins_study.study.rows.machine_noise import Probe, by_machine, spread, varied
-from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry
+from dubins_study.study.rows.manifest import (
+    Definition,
+    Manifest,
+    Probe,
+    RunEntry,
+    by_machine,
+    spread,
+    varied,
+)
 
 
 def test_the_governor_of_all_cores(tmp_path):
@@ -118,6 +125,10 @@ def test_the_probe_is_small():
     assert all(0 < took < 1 for took in (probe(), probe()))
 
 
+def timed(probes):
+    return [Probe(when, took) for when, took in enumerate(probes)]
+
+
 @given(st.lists(st.floats(1e-4, 1.0), min_size=5, max_size=60))
 def test_the_spread_is_that_of_the_quantiles(probes):
     """By hand: sorted, linearly between neighbours; and the unit does not matter."""
@@ -130,14 +141,14 @@ def test_the_spread_is_that_of_the_quantiles(probes):
         return ordered[low] + (place - low) * (ordered[high] - ordered[low])
 
     expected = (quantile(0.95) - quantile(0.05)) / quantile(0.5)
-    assert spread(probes) == pytest.approx(expected, abs=1e-9)
-    assert spread([1000 * took for took in probes]) == pytest.approx(expected, abs=1e-9)
+    assert spread(timed(probes)) == pytest.approx(expected, abs=1e-9)
+    assert spread(timed([1000 * took for took in probes])) == pytest.approx(expected, abs=1e-9)
 
 
 def test_few_probes_say_nothing():
     assert spread([]) is None
-    assert spread([1.0, 2.0, 3.0, 4.0]) is None
-    assert spread([1.0] * 5) == 0.0
+    assert spread(timed([1.0, 2.0, 3.0, 4.0])) is None
+    assert spread(timed([1.0] * 5)) == 0.0
 
 
 JSON = st.recursive(
@@ -164,7 +175,7 @@ def test_machines_are_not_compared_with_each_other():
     loud = [Probe(i, 1e-3 * (1 + i % 2), 3) for i in range(20)]
 
     assert varied(steady) == 0
-    assert varied(steady + loud) == spread([probe.took for probe in loud])
+    assert varied(steady + loud) == spread(loud)
     assert next(iter(by_machine(steady + loud))) == 3
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]

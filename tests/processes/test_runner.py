@@ -25,7 +25,7 @@ from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import no_answer
-from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, VERSION, names
 from dubins_study.study.words import Outcome
 

@@ -36,7 +36,7 @@ def status(
 
 def status_text(progress: Status) -> str:
     """The status as a few lines and two tables for the terminal."""
-    from dubins_study.study.rows.machine_noise import NOISY
+    from dubins_study.study.rows.manifest import NOISY
 
     done = f"{progress.done} of {progress.cells} cells done"
     lines = [f"{plain(progress.folder)}: {done}, {_state(progress)}"]

@@ -14,8 +14,8 @@ from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli.app import app
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.report.path_plot import PlotError
-from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import read_manifest
+from dubins_study.study.rows.parts import ResultsError
 
 FIELDS = {
     *("word", "length", "travel_time", "segments", "gap", "verdict", "claim", "proof", "solver"),

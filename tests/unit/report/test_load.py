@@ -10,8 +10,7 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.rows.files import ResultsError
-from dubins_study.study.rows.parts import read_part
+from dubins_study.study.rows.parts import ResultsError, read_part
 from dubins_study.study.rows.schema import VERSION
 from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 

@@ -24,7 +24,7 @@ from dubins_study.report.elements.content import Picture, Place, Section, Show, 
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import as_json, folded, packed, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
-from dubins_study.study.rows.files import ResultsError
+from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt, paper_scenarios

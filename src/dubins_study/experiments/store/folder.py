@@ -9,9 +9,16 @@ import pyarrow as pa
 
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.part_writer import is_temporary, remove_temporaries, write_part
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
-from dubins_study.study.rows.parts import PARTS, check_part, part_files, read_part
+from dubins_study.study.rows.parts import (
+    PARTS,
+    DamagedPartError,
+    ResultsError,
+    check_part,
+    os_errors_as,
+    part_files,
+    read_part,
+)
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
 from dubins_study.study.values import plain

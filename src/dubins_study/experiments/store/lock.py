@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from filelock import FileLock, Timeout
 
 from dubins_study.experiments.provenance import now
-from dubins_study.study.rows.files import ResultsError, reason
+from dubins_study.study.rows.parts import ResultsError, reason
 
 LOCK = ".lock"
 # Seconds to wait for the lock, since a call of `is_locked` in another process also holds it for

@@ -12,9 +12,8 @@ from typing import Any
 
 from dubins_study.experiments import provenance
 from dubins_study.experiments.store.part_writer import write_whole
-from dubins_study.study.rows.files import ResultsError, os_errors_as
-from dubins_study.study.rows.machine_noise import Probe
-from dubins_study.study.rows.manifest import MANIFEST, Manifest, RunEntry
+from dubins_study.study.rows.manifest import MANIFEST, Manifest, Probe, RunEntry
+from dubins_study.study.rows.parts import ResultsError, os_errors_as
 
 # States of a run. A manifest never holds `killed`: the entry of a killed run stays `running`.
 RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "killed"

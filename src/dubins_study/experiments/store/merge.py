@@ -21,9 +21,8 @@ from dubins_study.experiments.store.lock import LOCK, is_locked, locked
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
-from dubins_study.study.rows.files import ResultsError, os_errors_as
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
-from dubins_study.study.rows.parts import PARTS
+from dubins_study.study.rows.parts import PARTS, ResultsError, os_errors_as
 from dubins_study.study.rows.schema import KEY, RUN_ID, names
 
 # The columns that decide which rows are kept.

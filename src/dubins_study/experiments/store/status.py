@@ -11,8 +11,8 @@ from typing import Any
 from dubins_study.experiments.store.folder import DAMAGED, RowCount, count_rows
 from dubins_study.experiments.store.lock import is_locked, lock_holder
 from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
-from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
+from dubins_study.study.rows.parts import ResultsError
 
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3

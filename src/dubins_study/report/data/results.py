@@ -15,10 +15,14 @@ from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.selection import Database, RowCounts, Source, select_attempts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
-from dubins_study.study.rows.files import ResultsError
 from dubins_study.study.rows.manifest import Manifest, read_manifest
-from dubins_study.study.rows.parts import PARTS, part_files, read_footer
-from dubins_study.study.rows.printable_rows import printable_batches
+from dubins_study.study.rows.parts import (
+    PARTS,
+    ResultsError,
+    part_files,
+    printable_batches,
+    read_footer,
+)
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose

@@ -14,7 +14,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import seconds, share, some
 from dubins_study.report.elements.looks import names_of
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.rows.machine_noise import NOISY
+from dubins_study.study.rows.manifest import NOISY
 from dubins_study.study.rows.schema import ROW, VERSION
 
 _SOLVERS = (

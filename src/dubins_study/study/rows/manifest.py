@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationError,
-    field_serializer,
-)
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer
 
-from dubins_study.study.rows.files import ResultsError, os_errors_as
-from dubins_study.study.rows.machine_noise import Probe, varied
+from dubins_study.study.rows.parts import ResultsError, os_errors_as
 from dubins_study.study.rows.schema import VERSION
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import plain, printable_values
@@ -70,6 +65,47 @@ class MatrixEntry(_Record):
     reason: str | None = None
 
 
+# A run whose speed varied by more is reported as noisy.
+NOISY = 0.05
+_MIN_PROBES = 5
+
+
+class Probe(NamedTuple):
+    """A small piece of work that a run timed: seconds since the run began, seconds that it took."""
+
+    when: Annotated[float, Field(ge=0, le=1e15)]
+    took: Annotated[float, Field(gt=0, le=1e15)]
+    machine: int = 0  # which of several machines, from 1; 0 where there is only one
+
+
+def spread(probes: Sequence[Probe]) -> float | None:
+    """How much a machine's speed varied: from the 5th to the 95th percentile, over the median.
+
+    A share: 0.05 for 5 %; None of fewer than 5 probes, which say nothing.
+    """
+    if len(probes) < _MIN_PROBES:
+        return None
+    low, middle, high = np.percentile([probe.took for probe in probes], [5, 50, 95])
+    return float((high - low) / middle)
+
+
+def by_machine(probes: Sequence[Probe]) -> dict[int, list[Probe]]:
+    """The probes of each machine: the machine that varied most first, those of few probes last."""
+    machines: dict[int, list[Probe]] = {}
+    for probe in probes:
+        machines.setdefault(probe.machine, []).append(probe)
+
+    def share(machine: int) -> float:
+        return -1.0 if (value := spread(machines[machine])) is None else value
+
+    return {machine: machines[machine] for machine in sorted(machines, key=share, reverse=True)}
+
+
+def varied(probes: Sequence[Probe]) -> float | None:
+    """The spread of the machine that varied most; None if no machine has enough probes."""
+    return next(map(spread, by_machine(probes).values()), None)
+
+
 class RunEntry(_Record):
     """A run: what it was asked, where, and how it went (or goes, so far).
 
@@ -98,7 +134,7 @@ class RunEntry(_Record):
 
     @property
     def spread(self) -> float | None:
-        """How much the machine's speed varied (see `study.rows.machine_noise.varied`)."""
+        """How much the machine's speed varied (`varied`)."""
         return varied(self.probes)
 
     @field_serializer("probes")

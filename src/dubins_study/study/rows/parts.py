@@ -6,23 +6,50 @@ The metadata at a part's end name its schema and its run. `read_footer` reads an
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from dubins_study.study.rows.files import DamagedPartError, ResultsError, reason
+from dubins_study.errors import DubinsStudyError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, VERSION, VERSION_KEY, names
+from dubins_study.study.values import printable_text
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
 # Threads take longer to start than such a part takes to read.
 _SMALL_PART_ROWS = 2**12
 _MOVE = "it is none of this folder's parts, move it elsewhere"
+
+
+class ResultsError(DubinsStudyError, ValueError):
+    """A results folder that cannot be read or written; the message says which one and why."""
+
+
+class DamagedPartError(ResultsError):
+    """A part that was cut off or changed after it was written."""
+
+
+def reason(error: OSError) -> str:
+    """What went wrong, in the words of the system or of the library that raised the error."""
+    if error.errno is not None:
+        return os.strerror(error.errno)
+    return error.strerror or str(error).partition("\n")[0] or type(error).__name__
+
+
+@contextmanager
+def os_errors_as(problem: str) -> Iterator[None]:
+    """Raise an error of the operating system as a `ResultsError`: the problem and its reason."""
+    try:
+        yield
+    except OSError as error:
+        raise ResultsError(f"{problem}: {reason(error)}") from None
 
 
 class Part(NamedTuple):
@@ -44,38 +71,26 @@ def read_footer(file: FilePath) -> Part:
         return _footer(file, content)
 
 
-def read_batches(
-    file: FilePath, columns: Sequence[str] | None = None, *, dictionaries: bool = False
-) -> Iterator[pa.Table]:
+def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
     """A part's rows in tables of at most `BATCH_ROWS` rows, as the schema has them.
 
-    A column that was declared after the part was written is null. `dictionaries` leaves texts
-    (`scenario_id` excepted) as dictionaries: far less memory where a column repeats few texts.
-
-    Raises:
-        DamagedPartError: if the file was cut off or changed.
-        ResultsError: if it is of another schema, or cannot be read at all.
+    A column that was declared after the part was written is null. A `DamagedPartError` says that
+    the file was cut off or changed; a `ResultsError`, that it is of another schema or unreadable.
     """
     wanted = list(columns or ARROW_SCHEMA.names)
-    fields = [ARROW_SCHEMA.field(name) for name in wanted]
-    with ExitStack() as opened:
-        content = opened.enter_context(_open(file))
+    with _open(file) as content:
         expected, rows = _footer(file, content).rows, 0
         stored = [name for name in wanted if name in content.schema_arrow.names]
-        if dictionaries:  # opened again: Arrow refuses to open a file that lacks such a column
-            kept = {"scenario_id", *(name for name in wanted if name not in stored)}
-            texts = [f.name for f in fields if f.type == pa.string() and f.name not in kept]
-            content = opened.enter_context(_open(file, content.metadata, texts))
         threads = expected > _SMALL_PART_ROWS
         batches = content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads)
         while (batch := _next(file, batches)) is not None:
-            arrays = [
-                _cast(file, batch.column(f.name), f, dictionaries)
-                if f.name in stored
-                else pa.nulls(len(batch), f.type)
-                for f in fields
-            ]
             rows += len(batch)
+            arrays = [
+                _cast(file, batch.column(name), ARROW_SCHEMA.field(name))
+                if name in stored
+                else pa.nulls(len(batch), ARROW_SCHEMA.field(name).type)
+                for name in wanted
+            ]
             yield pa.Table.from_arrays(arrays, names=wanted)
     if rows != expected:  # no checksum covers the number of rows
         raise _damaged(file, f"it holds {rows} rows and says {expected}")
@@ -109,16 +124,9 @@ def _damaged(file: FilePath, problem: str) -> DamagedPartError:
     return DamagedPartError(f"{file} cannot be read: {problem}; run again for its rows")
 
 
-def _open(
-    file: FilePath, metadata: pq.FileMetaData | None = None, dictionaries: list[str] | None = None
-) -> pq.ParquetFile:
+def _open(file: FilePath) -> pq.ParquetFile:
     with _reading(file):
-        return pq.ParquetFile(
-            file,
-            metadata=metadata,
-            read_dictionary=dictionaries,
-            page_checksum_verification=True,
-        )
+        return pq.ParquetFile(file, page_checksum_verification=True)
 
 
 def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch | None:
@@ -156,17 +164,29 @@ def _column_problem(columns: Sequence[str]) -> str | None:
     return None if len(columns) == len(set(columns)) else "it has a column twice"
 
 
-def _cast(
-    file: FilePath, column: pa.Array[Any], field: pa.Field[Any], dictionaries: bool
-) -> pa.Array[Any]:
-    kind: Any = column.type
-    if kind == field.type or (
-        dictionaries and pa.types.is_dictionary(kind) and kind.value_type == field.type
-    ):
-        return column
+def _cast(file: FilePath, column: pa.Array[Any], field: pa.Field[Any]) -> pa.Array[Any]:
     try:
         return column.cast(field.type)
     except pa.ArrowException:
         raise ResultsError(
-            f"{file} cannot be read: column {field.name!r} holds {kind}; expected {field.type}"
+            f"{file} cannot be read: column {field.name!r} holds {column.type}; expected "
+            f"{field.type}"
         ) from None
+
+
+def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:
+    """A part's rows as `read_batches` gives them, with what cannot be printed written out.
+
+    Engines and plug-ins may say anything.
+    """
+    for table in read_batches(file, columns):
+        arrays = [_printable(column) for column in table.columns]
+        yield pa.Table.from_arrays(arrays, names=table.column_names)
+
+
+def _printable(column: Any) -> Any:
+    is_text = pa.types.is_string(column.type)
+    if not is_text or pc.all(pc.utf8_is_printable(column)).as_py() is not False:
+        return column
+    texts = [None if text is None else printable_text(text) for text in column.to_pylist()]
+    return pa.chunked_array([texts], column.type)
