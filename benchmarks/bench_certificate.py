@@ -16,7 +16,7 @@ from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
-from dubins_study.study.closed_form.kernel_words import ScenarioArrays
+from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario, check_frame, scenarios

@@ -10,8 +10,7 @@ import numpy as np
 
 from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NAMES, NO_OMPL, ompl_distances, random_frame
-from dubins_study.study.closed_form.kernel import shortest_rows
-from dubins_study.study.closed_form.kernel_words import Rows
+from dubins_study.study.closed_form.kernel import Rows, shortest_rows
 
 N = sized(1_000_000, 1_000)
 CHUNKS = sized(100, 4)

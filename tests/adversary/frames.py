@@ -14,8 +14,13 @@ from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import PROOFS, FrameCertificate, certify_frame
 from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import NO_WORD, FrameJudgement, judge_frame
-from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
+from dubins_study.study.check.verdict_frame import (
+    NO_WORD,
+    REGIONS,
+    VERDICTS,
+    FrameJudgement,
+    judge_frame,
+)
 from dubins_study.study.closed_form.kernel import shortest_rows
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Paths

@@ -52,8 +52,7 @@ class Analytic(Solver):
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
-        from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
+        from dubins_study.study.closed_form.kernel import NO_PATH, Rows, curvatures, shortest_rows
         from dubins_study.study.path import CLAIMS, Paths
 
         n = len(frame)

@@ -104,7 +104,7 @@ def _columns(
 ) -> dict[str, Any]:
     """The answer's columns: codes and flat buffers are taken over as they are."""
     from dubins_study.study.check.two_arcs import PATH_WORDS
-    from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
+    from dubins_study.study.check.verdict_frame import REGIONS, VERDICTS
     from dubins_study.study.closed_form.kernel import WORDS
     from dubins_study.study.path import CLAIMS
 

@@ -1,6 +1,6 @@
 """When a path counts as arriving, as drivable and as optimal: the one place that says so.
 
-`arrives` is plain arithmetic: Python runs it for one path, and `check.verdict_kernel` compiles it
+`arrives` is plain arithmetic: Python runs it for one path, and `check.verdict_frame` compiles it
 for millions.
 """
 

@@ -13,9 +13,9 @@ from hard_cases import hard_frame
 from dubins_study.study.check import enclosure
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.enclosure_kernel import Bounds, bound_rows
+from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
-from dubins_study.study.closed_form.kernel_words import ScenarioArrays
 from dubins_study.study.scenario import Scenario, check_frame, scenarios
 from dubins_study.study.words import BRANCHES
 

@@ -10,9 +10,8 @@ import pytest
 from hard_cases import hard_frame
 
 from dubins_study.study.closed_form import kernel_math
-from dubins_study.study.closed_form.kernel import WORDS, shortest_rows
+from dubins_study.study.closed_form.kernel import NO_PATH, WORDS, Rows, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
-from dubins_study.study.closed_form.kernel_words import NO_PATH, Rows
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import scenarios
 from dubins_study.study.words import BRANCHES

@@ -13,8 +13,7 @@ from hard_cases import hard_frame
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import NO_WORD, judge_frame
-from dubins_study.study.check.verdict_kernel import REGIONS, VERDICTS
+from dubins_study.study.check.verdict_frame import NO_WORD, REGIONS, VERDICTS, judge_frame
 from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import shortest_path

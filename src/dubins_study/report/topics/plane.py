@@ -60,8 +60,7 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
         return exact.iloc[:0]
     dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
-    from dubins_study.study.check.verdict_frame import judge_frame
-    from dubins_study.study.check.verdict_kernel import REGIONS
+    from dubins_study.study.check.verdict_frame import REGIONS, judge_frame
     from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
 
     x, y = (each.ravel() for each in np.meshgrid(*dense))

@@ -26,10 +26,9 @@ from dubins_study.study.check.certificate import (
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import ABNORMAL, MEASURED, measure
-from dubins_study.study.check.verdict_frame import FrameJudgement
-from dubins_study.study.check.verdict_kernel import VERDICTS
+from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement
+from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
-from dubins_study.study.closed_form.kernel_words import CodeArray, ScenarioArrays
 from dubins_study.study.path import BoolArray, FloatArray, Path, Paths, drivable
 from dubins_study.study.scenario import scenarios
 from dubins_study.study.tolerances import Tolerances

@@ -38,10 +38,9 @@ from dubins_study.study.check.interval_kernel import (
     times,
     widened,
 )
-from dubins_study.study.closed_form.kernel import chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel import ScenarioArrays, chunk_bounds, chunks
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.kernel_words import ScenarioArrays
 from dubins_study.study.path import BoolArray, FloatArray
 
 # A row is left where the radius of its interval is above these parts of the length and of delta:

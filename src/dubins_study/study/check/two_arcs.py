@@ -1,6 +1,6 @@
 """The word and the costates of a path of at most two arcs, in plain scalar arithmetic.
 
-Python runs these functions for one path; `verdict_kernel` and `certificate_frame` compile the same
+Python runs these functions for one path; `verdict_frame` and `certificate_frame` compile the same
 functions for millions. They are written for both: no objects, no allocation, and selects instead
 of branches where a loop over rows is to be vectorised.
 """

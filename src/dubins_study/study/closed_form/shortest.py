@@ -40,7 +40,7 @@ class Shortest(NamedTuple):
         return self.segments.total
 
 
-# Python runs the next five functions for one target; `kernel_words` compiles the same functions for
+# Python runs the next five functions for one target; `kernel` compiles the same functions for
 # arrays. So they take and return plain numbers: X, Y and delta of a `Local`.
 
 
