@@ -34,15 +34,15 @@ class Column(NamedTuple):
     """
 
     name: str
-    type: str
-    unit: str
     meaning: str
+    type: str = "string"
+    unit: str = ""
     detail: bool = False
     manifest: bool = False
     plotted: bool = False
 
 
-def column(unit: str, meaning: str, default: Any = None, **flags: bool) -> Any:
+def column(meaning: str, unit: str = "", *, default: Any = None, **flags: bool) -> Any:
     """A field of a share that is a column of the row; a field without it is none."""
     return field(default=default, metadata={"unit": unit, "meaning": meaning} | flags)
 
@@ -58,7 +58,9 @@ _TYPES = {
 def columns(share: Any) -> tuple[Column, ...]:
     """The columns that a share declares."""
     declared = (each for each in fields(share) if each.metadata)
-    return tuple(Column(each.name, _TYPES[str(each.type)], **each.metadata) for each in declared)
+    return tuple(
+        Column(each.name, type=_TYPES[str(each.type)], **each.metadata) for each in declared
+    )
 
 
 def names(columns: tuple[Column, ...]) -> list[str]:
@@ -82,21 +84,19 @@ class Reported:
     The path, the multipliers and the efforts are stored in columns of other shares.
     """
 
-    claim: Claim = column("", "what the solver says", MISSING, plotted=True)
+    claim: Claim = column("what the solver says", default=MISSING, plotted=True)
     path: Path | None = None
-    claimed_length: float | None = column("length", "length that the solver reports")
-    lower_bound: float | None = column("length", "bound that the solver reports")
+    claimed_length: float | None = column("length that the solver reports", "length")
+    lower_bound: float | None = column("bound that the solver reports", "length")
     multipliers: tuple[float, float] | None = None
-    iterations: int | None = column("", "the solver's own count", detail=True)
-    evaluations: int | None = column(
-        "", "the solver's own count of function evaluations", plotted=True
-    )
-    native_status: str = column("", "the backend's own status", "", detail=True, plotted=True)
+    iterations: int | None = column("the solver's own count", detail=True)
+    evaluations: int | None = column("the solver's own count of function evaluations", plotted=True)
+    native_status: str = column("the backend's own status", default="", detail=True, plotted=True)
     message: str = column(
-        "", "the backend's own message, or the error", "", detail=True, plotted=True
+        "the backend's own message, or the error", default="", detail=True, plotted=True
     )
     presolved: bool = column(
-        "", "the presolve answered, and no engine was asked", False, plotted=True
+        "the presolve answered, and no engine was asked", default=False, plotted=True
     )
     efforts: tuple[Effort, ...] = ()
     best_run: Effort | None = None
@@ -107,26 +107,26 @@ class Spent:
     """What the multipliers and efforts of a solution are stored as."""
 
     multiplier_x: float | None = column(
-        "1", "dual of the end point's x equation, if any", detail=True
+        "dual of the end point's x equation, if any", "1", detail=True
     )
     multiplier_y: float | None = column(
-        "1", "dual of the end point's y equation, if any", detail=True
+        "dual of the end point's y equation, if any", "1", detail=True
     )
-    subproblems: str | None = column("", "what was solved in turn, e.g. LS RS LR RL")
-    subproblem_runs: list[float] | None = column("", "runs of the engine, by subproblem")
-    subproblem_evaluations: list[float] | None = column("", "evaluations, by subproblem")
-    subproblem_s: list[float] | None = column("s", "time in the engine, by subproblem")
-    best_run_evaluations: int | None = column("", "evaluations of the run that gave the answer")
-    best_run_s: float | None = column("s", "time of that run: the engine called once")
+    subproblems: str | None = column("what was solved in turn, e.g. LS RS LR RL")
+    subproblem_runs: list[float] | None = column("runs of the engine, by subproblem")
+    subproblem_evaluations: list[float] | None = column("evaluations, by subproblem")
+    subproblem_s: list[float] | None = column("time in the engine, by subproblem", "s")
+    best_run_evaluations: int | None = column("evaluations of the run that gave the answer")
+    best_run_s: float | None = column("time of that run: the engine called once", "s")
 
 
 @dataclass(frozen=True)
 class Times:
     """Seconds on `perf_counter` in the process that solves; None for what was not reached."""
 
-    build_s: float | None = column("s", "time to build the model")
-    solve_s: float | None = column("s", "time to solve it", plotted=True)
-    wall_s: float | None = column("s", "time of the whole attempt, judging left out", plotted=True)
+    build_s: float | None = column("time to build the model", "s")
+    solve_s: float | None = column("time to solve it", "s", plotted=True)
+    wall_s: float | None = column("time of the whole attempt, judging left out", "s", plotted=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,28 +138,33 @@ class Judgement:
     longer: another local optimum, not a coarse answer.
     """
 
-    region: str = column("", "outside, left disc, right disc or circle", MISSING, plotted=True)
+    region: str = column("outside, left disc, right disc or circle", default=MISSING, plotted=True)
     margin: float = column(
-        "radius", "distance from the target to the nearer turning circle", MISSING, plotted=True
+        "distance from the target to the nearer turning circle",
+        "radius",
+        default=MISSING,
+        plotted=True,
     )
-    word: str | None = column("", "letters of the returned path", plotted=True)
-    reference_word: str | None = column("", "letters of the shortest path of the branch")
-    verdict: Verdict = column("", "what the check finds", MISSING, plotted=True)
-    false_claim: bool = column("", "the claim is stronger than the verdict", MISSING, plotted=True)
+    word: str | None = column("letters of the returned path", plotted=True)
+    reference_word: str | None = column("letters of the shortest path of the branch")
+    verdict: Verdict = column("what the check finds", default=MISSING, plotted=True)
+    false_claim: bool = column(
+        "the claim is stronger than the verdict", default=MISSING, plotted=True
+    )
     wrong_basin: bool = column(
-        "", "longer, and turns by another angle or is of another word", False, plotted=True
+        "longer, and turns by another angle or is of another word", default=False, plotted=True
     )
-    length: float | None = column("length", "length of the path, from its controls", plotted=True)
-    travel_time: float | None = column("time", "length / speed", detail=True)
-    reference: float | None = column("length", "length compared with; near a circle, relaxed")
+    length: float | None = column("length of the path, from its controls", "length", plotted=True)
+    travel_time: float | None = column("length / speed", "time", detail=True)
+    reference: float | None = column("length compared with; near a circle, relaxed", "length")
     gap: float | None = column(
-        "1", "(length - reference) / max(reference, radius), if it arrives", plotted=True
+        "(length - reference) / max(reference, radius), if it arrives", "1", plotted=True
     )
     miss: float | None = column(
-        "length", "distance from the path's end to the target", plotted=True
+        "distance from the path's end to the target", "length", plotted=True
     )
     curvature_excess: float | None = column(
-        "1/radius", "curvature beyond what the branch allows", detail=True, plotted=True
+        "curvature beyond what the branch allows", "1/radius", detail=True, plotted=True
     )
 
 
@@ -171,59 +176,41 @@ class Certificate:
     costates (nu1, nu2), Pontryagin's conditions and the cut margin.
     """
 
-    proof: Proof = column("", "how far the proof goes: proved, bounded, extremal or none", MISSING)
-    reference_low: float | None = column("length", "proven bounds of the shortest length")
-    reference_high: float | None = column("length", "both null where provably no path exists")
+    proof: Proof = column(
+        "how far the proof goes: proved, bounded, extremal or none", default=MISSING
+    )
+    reference_low: float | None = column("proven bounds of the shortest length", "length")
+    reference_high: float | None = column("both null where provably no path exists", "length")
     costate_x: float | None = column(
-        "1", "nu1 of the path, with nu0 = 1 unless abnormal", detail=True
+        "nu1 of the path, with nu0 = 1 unless abnormal", "1", detail=True
     )
-    costate_y: float | None = column("1", "nu2 of the path", detail=True)
-    abnormal: bool = column("", "nu0 = 0: the costates are of norm 1", False, detail=True)
-    hamiltonian: float | None = column("1", "largest absolute H on the path", detail=True)
+    costate_y: float | None = column("nu2 of the path", "1", detail=True)
+    abnormal: bool = column("nu0 = 0: the costates are of norm 1", default=False, detail=True)
+    hamiltonian: float | None = column("largest absolute H on the path", "1", detail=True)
     sign_margin: float | None = column(
-        "1", "least -u nu3 over turns; below 0, no extremal", detail=True
+        "least -u nu3 over turns; below 0, no extremal", "1", detail=True
     )
-    transversality: float | None = column("1", "absolute nu3 at the end", detail=True)
+    transversality: float | None = column("absolute nu3 at the end", "1", detail=True)
     pmp_residual: float | None = column(
-        "1", "worst violation of Pontryagin's conditions", detail=True
+        "worst violation of Pontryagin's conditions", "1", detail=True
     )
     cut_margin: float | None = column(
-        "rad", "above 0, the path is shortest to its own end", detail=True
+        "above 0, the path is shortest to its own end", "rad", detail=True
     )
     costate_error: float | None = column(
-        "1", "distance of the multipliers from -(nu1, nu2) / nu0", detail=True
+        "distance of the multipliers from -(nu1, nu2) / nu0", "1", detail=True
     )
-    false_bound: bool = column("", "the solver's bound lies above `reference_high`", False)
+    false_bound: bool = column("the solver's bound lies above `reference_high`", default=False)
 
 
 KEY = (
-    Column("scenario_id", "string", "", "hash of the scenario's numbers and label", plotted=True),
-    Column(
-        "solver", "string", "", "solver and its settings, e.g. turn-rate-qp[n=50]", plotted=True
-    ),
-    Column(
-        "profile",
-        "string",
-        "",
-        "named settings and tolerances: default, fast, accurate",
-        plotted=True,
-    ),
-    Column("branch", "string", "", "best, LS, RS, LR or RL", plotted=True),
-    Column(
-        "initial_guess",
-        "string",
-        "",
-        "cold, warm from the sweep's neighbour, or z1 z2 z3",
-        plotted=True,
-    ),
-    Column("repeat", "int64", "", "0, 1, ... of the same cell"),
-    Column(
-        "code_digest",
-        "string",
-        "",
-        "of the solver's code, settings, libraries: 12 hex digits",
-        detail=True,
-    ),
+    Column("scenario_id", "hash of the scenario's numbers and label", plotted=True),
+    Column("solver", "solver and its settings, e.g. turn-rate-qp[n=50]", plotted=True),
+    Column("profile", "named settings and tolerances: default, fast, accurate", plotted=True),
+    Column("branch", "best, LS, RS, LR or RL", plotted=True),
+    Column("initial_guess", "cold, warm from the sweep's neighbour, or z1 z2 z3", plotted=True),
+    Column("repeat", "0, 1, ... of the same cell", "int64"),
+    Column("code_digest", "of the solver's code, settings, libraries: 12 hex digits", detail=True),
 )
 # The values of the key columns.
 Key = tuple[str, str, str, str, str, int, str]
@@ -231,52 +218,38 @@ Key = tuple[str, str, str, str, str, int, str]
 CELL = KEY[:-1]
 
 SCENARIO = (
-    Column("x", "float64", "length", "start position"),
-    Column("y", "float64", "length", "start position"),
-    Column("heading", "float64", "rad", "start heading, counter-clockwise from +x"),
-    Column("target_x", "float64", "length", "target position"),
-    Column("target_y", "float64", "length", "target position"),
-    Column("radius", "float64", "length", "minimum turning radius"),
-    Column("speed", "float64", "length/time", "constant speed"),
-    Column("label", "string", "", "name given to the scenario", plotted=True),
+    Column("x", "start position", "float64", "length"),
+    Column("y", "start position", "float64", "length"),
+    Column("heading", "start heading, counter-clockwise from +x", "float64", "rad"),
+    Column("target_x", "target position", "float64", "length"),
+    Column("target_y", "target position", "float64", "length"),
+    Column("radius", "minimum turning radius", "float64", "length"),
+    Column("speed", "constant speed", "float64", "length/time"),
+    Column("label", "name given to the scenario", plotted=True),
 )
 METHOD = (
-    Column(
-        "formulation",
-        "string",
-        "",
-        "the problem that is handed over, e.g. joint NLP, LRS",
-        plotted=True,
-    ),
-    Column("engine", "string", "", "the library that solves it, e.g. Ipopt", plotted=True),
-    Column(
-        "guess",
-        "string",
-        "",
-        "where the search begins: bearing, zero, random, warm or none",
-        plotted=True,
-    ),
-    Column(
-        "tolerance", "float64", "", "feasibility that the engine is asked for, in its own terms"
-    ),
+    Column("formulation", "the problem that is handed over, e.g. joint NLP, LRS", plotted=True),
+    Column("engine", "the library that solves it, e.g. Ipopt", plotted=True),
+    Column("guess", "where the search begins: bearing, zero, random, warm or none", plotted=True),
+    Column("tolerance", "feasibility that the engine is asked for, in its own terms", "float64"),
 )
-OUTCOME = (Column("outcome", "string", "", "what happened to the process", plotted=True),)
+OUTCOME = (Column("outcome", "what happened to the process", plotted=True),)
 CONTROLS = (
-    Column("curvatures", "list<float64>", "1/length", "the path's controls, positive to the left"),
-    Column("lengths", "list<float64>", "length", "how long each is held"),
+    Column("curvatures", "the path's controls, positive to the left", "list<float64>", "1/length"),
+    Column("lengths", "how long each is held", "list<float64>", "length"),
 )
 ANSWER = (
     *(METHOD + columns(Judgement) + OUTCOME + columns(Reported)),
     *(columns(Certificate) + CONTROLS + columns(Times) + columns(Spent)),
 )
 RUN = (
-    Column("versions", "string", "", "of the solver's libraries and ours, as JSON", manifest=True),
-    Column("machine", "string", "", "machine kind: system, processor, cores", manifest=True),
-    Column("threads", "int64", "", "threads the numerical libraries may use", detail=True),
-    Column("jobs", "int64", "", "processes that solved side by side", detail=True),
-    Column("executor", "string", "", "local or dask: what ran the cells", detail=True),
-    Column("run_id", "string", "", "which run wrote the row", manifest=True),
-    Column("started", "string", "UTC", "when the attempt started, ISO 8601", detail=True),
+    Column("versions", "of the solver's libraries and ours, as JSON", manifest=True),
+    Column("machine", "machine kind: system, processor, cores", manifest=True),
+    Column("threads", "threads the numerical libraries may use", "int64", detail=True),
+    Column("jobs", "processes that solved side by side", "int64", detail=True),
+    Column("executor", "local or dask: what ran the cells", detail=True),
+    Column("run_id", "which run wrote the row", manifest=True),
+    Column("started", "when the attempt started, ISO 8601", "string", "UTC", detail=True),
 )
 ROW = KEY + SCENARIO + ANSWER + RUN
 # Columns that no solver fills, which are kept of an answer that does not fit.
