@@ -15,7 +15,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dubins_study.study.check.extremal import cut_margin, extremal, measure, pieces
+from dubins_study.study.check.extremal import extremal, measure, pieces
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word, word_of
 from dubins_study.study.closed_form.shortest import margin as distance
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
@@ -31,6 +31,10 @@ def certified(path, radius=1.0):
     found = extremal(pieces(path, radius))
     assert found is not None
     return found
+
+
+def cut_margin(path, radius=1.0):
+    return measure(path, radius)[1]
 
 
 def driven(path: Path, nu, nu0: float, radius: float):
@@ -74,7 +78,7 @@ def test_costates_against_an_ode_integrator(name):
 
     # the integrator's 1e-12 grows with the length in radii, and with the costates' size
     allowed = 1e-9 * (1 + path.total_length / scenario.radius) * max(1, math.hypot(*found.nu))
-    assert found.residual <= ROUNDING
+    assert found.pmp_residual <= ROUNDING
     assert allowed >= H
     assert margin >= -allowed
 
@@ -88,7 +92,7 @@ def test_ending_straight_costates_are_against_the_final_heading(arc, straight, s
     final = heading + side * arc
     assert found.nu == pytest.approx((-math.cos(final), -math.sin(final)), abs=ROUNDING)
     assert not found.abnormal
-    assert found.residual <= ROUNDING
+    assert found.pmp_residual <= ROUNDING
 
 
 @given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
@@ -99,7 +103,7 @@ def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
     found = certified(path)
 
     is_extremal = math.pi < second and first <= second
-    assert (found.residual <= ROUNDING) == is_extremal
+    assert (found.pmp_residual <= ROUNDING) == is_extremal
     if is_extremal:
         rho = -1 / math.cos(second / 2)
         phi = heading + side * first - side * second / 2
@@ -133,8 +137,8 @@ def test_what_is_no_extremal(curvature, length, least):
     """Nor has it a cut."""
     path = Path(Pose(0, 0, 0.4), curvature, length)
 
-    assert certified(path).residual > least
-    assert cut_margin(pieces(path, 1.0)) is None
+    assert certified(path).pmp_residual > least
+    assert cut_margin(path) is None
 
 
 def test_what_is_too_small_to_matter_is_passed_over():
@@ -144,12 +148,11 @@ def test_what_is_too_small_to_matter_is_passed_over():
 
     assert found.u.tolist() == [1, 0]
     assert found.length == pytest.approx([1.0, 5.0])
-    assert certified(path).residual <= ROUNDING
+    assert certified(path).pmp_residual <= ROUNDING
 
 
 def test_a_path_of_no_length_has_no_costates():
-    assert extremal(pieces(Path(Pose(0, 0, 0), [], []), 1.0)) is None
-    assert cut_margin(pieces(Path(Pose(0, 0, 0), [], []), 1.0)) == math.pi
+    assert measure(Path(Pose(0, 0, 0), [], []), 1.0) == (None, math.pi)
 
 
 @given(st.floats(-3, 3), st.floats(0.1, 50), st.floats(-3, 3), st.floats(0.2, 5))
@@ -161,7 +164,7 @@ def test_the_certificate_is_the_same_at_any_scale_and_heading(turn, scale, X, Y)
     a, b = certified(one, 1.0), certified(two, scale)
 
     assert math.hypot(*a.nu) == pytest.approx(math.hypot(*b.nu), rel=1e-5)
-    assert cut_margin(pieces(one, 1.0)) == pytest.approx(cut_margin(pieces(two, scale)), abs=1e-6)
+    assert cut_margin(one) == pytest.approx(cut_margin(two, scale), abs=1e-6)
 
 
 def test_the_cut_is_where_the_closed_form_changes_its_mind():
@@ -181,7 +184,7 @@ def test_the_cut_is_where_the_closed_form_changes_its_mind():
             path = shortest_path(scenario, word)
             if path is None or not 1e-4 < math.hypot(*scenario.local()) < 1e4:
                 continue
-            margin = cut_margin(pieces(path, scenario.radius))
+            margin = cut_margin(path, scenario.radius)
             if margin is None or abs(margin) < 1e-6:
                 continue
             longer = path.total_length / scenario.radius - best.total
@@ -192,10 +195,10 @@ def test_the_cut_is_where_the_closed_form_changes_its_mind():
 
 def test_a_nearly_straight_leg_is_a_leg():
     """Found in review: 5 R at a rate of 5e-8 is no piece too small to matter."""
-    bent = pieces(Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5]), 1.0)
-    straight = pieces(Path(Pose(0, 0, 0), [1, 0], [4.5, 5]), 1.0)
+    bent = Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5])
+    straight = Path(Pose(0, 0, 0), [1, 0], [4.5, 5])
 
-    assert bent.length.sum() == pytest.approx(9.5)
+    assert pieces(bent, 1.0).length.sum() == pytest.approx(9.5)
     assert cut_margin(bent) == pytest.approx(cut_margin(straight))
     assert cut_margin(bent) < 0
 
@@ -212,10 +215,9 @@ def test_an_arc_in_a_million_pieces_is_an_arc():
 def test_what_is_passed_over_is_next_to_nothing_or_kept():
     """Pieces that are each too small, and together the whole path, stay."""
     rates = np.resize([1.0, -1.0], 5 * 10**6)
-    found = pieces(Path(Pose(0, 0, 0), rates, np.full(rates.size, 1e-7)), 1.0)
+    path = Path(Pose(0, 0, 0), rates, np.full(rates.size, 1e-7))
 
-    assert found.length.sum() == pytest.approx(0.5)
-    assert cut_margin(found) is None
+    assert pieces(path, 1.0).length.sum() == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(
@@ -279,13 +281,12 @@ def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, 
     lengths = np.array([first, second][: len(turns)]) * radius
     curvature = np.array([t + off * (t != 0) for t in turns]) / radius
     path = Path(Pose(1, -2, heading), curvature, lengths)
-    quick, cut = measure(path, radius)
+    quick, _ = measure(path, radius)
     general = extremal(pieces(path, radius))
 
-    assert cut == pytest.approx(cut_margin(pieces(path, radius)), abs=1e-12)
     assert quick.abnormal == general.abnormal
-    assert (quick.residual <= 1e-7) == (general.residual <= 1e-7)
-    if general.residual <= 1e-7:
+    assert (quick.pmp_residual <= 1e-7) == (general.pmp_residual <= 1e-7)
+    if general.pmp_residual <= 1e-7:
         assert quick.nu == pytest.approx(general.nu, rel=1e-4, abs=1e-7)
         assert quick.sign_margin == pytest.approx(general.sign_margin, abs=1e-7)
         assert abs(quick.hamiltonian - general.hamiltonian) <= 1e-7

@@ -8,10 +8,10 @@ the question.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.check.enclosure import Enclosure, enclose
+from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import Extremal, measure
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
@@ -29,6 +29,50 @@ PMP_ROUNDING = 16 * EPS
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
 BOUND_TOLERANCE = 1e-9
+
+
+class Evidence(NamedTuple):
+    """What a proof rests on: numbers of one answer, or arrays of a frame's; NaN where unknown.
+
+    Args:
+        optimal, none_exists: whether the verdict is this one.
+        arrives: whether the path arrives.
+        length: of the path.
+        residual, cut: how nearly it is an extremal, and its cut margin (rad).
+        low: of the proven interval around the shortest length.
+        near: whether the interval is finite and within `allowed` of the length: an answer far below
+            it owes that to its miss, and proves nothing.
+        bound: the solver's own, unless it is false: then it contradicts the answer.
+        allowed: by how much an optimal path's length may differ.
+        radius: of the scenario.
+    """
+
+    optimal: Any
+    none_exists: Any
+    arrives: Any
+    length: Any
+    residual: Any
+    cut: Any
+    low: Any
+    near: Any
+    bound: Any
+    allowed: Any
+    radius: Any
+
+
+def proof_levels(found: Evidence, branch: str) -> tuple[Any, Any, Any]:
+    """Whether answers are proved, bounded and extremals, in this order of precedence.
+
+    Plain operators only, which serve one answer and arrays alike.
+    """
+    tolerance = PMP_TOLERANCE + PMP_ROUNDING * found.length / found.radius
+    # a path of no length has no costates, and needs none
+    is_extremal = found.arrives & ((found.length == 0) | (found.residual <= tolerance))
+    clear = (found.cut >= -CUT_TOLERANCE) | (branch != "best")
+    near = found.arrives & found.optimal & found.near
+    proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
+    no_path = found.none_exists & (found.low == math.inf)
+    return proved | no_path, near & (abs(found.length - found.bound) <= found.allowed), is_extremal
 
 
 def certify(
@@ -57,74 +101,34 @@ def certify(
     if path is not None and judged.length is not None:
         costates, cut = measure(path, radius)
     scale = max(interval.low, radius)
-    bound = None if lower_bound is None or math.isnan(lower_bound) else lower_bound
+    allowed = tolerances.gap * scale
+    length = math.nan if judged.length is None else judged.length
     arriving = None if judged.gap is None else judged.length
-    false_bound = is_false_bound(bound, interval, scale, arriving)
-    # a path of no length has no costates, and needs none
-    residual = None if costates is None else costates.residual
-    evidence = _Evidence(interval, 0.0 if judged.length == 0 else residual, cut)
-    proof = _proof(judged, branch, evidence, None if false_bound else bound, tolerances.gap, radius)
-    measured = {} if costates is None else costates.columns()
+    bound = math.nan if lower_bound is None else lower_bound
+    false_bound = bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
+    found = Evidence(
+        optimal=judged.verdict is Verdict.OPTIMAL,
+        none_exists=judged.verdict is Verdict.NONE_EXISTS,
+        arrives=arriving is not None,
+        length=length,
+        residual=math.nan if costates is None else costates.pmp_residual,
+        cut=math.nan if cut is None else cut,
+        low=interval.low,
+        near=interval.exists and interval.holds(length, allowed),
+        bound=math.nan if false_bound else bound,
+        allowed=allowed,
+        radius=radius,
+    )
+    levels = zip(Proof, (*proof_levels(found, branch), True), strict=True)
     return Certificate(
-        proof=proof,
+        proof=next(proof for proof, holds in levels if holds),
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,
         costate_error=None if costates is None else _costate_error(costates, multipliers),
         false_bound=false_bound,
-        **measured,
+        **({} if costates is None else costates._asdict()),
     )
-
-
-def is_false_bound(
-    bound: float | None, interval: Enclosure, scale: float, arriving: float | None
-) -> bool:
-    """Whether a lower bound lies above all of the shortest lengths that the data leave open.
-
-    Where some of the targets may have no path, no bound lies above all of their lengths. There a
-    path that arrives, with the length `arriving`, contradicts a bound above it and above them.
-    """
-    if bound is None or (interval.absent and arriving is None):
-        return False
-    highest = max(interval.high, arriving or 0.0) if interval.absent else interval.high
-    return bound > highest + BOUND_TOLERANCE * scale
-
-
-class _Evidence(NamedTuple):
-    """The interval around the reference length, and how nearly a path is an extremal."""
-
-    interval: Enclosure
-    residual: float | None
-    cut_margin: float | None
-
-
-def _proof(
-    judged: Judgement,
-    branch: str,
-    evidence: _Evidence,
-    bound: float | None,
-    gap: float,
-    radius: float,
-) -> Proof:
-    """The furthest proof; an optimal path may be off the interval by `gap` times its low end."""
-    interval, residual, cut = evidence
-    if judged.verdict is Verdict.NONE_EXISTS:
-        return Proof.PROVED if interval.low == math.inf else Proof.NONE
-    if judged.gap is None or judged.length is None:
-        return Proof.NONE
-    tolerance = PMP_TOLERANCE + PMP_ROUNDING * judged.length / radius
-    is_extremal = residual is not None and residual <= tolerance
-    if judged.verdict is Verdict.OPTIMAL and interval.exists:
-        allowed = gap * max(interval.low, radius)
-        # an answer far below the interval owes that to its miss, and proves nothing
-        near = interval.holds(judged.length, allowed)
-        clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
-        if near and (branch in ("LR", "RL") or (is_extremal and clear)):
-            return Proof.PROVED
-        # a bound above the answer's own length contradicts it, and proves nothing
-        if near and bound is not None and abs(judged.length - bound) <= allowed:
-            return Proof.BOUNDED
-    return Proof.EXTREMAL if is_extremal else Proof.NONE
 
 
 def _costate_error(costates: Extremal, multipliers: tuple[float, float] | None) -> float | None:

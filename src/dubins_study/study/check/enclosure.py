@@ -56,6 +56,16 @@ class Enclosure(NamedTuple):
         low, high = below[-1] if below else self.parts[0]
         return max(low, min(high, length))
 
+    def highest(self, arriving: float | None) -> float:
+        """The length above which a lower bound is false.
+
+        Where some of the targets may have no path, no bound lies above all of their lengths. There
+        a path that arrives, with the length `arriving`, contradicts a bound above it.
+        """
+        if not self.absent:
+            return self.high
+        return math.inf if arriving is None else max(self.high, arriving)
+
     def holds(self, length: float, tolerance: float) -> bool:
         """Whether a length is within the tolerance of a part."""
         return any(low - tolerance <= length <= high + tolerance for low, high in self.parts)

@@ -19,18 +19,17 @@ import math
 from collections.abc import Sequence
 from itertools import compress, pairwise
 from operator import mul, or_
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dubins_study.study.check.two_arcs import (
+    ABNORMAL,
     FULL_RATE,
     NO_LENGTH,
     NO_TURN,
     Word,
     costates,
-    cut_margin_cc,
-    cut_margin_cs,
     word_of,
 )
 from dubins_study.study.path import FEW, FloatArray, Path, corners
@@ -38,6 +37,78 @@ from dubins_study.study.scenario import Pose
 from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
+_NO_PIECE = (0.0, 0.0)
+_TURN = 2 * math.pi
+# coefficients of nu0, nu1, nu2 and of nu3 at the end
+Row = tuple[float, float, float, float]
+
+
+class Extremal(NamedTuple):
+    """What Pontryagin's conditions say of a path; columns of `study.rows.schema.Certificate`.
+
+    Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
+    path's length in radii where that exceeds 1, so that they are errors of angles.
+
+    Args:
+        costate_x, costate_y: nu1 and nu2 in the world frame with nu0 = 1, or of norm 1 if abnormal.
+        abnormal: whether nu0 = 0.
+        hamiltonian: max |H| over the path.
+        sign_margin: least -u nu3 over the turning pieces; below 0 a turn goes the wrong way.
+        transversality: |nu3| at the end.
+        pmp_residual: the worst of all violations, those of nu3 = 0 on straights included.
+    """
+
+    costate_x: float
+    costate_y: float
+    abnormal: bool
+    hamiltonian: float
+    sign_margin: float
+    transversality: float
+    pmp_residual: float
+
+    @property
+    def nu(self) -> tuple[float, float]:
+        return self.costate_x, self.costate_y
+
+
+# columns of `study.rows.schema` that hold the numbers that are measured here
+MEASURED = (*(name for name in Extremal._fields if name != "abnormal"), "cut_margin")
+
+
+def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
+    """The costates and the cut margin of a path that can be driven.
+
+    The cut margin says by how much (rad) a path stays clear of where another one becomes shorter. A
+    path with a margin above zero is shortest to its own end point, and only such a path is
+    (docs/derivation.md, section 10). None of a path that is not of a word S, C, CS or CC at full
+    rate, which no shortest path can be. Neither of a path whose numbers overflow in units of the
+    radius, which fits no scenario.
+    """
+    rates = [k * radius for k in path.curvature.tolist()]
+    lengths = [length / radius for length in path.length.tolist()]
+    word = _word(rates, lengths)
+    if word is None:
+        turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
+        if not math.isfinite(turns + sum(lengths)):
+            return None, None
+        driven = pieces(path, radius)
+        if not driven.u.size:
+            return None, math.pi
+        word = _word(driven.u.tolist(), driven.length.tolist())
+        if word is None:
+            return extremal(driven), None
+    measured = costates(path.start.heading, word.turn1, word.first, word.turn2, word.second)
+    x, y, abnormal, H, margin, cut = measured
+    return Extremal(x, y, abnormal, H, margin, 0.0, max(H, -margin)), cut
+
+
+def _word(rates: list[float], lengths: list[float]) -> Word | None:
+    """The word S, C, CS or CC at full rate that pieces are; None if they are another path."""
+    if not 0 < len(rates) <= 2:
+        return None
+    (u1, l1), (u2, l2) = (*zip(rates, lengths, strict=True), _NO_PIECE)[:2]
+    word = word_of(u1, l1, u2, l2)
+    return word if word.named else None
 
 
 class Pieces(NamedTuple):
@@ -108,131 +179,13 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Neighbours of one rate made one."""
     if u.size < 2:
         return u, length
-    begins = np.abs(u[1:] - u[:-1]) > FULL_RATE
-    if begins.all():
-        return u, length
-    first = np.concatenate(([0], 1 + np.flatnonzero(begins)))
+    first = np.concatenate(([0], 1 + np.flatnonzero(np.abs(u[1:] - u[:-1]) > FULL_RATE)))
     joined: FloatArray = np.add.reduceat(length, first)
     return u[first], joined
 
 
-_ORIGIN = Pose(0.0, 0.0, 0.0)
-_ZEROS = (0.0, 0.0, 0.0, 0.0)
-
-# columns of `study.rows.schema` that hold what is measured here
-MEASURED = (
-    "costate_x",
-    "costate_y",
-    "hamiltonian",
-    "sign_margin",
-    "transversality",
-    "pmp_residual",
-    "cut_margin",
-)
-# a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
-ABNORMAL = 1e-9
-_TURN = 2 * math.pi
-
-
-class Extremal(NamedTuple):
-    """What Pontryagin's conditions say of a path.
-
-    Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
-    path's length in radii where that exceeds 1, so that they are errors of angles.
-
-    Args:
-        nu: (nu1, nu2) in the world frame with nu0 = 1, or of norm 1 if abnormal.
-        abnormal: whether nu0 = 0.
-        hamiltonian: max |H| over the path.
-        sign_margin: least -u nu3 over the turning pieces; below 0 a turn goes the wrong way.
-        transversality: |nu3| at the end.
-        residual: the worst of all violations, those of nu3 = 0 on straights included.
-    """
-
-    nu: tuple[float, float]
-    abnormal: bool
-    hamiltonian: float
-    sign_margin: float
-    transversality: float
-    residual: float
-
-    def columns(self) -> dict[str, Any]:
-        """The values by their names in `study.rows.schema`."""
-        return {
-            "costate_x": self.nu[0],
-            "costate_y": self.nu[1],
-            "abnormal": self.abnormal,
-            "hamiltonian": self.hamiltonian,
-            "sign_margin": self.sign_margin,
-            "transversality": self.transversality,
-            "pmp_residual": self.residual,
-        }
-
-
-# coefficients of nu0, nu1, nu2 and of nu3 at the end
-Row = tuple[float, float, float, float]
-
-
-class Conditions(NamedTuple):
-    """What has to vanish: H on every piece, nu3 at the ends of straights, and what fixes the end.
-
-    The conditions on nu3 along straights are divided by the path's length.
-    """
-
-    hamiltonian: list[Row]
-    straight: list[Row]
-    ends: list[Row]
-
-
-def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
-    """The costates and the cut margin of a path that can be driven.
-
-    Neither of one whose numbers overflow in units of the radius, which fits no scenario.
-    """
-    rates = [k * radius for k in path.curvature.tolist()]
-    lengths = [length / radius for length in path.length.tolist()]
-    word = _word(rates, lengths)
-    if word is None:
-        turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
-        if not math.isfinite(turns + sum(lengths)):
-            return None, None
-        driven = pieces(path, radius)
-        word = _word(driven.u.tolist(), driven.length.tolist())
-        if word is None:
-            return extremal(driven), cut_margin(driven)
-    return _of_word(path.start.heading, word)
-
-
-_NO_PIECE = (0.0, 0.0)
-
-
-def _word(rates: list[float], lengths: list[float]) -> Word | None:
-    """The word S, C, CS or CC at full rate that pieces are; None if they are another path."""
-    if not 0 < len(rates) <= 2:
-        return None
-    (u1, l1), (u2, l2) = (*zip(rates, lengths, strict=True), _NO_PIECE)[:2]
-    word = word_of(u1, l1, u2, l2)
-    return word if word.named else None
-
-
-def _of_word(heading: float, word: Word) -> tuple[Extremal, float]:
-    """The costates and the cut margin of a word S, C, CS or CC at full rate, in closed form."""
-    nu0, rho, phi, H, margin, cut = costates(word.turn1, word.first, word.turn2, word.second)
-    abnormal = nu0 < ABNORMAL
-    size = rho if abnormal else rho / nu0
-    # turned by the heading apart: added to a heading of many turns, phi would lose its digits
-    c, s, along, across = math.cos(heading), math.sin(heading), math.cos(phi), math.sin(phi)
-    nu = (size * (c * along - s * across), size * (s * along + c * across))
-    return Extremal(nu, abnormal, H, margin, 0.0, max(H, -margin)), cut
-
-
 def extremal(driven: Pieces) -> Extremal | None:
-    """The costates that fit a path best, and how well; None for a path of no length.
-
-    None too where the conditions overflow.
-    """
-    if not driven.u.size:
-        return None
+    """The costates that fit a path best, and how well; None where the conditions overflow."""
     # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
     halves = np.where((driven.u != 0) & (np.abs(driven.u) < 1 - FULL_RATE), 2, 1)
     rates = np.repeat(driven.u, halves)
@@ -240,12 +193,16 @@ def extremal(driven: Pieces) -> Extremal | None:
     # in the frame of the start, where angles are small; the costates are turned back at the end
     poses = corners(_ORIGIN, rates, np.repeat(driven.length / halves, halves))
     stretch = max(1.0, float(driven.length.sum()))
-    conditions = _conditions(u, poses, stretch)
-    if not math.isfinite(sum(map(sum, conditions.hamiltonian))):
+    hamiltonian, straight, ends = _conditions(u, poses, stretch)
+    if not math.isfinite(sum(map(sum, hamiltonian))):
         return None  # rates times positions overflow
-    null_vector = _null_vector(conditions)
-    if null_vector is None:
-        return None
+    # the row of zeros keeps the matrix as high as it is wide
+    matrix = np.array([*hamiltonian, *straight, ends[0], (0.0,) * 4, *ends[1:]])
+    null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
+    size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
+    if not size > 0:
+        return None  # a path so long that nu3 alone violates them least: those are no costates
+    null_vector = [c / size for c in null_vector]
     abnormal = abs(null_vector[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
     arcs = [(a, b) for k, (_, _, a), (_, _, b) in zip(u, poses, poses[1:], strict=False) if k != 0]
@@ -253,30 +210,30 @@ def extremal(driven: Pieces) -> Extremal | None:
     margins = [_sign_margin(one, arcs) for one in signed]
     margin = max(margins)
     best = signed[margins.index(margin)]
-    H = _largest(conditions.hamiltonian, best)
-    off_straight = _largest(conditions.straight, best)
+    H = _largest(hamiltonian, best)
     nu0, nu1, nu2, nu3 = best
     transversality = abs(nu3) / stretch
     if not abnormal:
         nu1, nu2 = nu1 / nu0, nu2 / nu0
     c, s = math.cos(driven.heading), math.sin(driven.heading)
     return Extremal(
-        nu=(nu1 * c - nu2 * s, nu1 * s + nu2 * c),
+        costate_x=nu1 * c - nu2 * s,
+        costate_y=nu1 * s + nu2 * c,
         abnormal=abnormal,
         hamiltonian=H,
         sign_margin=margin,
         transversality=transversality,
-        residual=max(H, transversality, off_straight, -margin),
+        pmp_residual=max(H, transversality, _largest(straight, best), -margin),
     )
 
 
-def _conditions(u: list[float], poses: Sequence[Sequence[float]], stretch: float) -> Conditions:
+def _conditions(
+    u: list[float], poses: Sequence[Sequence[float]], stretch: float
+) -> tuple[list[Row], list[Row], list[Row]]:
     """The linear conditions on the costates of a path that begins at the origin.
 
-    Args:
-        u: rates of the n pieces.
-        poses: x, y (radii) and heading (rad) at their n + 1 ends.
-        stretch: what nu3 is divided by.
+    H on every piece, nu3 at the ends of straights (divided by `stretch`), and what fixes the end;
+    u are the rates of n pieces, poses the x, y (radii) and heading (rad) at their n + 1 ends.
     """
     end_x, end_y, end = poses[-1]
     nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
@@ -293,21 +250,8 @@ def _conditions(u: list[float], poses: Sequence[Sequence[float]], stretch: float
     ends = [nu3[-1]]
     if len(u) == 1 and not straight[0]:
         # a single arc has a family of costates; the one of a straight of no length after it
-        ends = [nu3[-1], (0.0, -math.sin(end), math.cos(end), 0.0)]
-    return Conditions(hamiltonian, still, ends)
-
-
-def _null_vector(conditions: Conditions) -> list[float] | None:
-    """The costates that violate the conditions least, scaled to max(nu0, |(nu1, nu2)|) = 1.
-
-    None of a path so long that nu3 alone violates them least: those are no costates.
-    """
-    hamiltonian, straight, ends = conditions
-    # the row of zeros keeps the matrix as high as it is wide
-    matrix = np.array([*hamiltonian, *straight, ends[0], _ZEROS, *ends[1:]])
-    null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
-    size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
-    return [c / size for c in null_vector] if size > 0 else None
+        ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
+    return hamiltonian, still, ends
 
 
 def _largest(rows: list[Row], nu: list[float]) -> float:
@@ -331,23 +275,3 @@ def _sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
         passed = max(a, b) // _TURN > min(a, b) // _TURN
         nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
     return nu0 - math.hypot(nu1, nu2) * nearest
-
-
-def cut_margin(driven: Pieces) -> float | None:
-    """By how much (rad) a path stays clear of where another one becomes shorter.
-
-    A path with a margin above zero is shortest to its own end point, and only such a path is
-    (docs/derivation.md, section 10). None if it is not of a word S, C, CS or CC
-    at full rate, which no shortest path can be.
-    """
-    length = driven.length.tolist()
-    match driven.u.tolist():
-        case [] | [0]:
-            return math.pi
-        case [1 | -1]:
-            return cut_margin_cs(length[0], 0.0)
-        case [1 | -1, 0]:
-            return cut_margin_cs(length[0], length[1])
-        case [1, -1] | [-1, 1]:
-            return cut_margin_cc(length[0], length[1])
-    return None

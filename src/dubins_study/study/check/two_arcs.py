@@ -25,8 +25,8 @@ FULL_RATE = 1e-9
 NO_TURN = 1e-6
 # and a straight shorter than this (radii, or share of a path shorter than a radius) is left out.
 NO_LENGTH = 1e-6
-# The merged path may end as far from the end of the driven one as a path that arrives may end from
-# its target, and be this much shorter: by `ARRIVES` radii, and by `DRIVEN` times its length more.
+# a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
+ABNORMAL = 1e-9
 _TURN = 2 * math.pi
 
 
@@ -106,33 +106,36 @@ def word_of(u1: float, l1: float, u2: float, l2: float) -> Word:
 
 
 def costates(
-    turn1: float, first: float, turn2: float, second: float
-) -> tuple[float, float, float, float, float, float]:
+    heading: float, turn1: float, first: float, turn2: float, second: float
+) -> tuple[float, float, bool, float, float, float]:
     """The costates of a word S, C, CS or CC in closed form, and how well they satisfy Pontryagin.
 
     What is measured comes from positions and headings, not from the word (docs/derivation.md,
     sections 9 and 10).
 
     Args:
+        heading: of the start (rad).
         turn1, turn2: rates +1, 0 or -1 of the pieces; turn1 is 0 only if there is but one.
         first, second: their lengths in radii.
 
     Returns:
-        nu0, rho, phi, max |H|, sign margin and cut margin, in the frame of the start:
-        (nu1, nu2) = rho (cos phi, sin phi), scaled to max(nu0, |rho|) = 1; nu3 = 0 at the end.
+        nu1 and nu2 in the world frame, with nu0 = 1 or of norm 1 if abnormal; whether nu0 = 0;
+        max |H|, sign margin and cut margin. nu3 is 0 at the end.
     """
     middle = turn1 * first
     end = middle + turn2 * second
     if turn2 != 0.0:  # CC: along or against the chord of the second arc
         half = math.cos(second / 2)
         nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
-        cut = cut_margin_cc(first, second)
+        longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
+        cut = min(min(second - math.pi, _TURN - second), longest - first)
     else:  # CS: against the final heading
         nu0, rho, phi = 1.0, -1.0, end
-        cut = math.pi if turn1 == 0.0 else cut_margin_cs(first, second)
+        cut = math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
-    nu1, nu2 = rho * math.cos(phi), rho * math.sin(phi)
+    along, across = math.cos(phi), math.sin(phi)
+    nu1, nu2 = rho * along, rho * across
     nu3 = nu2 * (x1 + x2) - nu1 * (y1 + y2)  # at the start
     middle_nu3 = nu2 * x2 - nu1 * y2
     H1 = nu0 + nu1 + turn1 * nu3
@@ -142,18 +145,12 @@ def costates(
     margin = min(margin1, margin2)
     on_straight = abs(middle_nu3) if turn2 == 0.0 else 0.0
     worst = max(max(abs(H1), abs(H2)), on_straight / max(1.0, first + second))
-    return nu0, rho, phi, worst, 0.0 if margin == math.inf else margin, cut
-
-
-def cut_margin_cs(arc: float, straight: float) -> float:
-    """Margin (rad) of an arc (rad) and a straight (radii): arc <= 2 (pi - atan(straight))."""
-    return 2 * (math.pi - math.atan(straight)) - arc
-
-
-def cut_margin_cc(first: float, second: float) -> float:
-    """Margin (rad) of two arcs (rad): the second in (pi, 2 pi), the first short enough."""
-    longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
-    return min(min(second - math.pi, _TURN - second), longest - first)
+    abnormal = nu0 < ABNORMAL
+    size = rho if abnormal else rho / nu0
+    # turned by the heading apart: added to a heading of many turns, phi would lose its digits
+    c, s = math.cos(heading), math.sin(heading)
+    x, y = size * (c * along - s * across), size * (s * along + c * across)
+    return x, y, abnormal, worst, 0.0 if margin == math.inf else margin, cut
 
 
 def _displacement(turn: float, length: float, heading: float) -> tuple[float, float]:
@@ -174,4 +171,4 @@ def _least(nu0: float, rho: float, a: float, b: float) -> float:
 
 
 # what a compiled caller has to know of, since the functions above call it by name
-CALLED = (nearest_rate, cut_margin_cs, cut_margin_cc, _displacement, _least)
+CALLED = (nearest_rate, _displacement, _least)
