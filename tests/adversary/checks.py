@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import mpmath
 import numpy as np
 from flint import acb, arb
 
@@ -13,19 +12,25 @@ from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.closed_form.shortest import Segments, shortest, shortest_path
+from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.path import drivable
+from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES
-from tests.adversary.oracle import DIGITS, WORDS, drive, greatest, least, lengths
-from tests.adversary.table import Table, paste
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import BRANCHES, TURN, Proof, Verdict
+from tests.adversary.generators import Answer
+from tests.adversary.oracle import DIGITS, WORDS, drive, end_of, greatest, least, lengths, side
+from tests.adversary.table import Table, paste, paste_path
 from tests.adversary.truth import Truth
 from tests.brute_force import words_by_search
 
-_TURN = {"L": 1, "S": 0, "R": -1}
+TOLERANCES = Tolerances()
 _EPS = math.ulp(1.0)
 _SURE = 2.0  # a set so many times as wide meets no edge: then nothing is open
 _STEPS = 6  # first pieces that are tried in front of the oracle's shortest
 _CLEAR = 0.02  # radii from every edge, next to which a scan does not tell two roots apart
+_CLOSE = 1 + 1e-9  # what two computations of one tolerance may differ by
+_SPREAD = 8  # how much wider than the sampled truth the whole truth may be
 
 
 def ulp(length: float, radius: float) -> float:
@@ -47,29 +52,24 @@ def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.G
     table.note("delta", float(off) / _EPS, f"local({paste(scenario)}).delta")
     for branch in BRANCHES:
         optimum, line = shortest(scenario, branch), paste(scenario, branch)
-        if optimum is None:
+        path = shortest_path(scenario, branch)
+        if optimum is None or path is None:
             wrong = truth.exact[branch] is not None
             if wrong and truth.touches(branch):
                 wrong = not truth.absent(branch)
             table.note("closed form existence", wrong, f"shortest({line})  # has a path")
             continue
         table.note("closed form existence", False, line)
-        path = shortest_path(scenario, branch)
-        assert path is not None
-        end = _end(optimum.word, optimum.segments)
-        length = path.total_length
-        far = _deviation(truth, branch, scenario, length, end, rng)
+        driven = [arb(s) for s in optimum.segments if s > 0]
+        word = zip(optimum.word, driven, strict=True)
+        end = drive([(arb(TURN[letter]), s) for letter, s in word])[0]
+        far = _deviation(truth, branch, scenario, path.total_length, end, rng)
         table.note("closed form length", far, f"shortest_path({line}).total_length")
         # the set's own width, and the rounding of both segments
         room = truth.delta + 16 * _EPS * (1 + arb(optimum.total))
         missed = end - truth.target
         apart = greatest((abs(missed.real), abs(missed.imag))) / room
         table.note("closed form end", float(apart), f"shortest_path({line}).end")
-
-
-def _end(word: str, segments: Segments) -> acb:
-    driven = [arb(s) for s in segments if s > 0]
-    return drive([(arb(_TURN[c]), s) for c, s in zip(word, driven, strict=True)])[0]
 
 
 def _deviation(
@@ -82,19 +82,18 @@ def _deviation(
 ) -> float:
     """By how many ulp a length leaves the truth; looks closer until the set explains it."""
     radius = arb(scenario.radius)
-    unit = arb(ulp(length, scenario.radius)) / radius
-    value = arb(length) / radius
+    unit, value = arb(ulp(length, scenario.radius)) / radius, arb(length) / radius
     exact = truth.exact[branch]
-    far = [arb("inf") if exact is None else abs(value - exact)]
-    if not far[0] <= 4 * unit and truth.has(end):
+    far = arb("inf") if exact is None else abs(value - exact)
+    if not far <= 4 * unit and truth.has(end):
         own = truth.member(end).lengths[branch]
-        far += [] if own is None else [abs(value - own)]
+        far = far if own is None else least((far, abs(value - own)))
     for refined in (False, True):
-        if not least(far) <= 4 * unit:
+        if not far <= 4 * unit:
             if refined:
                 truth.refine(rng)
-            far.append(outside(value, truth.hulls(branch)))
-    return float(least(far) / unit)
+            far = least((far, outside(value, truth.hulls(branch))))
+    return float(far / unit)
 
 
 def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tuple[float, float]]:
@@ -102,56 +101,28 @@ def enclosures(table: Table, scenario: Scenario, truth: Truth) -> dict[str, tupl
 
     Returns the least and the greatest of the sampled lengths by branch, rounded inwards.
     """
-    radius = arb(scenario.radius)
+    R = scenario.radius
     sampled = {}
     for branch in BRANCHES:
-        found = enclose(scenario, branch)
-        line = f"enclose({paste(scenario, branch)})"
-        lengths = (member.lengths[branch] for member in truth.members)
-        values = [length * radius for length in lengths if length is not None]
-        worst, value = _worst_outside(values, [(found.low, found.high)], scenario.radius)
-        table.note("enclosure holds truth", worst, f"{line}  # {value!r}")
-        worst, value = _worst_outside(values, found.parts, scenario.radius)
-        table.note("parts hold truth", worst, f"{line}.parts  # {value!r}")
+        found, line = enclose(scenario, branch), f"enclose({paste(scenario, branch)})"
+        known = (member.lengths[branch] for member in truth.members)
+        values = [length * arb(R) for length in known if length is not None]
+        parts = [(arb(low), arb(high)) for low, high in found.parts]
+        beyond = [v for v in values if not any(low <= v <= high for low, high in parts)]
+        off = {float(v): float(outside(v, parts)) / ulp(float(v), R) for v in beyond}
+        worst = max(off, key=off.__getitem__, default=0.0)
+        table.note("parts hold truth", off.get(worst, 0.0), f"{line}.parts  # {worst!r}")
         table.note("absent", _absent_wrong(truth, branch, found), f"{line}.absent")
         undecided = bool(values) and not math.isfinite(found.high)
         table.note("enclosure decided", undecided, line)
-        if values and not undecided and not truth.touches(branch, _SURE):
-            spread = float(greatest(values) - least(values)) + 4 * ulp(found.high, scenario.radius)
-            table.note("enclosure width", (found.high - found.low) / spread, line)
-        if values:
-            low, high = float(least(values)), float(greatest(values))
-            sampled[branch] = math.nextafter(low, math.inf), math.nextafter(high, 0.0)
-    return sampled
-
-
-def dense(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
-    """The same of some hundred targets more, on a share of the cases."""
-    truth.refine(rng)
-    radius = arb(scenario.radius)
-    for branch in BRANCHES:
-        found = enclose(scenario, branch)
-        lengths = (member.lengths[branch] for member in truth.members)
-        values = [length * radius for length in lengths if length is not None]
-        worst, value = _worst_outside(values, found.parts, scenario.radius)
-        line = f"enclose({paste(scenario, branch)}).parts  # {value!r}"
-        table.note("parts hold many", worst, line)
-        table.note("absent", truth.absent(branch) and not found.absent, line)
-
-
-def _worst_outside(
-    values: Sequence[arb], intervals: Sequence[tuple[float, float]], radius: float
-) -> tuple[float, float]:
-    """By how many ulp the worst of some numbers lies outside of all intervals; that number."""
-    hulls = [(arb(low), arb(high)) for low, high in intervals]
-    worst, at = 0.0, math.nan
-    for value in values:
-        if any(low <= value <= high for low, high in hulls):
+        if not values:
             continue
-        off = float(outside(value, hulls)) / ulp(float(value), radius)
-        if off > worst:
-            worst, at = off, float(value)
-    return worst, at
+        low, high = least(values), greatest(values)
+        if not undecided and not truth.touches(branch, _SURE):
+            spread = float(high - low) + 4 * ulp(found.high, R)
+            table.note("enclosure width", (found.high - found.low) / spread, line)
+        sampled[branch] = math.nextafter(float(low), math.inf), math.nextafter(float(high), 0.0)
+    return sampled
 
 
 def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
@@ -165,43 +136,118 @@ def _absent_wrong(truth: Truth, branch: str, found: Enclosure) -> bool:
 
 def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
     """A bound below the truth is not called false; one above the whole truth is."""
-    branch = "best"
-    path = shortest_path(scenario, branch)
-    judged = judge(scenario, path, branch=branch)
+    path = shortest_path(scenario)
+    judged = judge(scenario, path)
     values = [each["best"] for _, each, _ in truth.members if each["best"] is not None]
     low, high = (float(end) * scenario.radius for end in (least(values), greatest(values)))
     scale = max(high, scenario.radius)
-    tried = [(high - 1e-12 * scale, False)]
-    if not truth.touches(branch, _SURE):
-        tried.append((high + 4 * (high - low) + 1e-5 * scale, True))
-    for bound, is_false in tried:
-        certificate = certify(scenario, path, judged, branch, lower_bound=bound)
-        table.note(
-            "bounds",
-            certificate.false_bound != is_false,
-            f"solve({paste(scenario, branch)})  # bound {bound!r}",
-        )
+    tried = {high - 1e-12 * scale: False}
+    if not truth.touches("best", _SURE):
+        tried[high + 4 * (high - low) + 1e-5 * scale] = True
+    for bound, is_false in tried.items():
+        wrong = certify(scenario, path, judged, lower_bound=bound).false_bound != is_false
+        table.note("bounds", wrong, f"solve({paste(scenario)})  # bound {bound!r}")
+
+
+def answer(
+    table: Table, asked: Answer, truth: Truth, rng: np.random.Generator
+) -> tuple[Judgement, Certificate]:
+    """Verdict, proof and certificate of any answer, beside its end and its length in 60 digits."""
+    scenario, branch, path = asked
+    judged = judge(scenario, path, branch=branch)
+    certificate = certify(scenario, path, judged, branch)
+    line = f"{paste_path(scenario, branch, path)}  # {judged.verdict}, {certificate.proof}"
+    residual, cut = certificate.pmp_residual, certificate.cut_margin
+    if not drivable(path):
+        wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
+        table.note("broken path", wrong, line)
+        return judged, certificate
+    end, length = end_of(scenario, path), arb(path.total_length) / arb(scenario.radius)
+    arrives = _arrives(asked, truth, end)
+    optimal = judged.verdict is Verdict.OPTIMAL
+    found = optimal or judged.verdict is Verdict.LONGER
+    if arrives is not None:
+        table.note("arrival", found != arrives, line)
+    below, right, wrong = _compared(truth, branch, length)
+    if wrong and optimal:
+        truth.refine(rng)
+        below, right, wrong = _compared(truth, branch, length)
+    if found and below:
+        table.note("verdict", wrong if optimal else right, line)
+    is_proved = certificate.proof is Proof.PROVED
+    table.note("proved", is_proved and (arrives is False or wrong), line)
+    if residual is not None and cut is not None and residual <= 1e-7 and cut >= 1e-9:
+        table.note("certificate", _above_shortest(end, length), line)
+    return judged, certificate
+
+
+def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
+    """Whether a path is admissible and meets the target; None where rounding leaves that open."""
+    scenario, branch, path = asked
+    R = scenario.radius
+    if truth.exact[branch] is None:
+        return None  # an admissible path of other pieces may arrive where the word itself does not
+    controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    bend = excess([k * R for k, s in controls if s > 0], branch)
+    miss = float(abs(end - truth.target))
+    rounding = 32 * _EPS * (scenario.extent + path.total_length) / R
+    if abs(bend - TOLERANCES.curvature) < 1e-14:
+        return None
+    if miss > TOLERANCES.miss * _CLOSE + 2 * rounding:
+        return False
+    if miss >= TOLERANCES.miss / _CLOSE or rounding > 0.5:
+        return None
+    return bend <= TOLERANCES.curvature
+
+
+def excess(rates: Sequence[float], branch: str) -> float:
+    """Largest violation of what a branch allows of rates (curvature times radius)."""
+    if branch == "best":
+        return max((abs(u) - 1 for u in rates), default=0.0)
+    first = 1 if branch[0] == "L" else -1
+    if branch[1] == "S":
+        return max((max(-u * first, u * first - 1) for u in rates), default=0.0)
+    return min(
+        max((abs(u - (first if i < n else -first)) for i, u in enumerate(rates)), default=0.0)
+        for n in range(len(rates) + 1)
+    )
+
+
+def _compared(truth: Truth, branch: str, length: arb) -> tuple[bool, bool, bool]:
+    """Whether some truth is below a length, and the length surely right or surely wrong.
+
+    The whole truth is hardly wider than the sampled truth.
+    """
+    hulls = truth.hulls(branch)
+    below = [length if side(high - length) >= 0 else high for low, high in hulls if low <= length]
+    reference = greatest(below) if below else length
+    allowed = TOLERANCES.gap * float(greatest((reference, arb(1))))
+    # a length that is hardly below some of the truth is as right as one that is hardly above
+    apart = min(float(length - reference) if below else math.inf, float(outside(length, hulls)))
+    room = _SPREAD * max((float(high - low) for low, high in hulls), default=0.0)
+    return bool(below), apart <= allowed / _CLOSE, apart > allowed * _CLOSE + room
+
+
+def _above_shortest(end: acb, length: arb) -> float:
+    """By how many of the allowed gaps a path is longer than the shortest one to its own end.
+
+    Its end's neighbourhood is as wide as the check lets a path miss.
+    """
+    own = Truth(end, arb(2 * TOLERANCES.miss))
+    highest = own.exact["best"]
+    assert highest is not None
+    if length - highest > TOLERANCES.gap:
+        highest = greatest(each["best"] for _, each, _ in own.members if each["best"] is not None)
+    return float(length - highest) / TOLERANCES.gap
 
 
 def oracle(table: Table, scenario: Scenario, truth: Truth, rng: np.random.Generator) -> None:
     """The oracle against other ways to the same number."""
     line = f"Truth.of({paste(scenario)})"
-    table.note("oracle by mpmath", _sine(scenario.heading), line)
     table.note("oracle by steps", _steps(truth, rng), line)
     wide = Truth(truth.target, arb(_CLEAR))
     if not any(wide.touches(word) for word in WORDS):
         table.note("oracle by scan", _scan(truth), line)
-
-
-def _sine(heading: float) -> float:
-    """Error of sine and cosine of the heading beside mpmath's, in 1e-60."""
-    sin, cos = arb(heading).sin_cos()
-    with mpmath.workdps(DIGITS + 20):
-        pairs = ((sin, mpmath.sin(heading)), (cos, mpmath.cos(heading)))
-        return max(
-            float(abs(ball - arb(mpmath.nstr(number, DIGITS + 20)))) * 1e60
-            for ball, number in pairs
-        )
 
 
 def _steps(truth: Truth, rng: np.random.Generator) -> bool:

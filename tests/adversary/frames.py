@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +26,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Paths
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
-from dubins_study.study.words import BRANCHES, Proof, Verdict
+from dubins_study.study.words import BRANCHES, Verdict
 from tests.adversary.checks import ulp
 from tests.adversary.generators import Answer
 from tests.adversary.table import Table, paste, paste_path
@@ -37,7 +37,7 @@ Hulls = dict[str, tuple[float, float]]  # least and greatest length (length unit
 
 
 class Judged(NamedTuple):
-    """An altered answer, and what the scalar check says of it."""
+    """An answer, its kind, and what the scalar check says of it."""
 
     kind: str
     answer: Answer
@@ -70,41 +70,33 @@ def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
     solver = Analytic()
     for branch in BRANCHES:
         solution = solver.solve_frame(frame.copy(), branch)
-        judged = judge_frame(frame, solution.paths, solution.claim, branch)
-        bound = solution.lower_bound
-        certified = certify_frame(frame, solution.paths, judged, branch, bound)
+        rows = judge_frame(frame, solution.paths, solution.claim, branch)
+        certified = certify_frame(frame, solution.paths, rows, branch, solution.lower_bound)
         for row, (kind, scenario) in enumerate(cases):
             table.generator = kind
             single = solver.solve(Question(scenario, branch), 1.0)
-            path, least = single.path, single.lower_bound
-            verdict = judge(scenario, path, single.claim, branch)
-            proof = certify(scenario, path, verdict, branch, lower_bound=least)
+            judged = judge(scenario, single.path, single.claim, branch)
+            certificate = certify(
+                scenario, single.path, judged, branch, lower_bound=single.lower_bound
+            )
             line = f"solve({paste(scenario, branch)})"
-            _claim(table, verdict, proof, line)
+            wrong = judged.verdict not in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
+            wrong |= judged.false_claim or certificate.false_bound
+            table.note("analytic claim", wrong, f"{line}  # {judged.verdict}")
             if branch in sampled[row]:
                 low, high = sampled[row][branch]
                 found = certified.reference_low[row], certified.reference_high[row]
                 off = max(found[0] - low, high - found[1], 0.0) / ulp(high, scenario.radius)
                 text = f"{line}  # frame {found}, truth {low!r} {high!r}"
                 table.note("frame interval holds truth", off, text)
-            _same(table, (judged, certified), row, (verdict, proof), scenario, line)
+            _same(table, rows, certified, row, (judged, certificate), scenario, line)
 
 
-def _claim(table: Table, judged: Judgement, certificate: Certificate, line: str) -> None:
-    honest = judged.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
-    wrong = not honest or judged.false_claim or certificate.false_bound
-    table.note("analytic claim", wrong, f"{line}  # {judged.verdict}")
-    table.unproved += honest and certificate.proof is not Proof.PROVED
-
-
-def wrong_answers(table: Table, answers: Sequence[Judged]) -> None:
+def wrong_answers(table: Table, answers: Iterable[Judged]) -> None:
     """Altered answers of at most two pieces beside what the scalar check says of them."""
+    few = [one for one in answers if one.answer.path.length.size < 3]
     for branch in BRANCHES:
-        some = [
-            one
-            for one in answers
-            if one.answer.branch == branch and one.answer.path.length.size < 3
-        ]
+        some = [one for one in few if one.answer.branch == branch]
         if not some:
             continue
         frame = scenario_frame(one.answer.scenario for one in some)
@@ -114,42 +106,40 @@ def wrong_answers(table: Table, answers: Sequence[Judged]) -> None:
             controls[0, : path.curvature.size, row] = path.curvature
             controls[1, : path.length.size, row] = path.length
         paths = Paths(*controls)
-        judged = judge_frame(frame, paths, branch=branch)
-        certified = certify_frame(frame, paths, judged, branch)
+        rows = judge_frame(frame, paths, branch=branch)
+        certified = certify_frame(frame, paths, rows, branch)
         for row, one in enumerate(some):
             table.generator = one.kind
             scenario = one.answer.scenario
             line = paste_path(scenario, branch, one.answer.path)
-            both = one.judgement, one.certificate
-            _same(table, (judged, certified), row, both, scenario, line)
+            _same(table, rows, certified, row, one[2:], scenario, line)
 
 
 def _same(
     table: Table,
-    frame: tuple[FrameJudgement, FrameCertificate],
+    rows: FrameJudgement,
+    certified: FrameCertificate,
     row: int,
     scalar: tuple[Judgement, Certificate],
     scenario: Scenario,
     line: str,
 ) -> None:
     """What a frame says of one row beside what the scalar check says."""
-    (rows, certified), (judged, certificate) = frame, scalar
+    judged, certificate = scalar
     word = int(rows.word[row])
-    names = {
+    measured = {name: values[row] for name, values in certified.columns().items()}
+    pairs = {
         "verdict": (VERDICTS[rows.verdict[row]], judged.verdict),
         "region": (REGIONS[rows.region[row]], judged.region),
         "word": (None if word == NO_WORD else PATH_WORDS[word], judged.word),
         "wrong_basin": (bool(rows.wrong_basin[row]), judged.wrong_basin),
         "proof": (PROOFS[certified.proof[row]], certificate.proof),
         "false_bound": (bool(certified.false_bound[row]), certificate.false_bound),
+        "residual": (math.isnan(measured["pmp_residual"]), certificate.pmp_residual is None),
+        "cut": (math.isnan(measured["cut_margin"]), certificate.cut_margin is None),
     }
-    differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in names.items() if a != b]
+    differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in pairs.items() if a != b]
     table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
-    measured = certified.columns()
-    for name in ("pmp_residual", "cut_margin"):
-        missing = getattr(certificate, name) is None
-        wrong = missing != math.isnan(measured[name][row])
-        table.note("frame judgement", wrong, f"{line}  # {name}")
     if judged.gap is not None and judged.reference is not None and judged.length is not None:
         # an ulp of the reference counts for as much as the answer is longer
         reference = max(judged.reference, scenario.radius)

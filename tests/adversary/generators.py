@@ -8,7 +8,7 @@ that arithmetic rounds. Some are then moved by a number of ulp.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,10 +21,9 @@ from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError
 from dubins_study.study.words import BRANCHES
 from tests.adversary.oracle import drive
 
-Draw = Callable[[np.random.Generator], Scenario]
+Rng = np.random.Generator
 S = Scenario
 _ROUND = (0.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)
-_LARGEST_HEADING = 150  # power of ten
 
 # reproductions of what an earlier campaign found, which has to stay right
 FIXED = (
@@ -55,150 +54,104 @@ FIXED = (
 
 
 def placed(
-    rng: np.random.Generator,
+    rng: Rng,
     X: float,
     Y: float,
     *,
     box: float = 5.0,
     heading: float | None = None,
     radius: float = 1.0,
-    ulps: bool = False,
+    ulps: float = 0.0,
 ) -> Scenario:
     """A scenario whose target is computed in doubles from (X, Y) in the vehicle's frame (radii).
 
-    Args:
-        box: half the side of the square in which the start lies, in radii.
-        ulps: whether the target is moved by up to 1000 ulp in each coordinate.
+    The start lies in a square of half the side `box` (radii). `ulps` is the share of targets that
+    are moved by up to 1000 ulp in each coordinate.
     """
     if heading is None:
         heading = float(rng.choice(_ROUND) if rng.random() < 0.15 else rng.uniform(-7, 7))
     x, y = (rng.uniform(-box, box, 2) * radius).tolist()
     cos, sin = math.cos(heading), math.sin(heading)
-    target_x = x + radius * (X * cos - Y * sin)
-    target_y = y + radius * (X * sin + Y * cos)
-    if ulps:
-        target_x, target_y = _moved(rng, target_x), _moved(rng, target_y)
-    return S(x, y, heading, target_x, target_y, radius)
+    target = x + radius * (X * cos - Y * sin), y + radius * (X * sin + Y * cos)
+    if rng.random() < ulps:
+        steps = (rng.choice((-1, 1), 2) * 10 ** rng.uniform(-0.5, 3, 2)).astype(int).tolist()
+        target = tuple(v + n * math.ulp(v) for v, n in zip(target, steps, strict=True))
+    return S(x, y, heading, *target, radius)
 
 
-def _moved(rng: np.random.Generator, value: float) -> float:
-    steps = int(rng.choice((-1, 1)) * 10 ** rng.uniform(-0.5, 3))
-    return value + steps * math.ulp(value)
-
-
-def _power(rng: np.random.Generator, low: float, high: float) -> float:
+def power(rng: Rng, low: float, high: float) -> float:
     return float(10 ** rng.uniform(low, high))
 
 
-def _circle(rng: np.random.Generator, radius: int = 1) -> tuple[float, float]:
+def sign(rng: Rng) -> float:
+    return float(rng.choice((-1, 1)))
+
+
+def on_circle(rng: Rng, radius: int = 1) -> tuple[float, float]:
     """A point on a circle about one of the turning centres, anywhere on its circumference."""
-    a = rng.uniform(-math.pi, math.pi) * _power(rng, -8, 0) ** (rng.random() < 0.2)
+    a = rng.uniform(-math.pi, math.pi) * power(rng, -8, 0) ** (rng.random() < 0.2)
     if rng.random() < 0.5:
         a = math.pi - a
-    y = float(rng.choice((-1, 1))) * (1 - radius * math.cos(a))
-    return radius * math.sin(a), y
+    return radius * math.sin(a), sign(rng) * (1 - radius * math.cos(a))
 
 
-def general(rng: np.random.Generator) -> Scenario:
-    """A target at any distance and bearing; any radius that a vehicle may have."""
-    r, a = _power(rng, -3, 6), rng.uniform(-math.pi, math.pi)
-    radius = _power(rng, -6, 6)
-    return placed(rng, r * math.cos(a), r * math.sin(a), radius=radius, box=_power(rng, -2, 4))
+def anywhere(rng: Rng) -> tuple[float, float]:
+    """A point in and about the discs."""
+    X, Y = rng.uniform(-4, 4, 2).tolist()
+    return X, Y
 
 
-def near(rng: np.random.Generator) -> Scenario:
-    """A target in and about the discs."""
-    return placed(rng, *rng.uniform(-4, 4, 2).tolist(), radius=_power(rng, -3, 3))
+def general(rng: Rng) -> Scenario:
+    r, a = power(rng, -3, 6), rng.uniform(-math.pi, math.pi)
+    at = r * math.cos(a), r * math.sin(a)
+    return placed(rng, *at, radius=power(rng, -6, 6), box=power(rng, -2, 4))
 
 
-def circle(rng: np.random.Generator) -> Scenario:
-    """A target computed to lie on a turning circle, moved by 0 to 1000 ulp."""
-    box = float(rng.choice((0, 1, 10, 1e2, 1e3, 1e4, 1e5)))
-    return placed(rng, *_circle(rng), box=box, ulps=rng.random() < 0.7)
-
-
-def circle_offset(rng: np.random.Generator) -> Scenario:
-    """A target on a turning circle, far from the origin of the coordinates."""
-    radius = _power(rng, -3, 3)
-    return placed(rng, *_circle(rng), box=_power(rng, 5, 12), radius=radius, ulps=True)
-
-
-def circle_wide(rng: np.random.Generator) -> Scenario:
-    """A target beside a turning circle, by any distance from rounding to a tenth of the radius."""
-    X, Y = _circle(rng)
-    off = 1 + rng.choice((-1, 1)) * _power(rng, -16, -1)
+def beside_circle(rng: Rng) -> Scenario:
+    X, Y = on_circle(rng)
+    off = 1 + sign(rng) * power(rng, -16, -1)
     centre = math.copysign(1.0, Y)
-    return placed(rng, X * off, centre + (Y - centre) * off, box=_power(rng, -2, 5))
+    return placed(rng, X * off, centre + (Y - centre) * off, box=power(rng, -2, 5))
 
 
-def reach(rng: np.random.Generator) -> Scenario:
-    """A target on the edge of reach of LR or RL: 3 radii from a turning centre, or 1."""
-    X, Y = _circle(rng, 3 if rng.random() < 0.7 else 1)
-    return placed(rng, X, Y, box=_power(rng, -1, 9), ulps=rng.random() < 0.5)
+def tops(rng: Rng) -> Scenario:
+    x = 0.0 if rng.random() < 0.6 else sign(rng) * power(rng, -17, -6)
+    return placed(rng, x, float(rng.choice((2, -2, 4, -4))), box=power(rng, -1, 10), ulps=0.5)
 
 
-def tops(rng: np.random.Generator) -> Scenario:
-    """(0, 2R), (0, 4R) and their mirror images, where edges meet."""
-    y = float(rng.choice((2, -2, 4, -4)))
-    x = 0.0 if rng.random() < 0.6 else float(rng.choice((-1, 1))) * _power(rng, -17, -6)
-    return placed(rng, x, y, box=_power(rng, -1, 10), ulps=rng.random() < 0.5)
-
-
-def axis(rng: np.random.Generator) -> Scenario:
-    """Straight ahead and straight behind."""
-    X = float(rng.choice((-1, 1))) * _power(rng, -9, 9)
-    return placed(rng, X, 0.0, box=_power(rng, -2, 8), ulps=rng.random() < 0.5)
-
-
-def start(rng: np.random.Generator) -> Scenario:
-    """The start itself, and targets next to it, by ulp or by any power of ten."""
+def start(rng: Rng) -> Scenario:
     if rng.random() < 0.4:
-        return placed(rng, 0.0, 0.0, box=_power(rng, -3, 9), ulps=True)
-    sizes = 10 ** rng.uniform(-18, -1, 2) if rng.random() < 0.7 else 10 ** rng.uniform(-300, -1, 2)
+        return placed(rng, 0.0, 0.0, box=power(rng, -3, 9), ulps=1)
+    sizes = 10 ** rng.uniform(-18 if rng.random() < 0.7 else -300, -1, 2)
     X, Y = (sizes * rng.choice((-1, 0, 1, 1), 2)).tolist()
-    box = 0.0 if rng.random() < 0.7 else _power(rng, -18, 0)
-    return placed(rng, X, Y, box=box)
+    return placed(rng, X, Y, box=0.0 if rng.random() < 0.7 else power(rng, -18, 0))
 
 
-def denormal(rng: np.random.Generator) -> Scenario:
-    """A coordinate of a few 5e-324 beside one of a round number."""
+def denormal(rng: Rng) -> Scenario:
     tiny = float(5e-324 * int(rng.integers(-3, 4)))
     other = float(rng.choice((0, 1, -1, 2, -2, 3, 4, -4, 5e-324, 0.5)))
     x, y = (tiny, other) if rng.random() < 0.5 else (other, tiny)
     return S(0, 0, float(rng.choice(_ROUND)) * float(rng.random() < 0.3), x, y, 1)
 
 
-def heading(rng: np.random.Generator) -> Scenario:
-    """Headings of any size: targets near, and on the circles as doubles compute them."""
-    turned = float(rng.choice((-1, 1))) * _power(rng, 0, _LARGEST_HEADING)
-    X, Y = _circle(rng) if rng.random() < 0.5 else rng.uniform(-4, 4, 2).tolist()
-    return placed(rng, X, Y, box=_power(rng, -1, 3), heading=turned)
-
-
-def radius(rng: np.random.Generator) -> Scenario:
-    """Radii from 1e-150 to 1e150, every edge at that scale."""
-    some = (general, near, circle, circle_wide, reach, tops, axis, start)
-    shape = some[int(rng.integers(len(some)))](rng)
-    size = _power(rng, -150, 150)
+def any_radius(rng: Rng) -> Scenario:
+    names = ("general", "near", "circle", "beside a circle", "reach", "tops", "axis", "start")
+    shape = SCENARIOS[str(rng.choice(names))][1](rng)
+    size = power(rng, -150, 150)
     scale = size / shape.radius
     lengths = (shape.x, shape.y, shape.target_x, shape.target_y)
     x, y, target_x, target_y = (value * scale for value in lengths)
     return S(x, y, shape.heading, target_x, target_y, size)
 
 
-def extent(rng: np.random.Generator) -> Scenario:
-    """Coordinates up to the largest that a scenario may have beside its radius."""
-    box = LARGEST_EXTENT * _power(rng, -2, 0) / 5
-    kind = rng.random()
-    if kind < 0.4:
-        X, Y = (rng.uniform(-1, 1, 2) * box).tolist()
-    else:
-        X, Y = _circle(rng) if kind < 0.7 else rng.uniform(-4, 4, 2).tolist()
-    return placed(rng, X, Y, box=box)
+def extent(rng: Rng) -> Scenario:
+    box = LARGEST_EXTENT * power(rng, -2, 0) / 5
+    far = (rng.uniform(-1, 1, 2) * box).tolist()
+    at = (far, on_circle(rng), anywhere(rng))[int(rng.integers(3))]
+    return placed(rng, *at, box=box)
 
 
-def grid(rng: np.random.Generator) -> Scenario:
-    """Round numbers, which lie on edges exactly."""
+def grid(rng: Rng) -> Scenario:
     X, Y = rng.choice((0, 0.5, 1, 2, 3, 4, -0.5, -1, -2, -3, -4), 2).tolist()
     x, y = rng.choice((0, 0, 1, -3, 100), 2).tolist()
     size = float(rng.choice((1, 1, 2, 0.1, 25)))
@@ -206,40 +159,57 @@ def grid(rng: np.random.Generator) -> Scenario:
     return S(x, y, angle, x + X * size, y + Y * size, size)
 
 
-# each with its share of the cases
-SHARES: dict[Draw, int] = {
-    general: 10,
-    near: 10,
-    circle: 15,
-    circle_offset: 10,
-    circle_wide: 10,
-    reach: 8,
-    tops: 8,
-    axis: 6,
-    start: 6,
-    denormal: 1,
-    heading: 6,
-    radius: 5,
-    extent: 3,
-    grid: 2,
+# each kind with its share of the cases
+SCENARIOS: dict[str, tuple[int, Callable[[Rng], Scenario]]] = {
+    "general": (10, general),  # any distance and bearing; any radius that a vehicle may have
+    "near": (10, lambda r: placed(r, *anywhere(r), radius=power(r, -3, 3))),
+    # computed to lie on a turning circle, up to 1e5 and up to 1e12 radii from the origin
+    "circle": (15, lambda r: placed(r, *on_circle(r), box=int(power(r, -1, 5)), ulps=0.7)),
+    "circle, far off": (
+        10,
+        lambda r: placed(r, *on_circle(r), box=power(r, 5, 12), radius=power(r, -3, 3), ulps=1),
+    ),
+    # by any distance from rounding to a tenth of the radius
+    "beside a circle": (10, beside_circle),
+    # the edge of reach of LR and RL: 3 radii from a turning centre, or 1
+    "reach": (
+        8,
+        lambda r: placed(r, *on_circle(r, int(r.choice((1, 3, 3)))), box=power(r, -1, 9), ulps=0.5),
+    ),
+    "tops": (8, tops),  # (0, 2R), (0, 4R) and their mirror images, where edges meet
+    "axis": (
+        6,
+        lambda r: placed(r, sign(r) * power(r, -9, 9), 0.0, box=power(r, -2, 8), ulps=0.5),
+    ),
+    "start": (6, start),  # the start itself, and next to it, by ulp or by any power of ten
+    "denormal": (1, denormal),  # a coordinate of a few 5e-324 beside one of a round number
+    "heading": (
+        6,
+        lambda r: placed(
+            r,
+            *(on_circle(r) if r.random() < 0.5 else anywhere(r)),
+            box=power(r, -1, 3),
+            heading=sign(r) * power(r, 0, 150),
+        ),
+    ),
+    "radius": (5, any_radius),  # radii from 1e-150 to 1e150, every edge at that scale
+    "extent": (3, extent),  # coordinates up to the largest that a scenario may have
+    "grid": (2, grid),  # round numbers, which lie on edges exactly
 }
-_KINDS = [kind for kind, share in SHARES.items() for _ in range(share)]
+_KINDS = [kind for kind, (share, _) in SCENARIOS.items() for _ in range(share)]
 
 
 def case(seed: int, number: int) -> tuple[str, Scenario]:
-    """The generator and the scenario of one case, the same for every division into blocks."""
+    """The kind and the scenario of one case, the same for every division into blocks."""
     if number < len(FIXED):
         return "fixed", FIXED[number]
     rng = np.random.default_rng((seed, number))
     kind = _KINDS[number % len(_KINDS)]
     while True:
         try:
-            return kind.__name__, kind(rng)
+            return kind, SCENARIOS[kind][1](rng)
         except ScenarioError:  # outside of what a scenario may hold: another one
             continue
-
-
-_BITS = 320
 
 
 class Answer(NamedTuple):
@@ -250,128 +220,91 @@ class Answer(NamedTuple):
     path: Path
 
 
-Alter = Callable[[np.random.Generator, Scenario, Path], Answer]
+Controls = tuple[Sequence[float], Sequence[float]]  # rates (curvature times radius), radii
 
 
-def _branch(rng: np.random.Generator) -> str:
-    return str(rng.choice(BRANCHES)) if rng.random() < 0.4 else "best"
+def _one_altered(rng: Rng, values: Sequence[float], largest: float) -> Sequence[float]:
+    """One of the values changed by any share."""
+    altered = np.array(values)
+    if altered.size:
+        altered[rng.integers(altered.size)] *= 1 + sign(rng) * power(rng, -14, largest)
+    return altered.tolist()
 
 
-def _with_end_as_target(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """The question whose target is the path's own end, rounded to doubles."""
-    with ctx.workprec(_BITS):
+def _cut_up(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
+    n = int(rng.integers(2, 12))
+    return np.repeat(u, n).tolist(), np.repeat(np.array(s) / n, n).tolist()
+
+
+def _tiny_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
+    n, long = int(rng.integers(1, 100)), power(rng, 0, 7)
+    straight = long * power(rng, -9, -5) * rng.choice((0.1, 0.99, 1))
+    u, s = [1.0, 0.0] * n, [3.14 / n, straight] * n
+    if rng.random() < 0.3:  # turns too small to count, to both sides
+        u, s = u + [1.0, -1.0] * 5, s + [power(rng, -9, -5)] * 10
+    return [*u, 0.0], [*s, long]
+
+
+def _random_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
+    n = int(rng.integers(1, 7))
+    rates = rng.choice((-1.0, 0.0, 1.0), n) if rng.random() < 0.7 else rng.uniform(-1, 1, n)
+    lengths = rng.uniform(0, 4, n) if rng.random() < 0.5 else 10 ** rng.uniform(-8, 1, n)
+    return rates.tolist(), lengths.tolist()
+
+
+def _two_pieces(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
+    first = sign(rng)
+    return [first, rng.choice((0.0, -first))], rng.uniform(0, 2 * math.pi, 2).tolist()
+
+
+def _broken(rng: Rng, u: Sequence[float], s: Sequence[float]) -> Controls:
+    rates, lengths = [*u, 1.0][-2:], [*s, 1.0][-2:]  # two, so that a frame takes it too
+    bad = float(rng.choice((-4.59, math.nan, math.inf, -1e-12)))
+    spoilt = lengths if bad < 0 or rng.random() < 0.5 else rates
+    spoilt[int(rng.integers(len(spoilt)))] = bad
+    return rates, lengths
+
+
+Alter = Callable[[Rng, Sequence[float], Sequence[float]], Controls]
+# each kind with the share of its answers whose target is the altered path's own end
+ALTERED: dict[str, tuple[float, Alter]] = {
+    "other word": (0, lambda rng, u, s: (u, s)),  # as the answer to another branch
+    "full turn": (0, lambda rng, u, s: ([sign(rng), *u], [2 * math.pi, *s])),
+    "altered length": (0, lambda rng, u, s: (u, _one_altered(rng, s, 0))),
+    "altered curvature": (0.5, lambda rng, u, s: (_one_altered(rng, u, -1), s)),
+    "cut up": (0, _cut_up),  # the right path in many pieces, which is as right
+    "tiny pieces": (1, _tiny_pieces),  # arcs with straights between them, then a long way
+    "random pieces": (1, _random_pieces),
+    "two pieces": (1, _two_pieces),  # right for short arcs, wrong beyond
+    "broken": (0, _broken),  # nothing can drive it
+}
+
+
+def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
+    """The scenario whose target is the path's own end, rounded to doubles."""
+    with ctx.workprec(320):
         controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
         moved = drive([(arb(k), arb(s)) for k, s in controls])[0]
         sin, cos = arb(scenario.heading).sin_cos()
         x = float(arb(scenario.x) + moved.real * cos - moved.imag * sin)
         y = float(arb(scenario.y) + moved.real * sin + moved.imag * cos)
-    return Answer(replace(scenario, target_x=x, target_y=y), _branch(rng), path)
+    return replace(scenario, target_x=x, target_y=y)
 
 
-def other_word(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """The shortest path of one branch as the answer to another."""
-    other = shortest_path(scenario, str(rng.choice(BRANCHES)))
-    return Answer(scenario, _branch(rng), path if other is None else other)
-
-
-def full_turn(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """A full turn too much."""
-    k = float(rng.choice((-1, 1))) / scenario.radius
-    turn = 2 * math.pi * scenario.radius
-    return Answer(
-        scenario, _branch(rng), Path(scenario.start, [k, *path.curvature], [turn, *path.length])
-    )
-
-
-def altered_length(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """One length changed by any share: the path misses by more than the tolerance, or by less."""
-    lengths = path.length.copy()
-    if lengths.size:
-        lengths[rng.integers(lengths.size)] *= 1 + rng.choice((-1, 1)) * 10 ** rng.uniform(-14, 0)
-    return Answer(scenario, _branch(rng), Path(scenario.start, path.curvature, lengths))
-
-
-def altered_curvature(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """One curvature changed by any share; the target is the new end, or stays."""
-    curvature = path.curvature.copy()
-    if curvature.size:
-        share = 1 + rng.choice((-1, 1)) * 10 ** rng.uniform(-14, -1)
-        curvature[rng.integers(curvature.size)] *= share
-    changed = Path(scenario.start, curvature, path.length)
-    if rng.random() < 0.5:
-        return Answer(scenario, _branch(rng), changed)
-    return _with_end_as_target(rng, scenario, changed)
-
-
-def cut_up(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """The right path cut into many pieces, which is as right."""
-    n = int(rng.integers(2, 12))
-    curvature, length = np.repeat(path.curvature, n), np.repeat(path.length / n, n)
-    return Answer(scenario, "best", Path(scenario.start, curvature, length))
-
-
-def tiny_pieces(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """Arcs with straights between them that are short beside the whole path, then a long way."""
-    R = scenario.radius
-    n, long = int(rng.integers(1, 100)), 10 ** rng.uniform(0, 7)
-    straight = long * 10 ** rng.uniform(-9, -5) * rng.choice((0.1, 0.99, 1))
-    curvature = np.tile([1.0, 0.0], n).tolist()
-    length = np.tile([3.14 / n, straight], n).tolist()
-    if rng.random() < 0.3:
-        # turns too small to count, to both sides
-        curvature += [1.0, -1.0] * 5
-        length += [10 ** rng.uniform(-9, -5)] * 10
-    k, s = np.array([*curvature, 0.0]) / R, np.array([*length, long]) * R
-    return _with_end_as_target(rng, scenario, Path(scenario.start, k, s))
-
-
-def random_pieces(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """One to six pieces at full rate or less, the target at their end."""
-    n = int(rng.integers(1, 7))
-    u = rng.choice((-1.0, 0.0, 1.0), n) if rng.random() < 0.7 else rng.uniform(-1, 1, n)
-    s = rng.uniform(0, 4, n) if rng.random() < 0.5 else 10 ** rng.uniform(-8, 1, n)
-    R = scenario.radius
-    return _with_end_as_target(rng, scenario, Path(scenario.start, u / R, s * R))
-
-
-def two_pieces(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """Two pieces at full rate, the target at their end: right for short arcs, wrong beyond."""
-    first = float(rng.choice((-1, 1)))
-    last = float(rng.choice((0.0, -first)))
-    R = scenario.radius
-    s = rng.uniform(0, 2 * math.pi, 2) * R
-    return _with_end_as_target(rng, scenario, Path(scenario.start, np.array([first, last]) / R, s))
-
-
-def broken(rng: np.random.Generator, scenario: Scenario, path: Path) -> Answer:
-    """A path that nothing can drive: a negative length, or a number that is not finite."""
-    curvature, length = [*path.curvature, 1 / scenario.radius], [*path.length, scenario.radius]
-    place = int(rng.integers(len(length)))
-    bad = float(rng.choice((-4.59, math.nan, math.inf, -1e-12)))
-    if bad < 0 or rng.random() < 0.5:
-        length[place] = bad * scenario.radius
-    else:
-        curvature[place] = bad
-    short = slice(-2, None)  # two pieces, so that the frame takes it too
-    return Answer(scenario, _branch(rng), Path(scenario.start, curvature[short], length[short]))
-
-
-KINDS: tuple[Alter, ...] = (
-    other_word,
-    full_turn,
-    altered_length,
-    altered_curvature,
-    cut_up,
-    tiny_pieces,
-    random_pieces,
-    two_pieces,
-    broken,
-)
-
-
-def wrong_answer(rng: np.random.Generator, scenario: Scenario) -> tuple[str, Answer]:
-    """One altered answer; its kind by name."""
-    kind = KINDS[int(rng.integers(len(KINDS)))]
-    path = shortest_path(scenario)
-    assert path is not None, "some path to every target exists"
-    return kind.__name__, kind(rng, scenario, path)
+def wrong_answer(rng: Rng, scenario: Scenario) -> tuple[str, Answer]:
+    """One altered answer, to the scenario or to one of its own; and its kind."""
+    while True:
+        kind = str(rng.choice(list(ALTERED)))
+        moved, alter = ALTERED[kind]
+        word = str(rng.choice(BRANCHES)) if kind == "other word" else "best"
+        path = shortest_path(scenario, word) or shortest_path(scenario)
+        assert path is not None, "some path to every target exists"
+        R = scenario.radius
+        u, s = alter(rng, (path.curvature * R).tolist(), (path.length / R).tolist())
+        path = Path(scenario.start, np.array(u) / R, np.array(s) * R)
+        branch = str(rng.choice(BRANCHES)) if rng.random() < 0.4 else "best"
+        try:
+            asked = _with_end_as_target(scenario, path) if rng.random() < moved else scenario
+        except ScenarioError:  # the path ends where no scenario's target may lie
+            continue
+        return kind, Answer(asked, branch, path)

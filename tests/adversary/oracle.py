@@ -144,7 +144,7 @@ def greatest(values: Iterable[arb]) -> arb:
     return max(values, key=lambda value: value.mid())
 
 
-def end(scenario: Scenario, path: Path) -> acb:
+def end_of(scenario: Scenario, path: Path) -> acb:
     """The end of a path's controls, driven in 60 digits, in the vehicle's frame (radii)."""
     radius = arb(scenario.radius)
     controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)

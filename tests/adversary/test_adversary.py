@@ -10,38 +10,34 @@ import pytest
 
 from dubins_study.study.path import Path
 from dubins_study.study.words import Proof, Verdict
-from tests.adversary import answers, checks, frames
+from tests.adversary import checks, frames
 from tests.adversary.campaign import run
 from tests.adversary.table import CHECKS, Table
 
 SEED = 9
-FEW, ALL = 200, 100_000
-PARTS = 20  # of the slow run, so that they are shared out among the workers
-
-
-def _report(table: Table) -> str:
-    return "\n".join(["", f"seed {SEED}", *table.lines()])
+FEW, ALL = 200, 30_000
+PARTS = 10  # of the slow run, so that they are shared out among the workers
 
 
 def test_no_counterexample_in_few_cases() -> None:
     """Every generator meets every check."""
     table = run(SEED, 0, FEW)
 
-    assert table.wrong == 0, _report(table)
-    assert {check for _, check in table.cells} == set(CHECKS)
+    assert table.wrong == 0, str(table)
+    assert {check for check, _ in table.cells} == set(CHECKS)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_no_counterexample(part: int) -> None:
-    """100 000 cases in all; `make adversary N=1000000` tries any number."""
+    """30 000 cases in all; `make adversary N=1000000` tries any number."""
     size = ALL // PARTS
     table = Table()
     for low in range(part * size, (part + 1) * size, 500):
         table.add(run(SEED, low, low + 500))
 
-    assert table.wrong == 0, _report(table)
+    assert table.wrong == 0, str(table)
 
 
 def _longer(path: Path | None) -> Path | None:
@@ -54,9 +50,7 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "closed form length": (checks, "shortest_path", _longer),
     "closed form existence": (checks, "shortest", lambda _: None),
     "kernel length": (frames, "shortest_path", _longer),
-    "enclosure holds truth": (checks, "enclose", lambda e: e._replace(low=e.high * (1 + 1e-15))),
     "parts hold truth": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
-    "parts hold many": (checks, "enclose", lambda e: e._replace(parts=e.parts[:-1])),
     "absent": (checks, "enclose", lambda e: e._replace(absent=not e.absent)),
     "enclosure decided": (checks, "enclose", lambda e: e._replace(high=float("inf"))),
     "enclosure width": (checks, "enclose", lambda e: e._replace(low=0.0)),
@@ -64,11 +58,11 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "frame judgement": (frames, "judge", lambda j: replace(j, region="circle")),
     "frame gap": (frames, "judge", lambda j: replace(j, gap=j.gap and j.gap + 1e-14)),
     "analytic claim": (frames, "judge", lambda j: replace(j, false_claim=True)),
-    "verdict": (answers, "judge", lambda j: _swapped(j)),
-    "arrival": (answers, "judge", lambda j: replace(j, verdict=Verdict.MISSES)),
-    "broken path": (answers, "judge", lambda j: replace(j, verdict=Verdict.OPTIMAL)),
-    "proved": (answers, "certify", lambda c: replace(c, proof=Proof.PROVED)),
-    "certificate": (answers, "certify", lambda c: replace(c, pmp_residual=0.0, cut_margin=1.0)),
+    "verdict": (checks, "judge", lambda j: _swapped(j)),
+    "arrival": (checks, "judge", lambda j: replace(j, verdict=Verdict.MISSES)),
+    "broken path": (checks, "judge", lambda j: replace(j, verdict=Verdict.OPTIMAL)),
+    "proved": (checks, "certify", lambda c: replace(c, proof=Proof.PROVED)),
+    "certificate": (checks, "certify", lambda c: replace(c, pmp_residual=0.0, cut_margin=1.0)),
 }
 
 
@@ -86,4 +80,4 @@ def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatc
 
     table = run(SEED, 100, 140)
 
-    assert check in table.first, _report(table)
+    assert check in table.first, str(table)
