@@ -21,15 +21,10 @@ class AngleError(DubinsStudyError, ValueError):
 
 
 def parse_angle(text: str | float) -> float:
-    """Angle in radians, counter-clockwise.
+    """Angle in radians, counter-clockwise, from a number (radians) or a text.
 
-    Args:
-        text: a number (radians), or a text such as `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3`,
-            `0.5*pi`. A text without a unit is in radians, up to a full turn.
-
-    Raises:
-        AngleError: if the text is none of these, is not finite, or has no unit and is more than
-            a full turn.
+    A text is like `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3` or `0.5*pi`; without a unit it is in
+    radians, up to a full turn. Anything else is an `AngleError`.
     """
     if not isinstance(text, str):
         value: float | None = float(text)

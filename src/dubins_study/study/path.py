@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from operator import mul
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +16,10 @@ from dubins_study.study.values import doubles, real_number
 from dubins_study.study.words import Claim
 
 FloatArray = NDArray[np.float64]
-_RIPPLE = 1e-3
+BoolArray = NDArray[np.bool_]
+CLAIMS = tuple(Claim)
+# An arc with less than this share of the path's largest curvature counts as straight.
+RIPPLE = 1e-3
 # up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
 FEW = 7
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
@@ -31,10 +33,6 @@ class Path:
         start: initial pose.
         curvature: shape (n,), 1 / length unit, positive to the left.
         length: shape (n,), length unit.
-
-    Raises:
-        ValueError: if the two arrays are not of one shape (n,).
-        TypeError: if one of them holds something else than numbers (`study.values`).
 
     Any numbers are accepted, since a path may come from a solver that went wrong; whether it
     can be driven (finite, no negative length) is for `study.check.verdict` to say.
@@ -112,8 +110,7 @@ class Path:
         curvatures, lengths = self.curvature.tolist(), self.length.tolist()
         if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
             return ""  # a broken path has no word
-        # what bends a thousandth as hard as the path's turns is a straight with a ripple
-        ripple = _RIPPLE * max(map(abs, curvatures), default=0.0)
+        ripple = RIPPLE * max(map(abs, curvatures), default=0.0)
         pieces = (
             (0 if abs(k) <= ripple else 1 if k > 0 else -1, abs(k) * length, length)
             for k, length in zip(curvatures, lengths, strict=True)
@@ -226,20 +223,6 @@ def drivable(path: Path) -> bool:
     return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
 
 
-def largest_distance(first: Path, second: Path, n: int = 257) -> float:
-    """Largest distance (length unit) between two paths at equal arc length.
-
-    Looked at in `n` places; where one path has ended it waits at its end.
-    """
-    along = np.linspace(0.0, max(first.total_length, second.total_length), n)
-    apart: NDArray[Any] = first.at(along)[:, :2] - second.at(along)[:, :2]
-    return float(np.hypot(apart[:, 0], apart[:, 1]).max())
-
-
-BoolArray = NDArray[np.bool_]
-CLAIMS = tuple(Claim)
-
-
 @dataclass(frozen=True, eq=False)
 class Paths:
     """Controls of n paths of at most two arcs, each starting at its scenario's start.
@@ -248,10 +231,6 @@ class Paths:
         curvature: shape (2, n), 1 / length unit, positive to the left.
         length: shape (2, n), length unit; an arc of length 0 is left out.
         returned: shape (n,), False where there is no path; None if all rows have one.
-
-    Raises:
-        ValueError: naming the array, its shape and what was expected.
-        TypeError: if an array does not hold numbers, or `returned` no booleans.
     """
 
     curvature: FloatArray

@@ -1,8 +1,4 @@
-"""When a path counts as arriving, as drivable and as optimal: the one place that says so.
-
-`arrives` is plain arithmetic: Python runs it for one path, and `check.verdict_frame` compiles it
-for millions.
-"""
+"""When a path counts as arriving, as drivable and as optimal: the one place that says so."""
 
 from __future__ import annotations
 
@@ -35,13 +31,8 @@ def arrives(miss: float, radius: float, extent: float, length: float, allowed: f
     """Whether a path ends at its target, up to the tolerance and the rounding of driving it.
 
     A path that is so long that rounding moves its end by more than a radius cannot be checked.
-
-    Args:
-        miss: distance from the path's end to the target.
-        radius: turning radius.
-        extent: size of the coordinates, `Scenario.extent`.
-        length: of the path.
-        allowed: `Tolerances.miss`, in radii.
+    `miss` is the distance from its end to the target, `extent` is `Scenario.extent`, `allowed` is
+    `Tolerances.miss` (radii). `check.verdict_frame` compiles this function.
     """
     rounding = DRIVEN * (extent + length)
     return (miss <= allowed * radius + rounding) & (rounding <= radius)

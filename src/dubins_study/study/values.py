@@ -22,9 +22,8 @@ _NO_NUMBERS = (
 def real_number(value: Any) -> float:
     """The value as a float: an int, float, Fraction or Decimal, one of numpy's, or the like.
 
-    Raises:
-        TypeError: if it is a boolean, complex, a text, bytes, a duration, a date or an array.
-        Exception: whatever `float` raises, such as OverflowError for an integer of 400 digits.
+    A boolean, complex, text, bytes, duration, date or array is a TypeError. `float` may raise
+    others, such as an OverflowError for an integer of 400 digits.
     """
     if type(value) is float:  # as nearly all are
         return value
@@ -36,11 +35,7 @@ def real_number(value: Any) -> float:
 
 
 def doubles(name: str, values: Any) -> NDArray[np.float64]:
-    """Numbers as an array of doubles of this machine; what is masked is NaN.
-
-    Raises:
-        TypeError: naming the array, a value or its type, and what was expected.
-    """
+    """Numbers as an array of doubles of this machine; what is masked is NaN."""
     if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
         return values
     if isinstance(values, np.ma.MaskedArray):
@@ -62,11 +57,7 @@ def _item(name: str, value: Any) -> float:
 
 
 def real_array(name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """`doubles` of a given shape.
-
-    Raises:
-        TypeError: naming the array, its shape or type, and what was expected.
-    """
+    """`doubles` of a given shape; a TypeError names the array, its shape and what was expected."""
     array = doubles(name, values)
     if array.shape != shape:
         raise TypeError(f"{name} has shape {array.shape}; expected {shape}")
@@ -74,15 +65,13 @@ def real_array(name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.flo
 
 
 def plain(text: str, kept: str = "") -> str:
-    """The text on one line: what cannot be printed is written out as Python does.
-
-    Args:
-        text: from outside.
-        kept: characters that stay as they are.
-    """
+    """The text on one line: what cannot be printed, but for `kept`, is written as Python does."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
+
+
+_SHORT = 60  # characters
 
 
 def short(value: Any) -> str:
@@ -92,9 +81,6 @@ def short(value: Any) -> str:
     except Exception:  # an integer of more than 4300 digits, or a class of a plug-in
         return f"a value of type {type(value).__name__}"
     return text if len(text) <= _SHORT else f"{text[: _SHORT - 3]}..."
-
-
-_SHORT = 60  # characters
 
 
 def printable_text(text: str) -> str:

@@ -10,7 +10,7 @@ from brute_force import integrated
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.study.path import FEW, Path, largest_distance
+from dubins_study.study.path import FEW, Path
 from dubins_study.study.scenario import Pose
 
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
@@ -107,14 +107,6 @@ def test_mirror_and_scale(pieces, factor):
 )
 def test_words(pieces, word):
     assert path_of(pieces).word() == word
-
-
-def test_largest_distance_at_equal_arc_length():
-    """Two straights that part at 90 degrees are sqrt(2) times their length apart."""
-    first, second = Path(Pose(0, 0, 0), [0], [3]), Path(Pose(0, 0, math.pi / 2), [0], [3])
-
-    assert largest_distance(first, second) == pytest.approx(3 * math.sqrt(2))
-    assert largest_distance(first, first) == 0
 
 
 def test_shapes_must_agree():

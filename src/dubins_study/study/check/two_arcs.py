@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.path import RIPPLE
 from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
 # of the path is left out.
 WORD = 1e-6
-# An arc that bends less than this share of the path's hardest bend is straight, with a ripple.
-RIPPLE = 1e-3
 # how far from +1, -1 or 0 a rate may be and still name a letter
 FULL_RATE = 1e-9
 # A certificate is read from the pieces that matter (docs/derivation.md, section 9): an arc that
@@ -31,12 +30,7 @@ _TURN = 2 * math.pi
 
 
 def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
-    """`Path.word` of two arcs as an index into `PATH_WORDS`.
-
-    Args:
-        k1, k2: curvatures (1 / length unit); that of an arc of no length is not looked at.
-        l1, l2: lengths (length unit), none negative.
-    """
+    """`Path.word` of two arcs of curvatures k and lengths l >= 0, as an index into `PATH_WORDS`."""
     k1, k2 = (k1 if l1 > 0.0 else 0.0), (k2 if l2 > 0.0 else 0.0)
     ripple = RIPPLE * max(abs(k1), abs(k2))
     # 0 straight, 1 left, 2 right
@@ -77,11 +71,8 @@ class Word(NamedTuple):
 def word_of(u1: float, l1: float, u2: float, l2: float) -> Word:
     """The word S, C, CS or CC at full rate that two pieces are, within the merging's tolerances.
 
-    A piece that is next to nothing is left out if the path then still ends where it did.
-
-    Args:
-        u1, u2: rates (curvature times radius); that of a piece of no length is not looked at.
-        l1, l2: lengths in radii.
+    A piece that is next to nothing is left out if the path then still ends where it did. The pieces
+    have rates u (curvature times radius) and lengths l in radii.
     """
     forward = l1 >= 0.0 and l2 >= 0.0
     u1, u2 = (u1 if l1 > 0.0 else 0.0), (u2 if l2 > 0.0 else 0.0)
