@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 from flint import ctx
 
+from dubins_study.study.words import Claim
 from tests.adversary import checks, frames
 from tests.adversary.generators import case, wrong_answer
 from tests.adversary.oracle import bits
@@ -30,8 +31,7 @@ def run(seed: int, low: int, high: int) -> Table:
     """The cases `low` to `high` - 1 of a seed."""
     table = Table()
     cases = [case(seed, number) for number in range(low, high)]
-    altered: list[frames.Judged] = []
-    sampled: list[frames.Hulls] = []
+    answers: list[frames.Judged] = []
     for number, (kind, scenario) in enumerate(cases, low):
         rng = np.random.default_rng((seed, number, 1))
         table.generator = kind
@@ -41,15 +41,15 @@ def run(seed: int, low: int, high: int) -> Table:
             if rng.random() * _SELF_CHECKED < 1:  # by lot: generators take turns with the number
                 truth.refine(rng)
                 checks.oracle(table, scenario, truth, rng)
-            sampled.append(checks.enclosures(table, scenario, truth))
+            sampled = checks.enclosures(table, scenario, truth)
             checks.bounds(table, scenario, truth)
+        answers += frames.analytic(table, scenario, sampled)
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
             judged = checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        altered.append(frames.Judged(table.generator, asked, *judged))
+        answers.append(frames.Judged(table.generator, *asked, Claim.NONE, None, *judged))
     frames.closed_forms(table, cases)
-    frames.judgements(table, cases, sampled)
-    frames.wrong_answers(table, altered)
+    frames.checks_of_frames(table, answers)
     return table
 
 

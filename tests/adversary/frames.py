@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,117 +21,108 @@ from dubins_study.study.check.verdict_frame import (
     FrameJudgement,
     judge_frame,
 )
-from dubins_study.study.closed_form.kernel import shortest_rows
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Paths
+from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.rows.schema import Certificate, Judgement
-from dubins_study.study.scenario import NUMBERS, Scenario
-from dubins_study.study.words import BRANCHES, Verdict
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import BRANCHES, Claim, Verdict
 from tests.adversary.checks import ulp
-from tests.adversary.generators import Answer
 from tests.adversary.table import Table, paste, paste_path
 from tests.cases import scenario_frame
 
-Cases = Sequence[tuple[str, Scenario]]
-Hulls = dict[str, tuple[float, float]]  # least and greatest length (length unit) by branch
+_RIGHT = (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
 
 
 class Judged(NamedTuple):
-    """An answer, its kind, and what the scalar check says of it."""
+    """An answer and what the scalar check says of it.
+
+    `truth` are the least and the greatest of the sampled lengths (length unit), if they are known.
+    """
 
     kind: str
-    answer: Answer
+    scenario: Scenario
+    branch: str
+    path: Path | None
+    claim: Claim
+    bound: float | None
     judgement: Judgement
     certificate: Certificate
+    truth: tuple[float, float] | None = None
 
 
-def closed_forms(table: Table, cases: Cases) -> None:
-    """`shortest_rows` of every branch beside `shortest_path`."""
-    frame = scenario_frame(scenario for _, scenario in cases)
-    columns = [frame[name].to_numpy() for name in NUMBERS if name != "speed"]
+def analytic(
+    table: Table, scenario: Scenario, sampled: dict[str, tuple[float, float]]
+) -> list[Judged]:
+    """The answers of `analytic` to one scenario, judged and certified."""
+    answers = []
     for branch in BRANCHES:
-        rows = shortest_rows(*columns, branch=branch)
-        for length, (kind, scenario) in zip(rows.length.tolist(), cases, strict=True):
+        found = Analytic().solve(Question(scenario, branch), 1.0)
+        judged = judge(scenario, found.path, found.claim, branch)
+        proof = certify(scenario, found.path, judged, branch, lower_bound=found.lower_bound)
+        wrong = judged.verdict not in _RIGHT or judged.false_claim or proof.false_bound
+        table.note("analytic claim", wrong, f"solve({paste(scenario, branch)})")
+        asked = table.generator, scenario, branch, found.path, found.claim, found.lower_bound
+        answers.append(Judged(*asked, judged, proof, sampled.get(branch)))
+    return answers
+
+
+def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
+    """The answers of `analytic` to a frame, judged, beside the scalar closed form."""
+    frame = scenario_frame(scenario for _, scenario in cases)
+    for branch in BRANCHES:
+        solution = Analytic().solve_frame(frame.copy(), branch)
+        judged = judge_frame(frame, solution.paths, solution.claim, branch)
+        assert solution.lower_bound is not None
+        for row, (length, (kind, scenario)) in enumerate(
+            zip(solution.lower_bound.tolist(), cases, strict=True)
+        ):
             table.generator = kind
-            line = f"shortest_rows of {paste(scenario, branch)}"
+            line = f"solve_frame of {paste(scenario, branch)}"
             path = shortest_path(scenario, branch)
             table.note("kernel existence", math.isnan(length) != (path is None), line)
             if path is not None and not math.isnan(length):
                 apart = abs(length - path.total_length) / ulp(length, scenario.radius)
                 table.note("kernel length", apart, line)
+            wrong = VERDICTS[judged.verdict[row]] not in _RIGHT or judged.false_claim[row]
+            table.note("analytic claim", wrong, line)
 
 
-def judgements(table: Table, cases: Cases, sampled: Sequence[Hulls]) -> None:
-    """The answers of `analytic`, frame and scalar, judged and certified.
-
-    `sampled` are the least and the greatest of each case's sampled lengths.
-    """
-    frame = scenario_frame(scenario for _, scenario in cases)
-    solver = Analytic()
+def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
+    """Answers of at most two pieces as a frame beside what the scalar check says of each."""
+    few = [one for one in answers if one.path is None or one.path.length.size < 3]
     for branch in BRANCHES:
-        solution = solver.solve_frame(frame.copy(), branch)
-        rows = judge_frame(frame, solution.paths, solution.claim, branch)
-        certified = certify_frame(frame, solution.paths, rows, branch, solution.lower_bound)
-        for row, (kind, scenario) in enumerate(cases):
-            table.generator = kind
-            single = solver.solve(Question(scenario, branch), 1.0)
-            judged = judge(scenario, single.path, single.claim, branch)
-            certificate = certify(
-                scenario, single.path, judged, branch, lower_bound=single.lower_bound
-            )
-            line = f"solve({paste(scenario, branch)})"
-            wrong = judged.verdict not in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
-            wrong |= judged.false_claim or certificate.false_bound
-            table.note("analytic claim", wrong, f"{line}  # {judged.verdict}")
-            if branch in sampled[row]:
-                low, high = sampled[row][branch]
-                found = certified.reference_low[row], certified.reference_high[row]
-                off = max(found[0] - low, high - found[1], 0.0) / ulp(high, scenario.radius)
-                text = f"{line}  # frame {found}, truth {low!r} {high!r}"
-                table.note("frame interval holds truth", off, text)
-            _same(table, rows, certified, row, (judged, certificate), scenario, line)
-
-
-def wrong_answers(table: Table, answers: Iterable[Judged]) -> None:
-    """Altered answers of at most two pieces beside what the scalar check says of them."""
-    few = [one for one in answers if one.answer.path.length.size < 3]
-    for branch in BRANCHES:
-        some = [one for one in few if one.answer.branch == branch]
-        if not some:
-            continue
-        frame = scenario_frame(one.answer.scenario for one in some)
+        some = [one for one in few if one.branch == branch]
+        frame = scenario_frame(one.scenario for one in some)
         controls = np.zeros((2, 2, len(some)))
-        for row, one in enumerate(some):
-            path = one.answer.path
-            controls[0, : path.curvature.size, row] = path.curvature
-            controls[1, : path.length.size, row] = path.length
-        paths = Paths(*controls)
-        rows = judge_frame(frame, paths, branch=branch)
-        certified = certify_frame(frame, paths, rows, branch)
+        for row, path in enumerate(one.path for one in some):
+            if path is not None:
+                controls[0, : path.curvature.size, row] = path.curvature
+                controls[1, : path.length.size, row] = path.length
+        paths = Paths(*controls, np.array([one.path is not None for one in some], np.bool_))
+        claims = np.array([CLAIMS.index(one.claim) for one in some], np.intp)
+        bound = np.array([math.nan if one.bound is None else one.bound for one in some])
+        rows = judge_frame(frame, paths, claims, branch)
+        certified = certify_frame(frame, paths, rows, branch, bound)
         for row, one in enumerate(some):
             table.generator = one.kind
-            scenario = one.answer.scenario
-            line = paste_path(scenario, branch, one.answer.path)
-            _same(table, rows, certified, row, one[2:], scenario, line)
+            _same(table, rows, certified, row, one)
 
 
 def _same(
-    table: Table,
-    rows: FrameJudgement,
-    certified: FrameCertificate,
-    row: int,
-    scalar: tuple[Judgement, Certificate],
-    scenario: Scenario,
-    line: str,
+    table: Table, rows: FrameJudgement, certified: FrameCertificate, row: int, one: Judged
 ) -> None:
     """What a frame says of one row beside what the scalar check says."""
-    judged, certificate = scalar
+    scenario, judged, certificate = one.scenario, one.judgement, one.certificate
+    line = paste(scenario, one.branch)
+    if one.path is not None:
+        line = paste_path(scenario, one.branch, one.path)
     word = int(rows.word[row])
     measured = {name: values[row] for name, values in certified.columns().items()}
     pairs = {
         "verdict": (VERDICTS[rows.verdict[row]], judged.verdict),
         "region": (REGIONS[rows.region[row]], judged.region),
         "word": (None if word == NO_WORD else PATH_WORDS[word], judged.word),
+        "false_claim": (bool(rows.false_claim[row]), judged.false_claim),
         "wrong_basin": (bool(rows.wrong_basin[row]), judged.wrong_basin),
         "proof": (PROOFS[certified.proof[row]], certificate.proof),
         "false_bound": (bool(certified.false_bound[row]), certificate.false_bound),
@@ -150,9 +141,12 @@ def _same(
         table.note("frame gap", apart, f"{line}  # gap {gap} {judged.gap}")
     low, high = certificate.reference_low, certificate.reference_high
     least, most = float(certified.reference_low[row]), float(certified.reference_high[row])
-    text = f"{line}  # frame {least!r} {most!r}, balls {low!r} {high!r}"
+    text = f"{line}  # frame {least!r} {most!r}, balls {low!r} {high!r}, truth {one.truth}"
     missing = (low is None) != math.isnan(least) or (high is None) != math.isnan(most)
     table.note("frame interval", missing, text)
     if low is not None and high is not None and not missing:
         wider = (most - least - 64 * (high - low)) / max(high, scenario.radius)
         table.note("frame interval width", 1e12 * wider, text)
+    if one.truth is not None:
+        off = max(least - one.truth[0], one.truth[1] - most, 0.0)
+        table.note("frame interval holds truth", off / ulp(one.truth[1], scenario.radius), text)

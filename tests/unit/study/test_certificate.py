@@ -237,10 +237,6 @@ def test_what_is_as_short_as_the_shortest_may_be_an_extremal(curvature, length):
     assert path.total_length == pytest.approx(found.reference_low, rel=1e-12)
 
 
-def test_a_merged_path_may_be_off_by_the_miss_that_is_allowed():
-    assert Tolerances().miss == ARRIVES
-
-
 def test_a_straight_that_bends_is_no_straight():
     """nu3 vanishes at both its ends and not between, where an integrator sees it."""
     found, _ = at_its_end([1.0, 1e-5], [1.0, 6.0], "LS")

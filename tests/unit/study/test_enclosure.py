@@ -6,7 +6,7 @@ import math
 
 import pytest
 from brute_force import shortest_by_search
-from cases import EDGES, PAPER, placed
+from cases import PAPER, placed
 from flint import acb, ctx
 from hard_cases import hard_frame
 from hypothesis import given
@@ -19,21 +19,6 @@ from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario, scenarios
 from dubins_study.study.words import BRANCHES
 from tests.adversary import oracle
-
-ALL = PAPER | EDGES
-
-
-@pytest.mark.parametrize("name", ALL)
-@pytest.mark.parametrize("branch", ["best", "LS", "RS"])
-def test_intervals_hold_the_closed_form(name, branch):
-    """To a few ulp, since the closed form rounds and the interval does not."""
-    found, optimum = enclose(ALL[name], branch), shortest(ALL[name], branch)
-
-    assert found.exists == (optimum is not None)
-    if optimum is not None:
-        length = optimum.total * ALL[name].radius
-        slack = 8 * math.ulp(max(length, ALL[name].radius))
-        assert found.low - slack <= length <= found.high + slack
 
 
 @pytest.mark.parametrize("branch", BRANCHES)

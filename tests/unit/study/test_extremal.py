@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.study.check.extremal import extremal, measure, pieces
-from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word, word_of
+from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word
 from dubins_study.study.closed_form.shortest import margin as distance
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
@@ -203,23 +203,6 @@ def test_a_nearly_straight_leg_is_a_leg():
     assert cut_margin(bent) < 0
 
 
-@pytest.mark.slow
-def test_an_arc_in_a_million_pieces_is_an_arc():
-    arc = pieces(Path(Pose(0, 0, 0), np.ones(10**6), np.full(10**6, 4e-7)), 1.0)
-
-    assert arc.u.tolist() == [1.0]
-    assert arc.length == pytest.approx([0.4])
-
-
-@pytest.mark.slow
-def test_what_is_passed_over_is_next_to_nothing_or_kept():
-    """Pieces that are each too small, and together the whole path, stay."""
-    rates = np.resize([1.0, -1.0], 5 * 10**6)
-    path = Path(Pose(0, 0, 0), rates, np.full(rates.size, 1e-7))
-
-    assert pieces(path, 1.0).length.sum() == pytest.approx(0.5)
-
-
 @pytest.mark.parametrize(
     ("curvature", "length", "radius"),
     [
@@ -290,9 +273,3 @@ def test_costates_in_closed_form_are_the_null_vector(turns, first, second, off, 
         assert quick.nu == pytest.approx(general.nu, rel=1e-4, abs=1e-7)
         assert quick.sign_margin == pytest.approx(general.sign_margin, abs=1e-7)
         assert abs(quick.hamiltonian - general.hamiltonian) <= 1e-7
-
-
-@pytest.mark.parametrize("u", [math.nan, math.inf, -1e300, 0.999, 0.5, 2.0, 2e-9])
-def test_other_rates_name_no_word(u):
-    assert not word_of(u, 1.0, 0.0, 1.0).named
-    assert not word_of(1.0, 1.0, u, 1.0).named

@@ -152,7 +152,7 @@ def test_the_error_of_the_arctangent_is_proven():
 
 
 def test_the_parts_of_pi_are_within_their_radii():
-    for part, interval in ((4, ik._QUARTER), (2, ik._HALF), (1, ik._PI), (0.5, ik._TWO_PI)):
+    for part, interval in ((4, ik._QUARTER), (2, ik._HALF), (1, ik._PI), (0.5, ik.FULL_TURN)):
         assert abs(arb.pi() / part - interval.mid) <= interval.rad
 
 

@@ -121,48 +121,39 @@ def test_what_is_a_number(value):
     assert list(scenarios(check_frame(frame))) == [Scenario(**(GOOD | {"x": 2.0}))]
 
 
-COLUMNS_OF_NUMBERS = {
-    "big-endian": np.array([1, 2], ">f8"),
-    "big-endian integers": np.array([1, 2], ">i2"),
-    "small": np.array([1, 2], np.float16),
-    "objects": np.array([1, 2.0], object),
-    "nullable": pd.array([1, 2], dtype="Int64"),
-    "categories": pd.Categorical([1.0, 2.0]),
-    "sparse": pd.arrays.SparseArray([1.0, 2.0]),
-}
-OTHER_COLUMNS = {
-    "complex": (np.array([1 + 2j, 2]), r"\(1\+2j\)"),
-    "complex without an imaginary part": (np.array([1 + 0j, 2]), r"\(1\+0j\)"),
-    "text": (np.array(["1_0", "2"]), "'1_0'"),
-    "nullable text": (pd.array(["1", "2"], dtype="string"), "'1'"),
-    "categories of text": (pd.Categorical(["1", "2"]), "'1'"),
-    "durations": (pd.to_timedelta([1, 2]), "Timedelta"),
-    "dates": (pd.to_datetime([1, 2]), "Timestamp"),
-    "booleans": (np.array([True, False]), "True"),
-    "nullable booleans": (pd.array([True, None], dtype="boolean"), ".*True"),
-    "missing": (pd.array([None, 2], dtype="Int64"), "nan"),
-    "masked": (pd.Series(np.ma.masked_array([1.0, 2.0], [True, False])), "nan"),
-}
+COLUMNS_OF_NUMBERS = [
+    *(np.array([1, 2], dtype) for dtype in (">f8", ">i2", np.float16, object)),
+    *(pd.array([1, 2], dtype="Int64"), pd.Categorical([1.0, 2.0])),
+    pd.arrays.SparseArray([1.0, 2.0]),
+]
+OTHER_COLUMNS = [
+    (np.array([1 + 2j, 2]), r"\(1\+2j\)"),
+    (np.array(["1_0", "2"]), "'1_0'"),
+    (pd.array(["1", "2"], dtype="string"), "'1'"),
+    (pd.Categorical(["1", "2"]), "'1'"),
+    (pd.to_timedelta([1, 2]), "Timedelta"),
+    (pd.to_datetime([1, 2]), "Timestamp"),
+    (np.array([True, False]), "True"),
+    (pd.array([True, None], dtype="boolean"), ".*True"),
+    (pd.array([None, 2], dtype="Int64"), "nan"),
+    (pd.Series(np.ma.masked_array([1.0, 2.0], [True, False])), "nan"),
+]
 
 
-@pytest.mark.parametrize("name", COLUMNS_OF_NUMBERS)
-@pytest.mark.parametrize("field", ["target_x", "radius"])
-def test_columns_of_every_type_of_number(field, name):
+@pytest.mark.parametrize("column", COLUMNS_OF_NUMBERS)
+def test_columns_of_every_type_of_number(column):
     """Read for what they hold, whatever the index."""
-    frame = pd.DataFrame([GOOD] * 2).assign(**{field: COLUMNS_OF_NUMBERS[name]})
-    checked = check_frame(frame.set_axis([7, 7]))
+    checked = check_frame(pd.DataFrame([GOOD] * 2).assign(target_x=column).set_axis([7, 7]))
 
-    assert checked[field].tolist() == [1.0, 2.0]
-    assert checked[field].dtype == np.float64
+    assert checked["target_x"].tolist() == [1.0, 2.0]
+    assert checked["target_x"].dtype == np.float64
     assert checked.index.tolist() == [7, 7]
 
 
-@pytest.mark.parametrize("name", OTHER_COLUMNS)
-@pytest.mark.parametrize("field", ["target_x", "radius"])
-def test_columns_of_something_else(field, name):
-    column, shown = OTHER_COLUMNS[name]
-    frame = pd.DataFrame([GOOD] * 2).assign(**{field: column})
-    with pytest.raises(ScenarioError, match=rf"^row 'a': {field} is {shown}.*; expected a "):
+@pytest.mark.parametrize(("column", "shown"), OTHER_COLUMNS)
+def test_columns_of_something_else(column, shown):
+    frame = pd.DataFrame([GOOD] * 2).assign(radius=column)
+    with pytest.raises(ScenarioError, match=rf"^row 'a': radius is {shown}.*; expected a "):
         check_frame(frame.set_axis(["a", "b"]))
 
 

@@ -17,7 +17,6 @@ from dubins_study.study import scenario as scenario_module
 from dubins_study.study.body_coordinates import EPS, Local, local
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
-    Segments,
     as_path,
     margin,
     shortest,
@@ -183,17 +182,6 @@ def test_centre_of_a_disc_and_straight_behind():
     assert shortest(unit(-1, 0)).words == ("LS", "RS")
 
 
-def test_paper_problem_with_digits():
-    """RS 11.868088..."""
-    found, target = shortest(PAPER["problem 1"]), local(PAPER["problem 1"])
-
-    assert found.word == "RS"
-    with ctx.workprec(bits(PAPER["problem 1"])):
-        expected = lengths(acb(target.X, target.Y))["best"]
-    assert found.total == pytest.approx(float(expected), rel=4 * EPS)
-    assert str(found.total).startswith("11.86808")
-
-
 @pytest.mark.parametrize(
     ("X", "Y"),
     [(0, 3e-16), (1e-16, -8e-16), (-1e-16, 2 + 4e-16), (-1e-16, 2 - 4e-16), (0, 2), (9e-16, 4e-16)],
@@ -208,34 +196,6 @@ def test_targets_that_rounding_hides_are_met(X, Y):
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)
-
-
-# ---- optimality in path coordinates: the cut margin ----
-
-
-@given(st.floats(0.01, 6.27), st.floats(0.01, 20))
-def test_left_straight_is_optimal_exactly_within_its_cut(a, s):
-    """docs/derivation.md, section 6: iff a <= pi or s <= -tan(a/2)."""
-    cut = math.inf if a <= math.pi else -math.tan(a / 2)
-    assume(abs(s - cut) > 1e-6)
-    end = as_path(unit(0, 0), "LS", Segments(a, s)).end
-    found = shortest(unit(end.x, end.y))
-    same = found.word == "LS" and found.segments == pytest.approx((a, s), abs=1e-6)
-
-    assert same == (s < cut)
-
-
-@given(st.floats(0.001, 2), st.floats(0.01, 6.27))
-def test_right_left_is_optimal_exactly_within_its_cut(a1, a2):
-    """Section 6: iff a2 in [pi, 2 pi) and a1 <= 2 atan2(-sin a2, 2 - cos a2)."""
-    cut = 2 * math.atan2(-math.sin(a2), 2 - math.cos(a2)) if a2 >= math.pi else -1.0
-    assume(abs(a1 - cut) > 1e-6)
-    assume(abs(a2 - math.pi) > 1e-3)  # both RL paths meet there, and digits with them
-    end = as_path(unit(0, 0), "RL", Segments(a1, a2)).end
-    found = shortest(unit(end.x, end.y))
-    same = found.word == "RL" and found.segments == pytest.approx((a1, a2), abs=1e-6)
-
-    assert same == (a1 < cut)
 
 
 def test_regions():

@@ -10,15 +10,14 @@ import pytest
 from cases import scenario_frame
 from hard_cases import hard_frame
 
-from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import NO_WORD, REGIONS, VERDICTS, judge_frame
 from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import CLAIMS, Path, Paths
-from dubins_study.study.scenario import NUMBERS, Scenario, check_frame, scenarios
+from dubins_study.study.path import CLAIMS, Paths
+from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
 from dubins_study.study.words import BRANCHES, Claim, Verdict
 
 N = 1200
@@ -165,32 +164,13 @@ def test_empty_frames_and_wrong_shapes():
         Paths(np.zeros((2, 4)), np.zeros((2, 3)))
 
 
-def test_a_right_answer_just_inside_a_circle_is_judged_by_its_own_reference():
-    """Shorter by two ulp and off by more than its margin, it is still no path from outside."""
-    r = 1 - 1e-9
-    scenario = Scenario(0, 0, 0, r * math.sin(0.3), 1 - r * math.cos(0.3), 1)
-    path = shortest_path(scenario)
-    coarse = Path(path.start, path.curvature * (1 - 1e-8), path.length * (1 - 2 * EPS))
-    found = judge(scenario, coarse, Claim.OPTIMAL)
-
-    assert found.miss > found.margin
-    assert found.length < path.total_length
-    assert found.verdict is Verdict.OPTIMAL
-    assert found.reference == pytest.approx(6.535, abs=5e-4)
-
-
 def test_a_longer_path_of_a_tie_is_in_the_right_basin():
     """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
     behind = Scenario(0, 0, 0, -1, 0, 1)
-    wide = replace(behind, radius=1.1)
-    paths = [shortest_path(wide, word) for word in ("LS", "RS")]
-    frame = check_frame(scenario_frame([behind, behind]))
-    curvature, length = (
-        np.array([getattr(p, n) for p in paths]).T for n in ("curvature", "length")
-    )
-
-    found = judge_frame(frame, Paths(curvature, length))
+    paths = [shortest_path(replace(behind, radius=1.1), word) for word in ("LS", "RS")]
+    controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvature", "length"))
+    found = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
 
     assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
-    assert found.wrong_basin.tolist() == [judge(behind, path).wrong_basin for path in paths]
     assert not found.wrong_basin.any()
+    assert not any(judge(behind, path).wrong_basin for path in paths)
