@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from operator import mul
+from operator import itemgetter, mul
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -203,16 +203,9 @@ def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
 
 def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
     """Neighbours of one side made one, their bends and lengths added."""
-    last, bends, lengths = None, 0.0, 0.0
-    for side, bend, length in pieces:
-        if side == last:
-            bends, lengths = bends + bend, lengths + length
-            continue
-        if last is not None:
-            yield last, bends, lengths
-        last, bends, lengths = side, bend, length
-    if last is not None:
-        yield last, bends, lengths
+    for side, run in groupby(pieces, itemgetter(0)):
+        _, bends, lengths = zip(*run, strict=True)
+        yield side, sum(bends), sum(lengths)
 
 
 def drivable(path: Path) -> bool:

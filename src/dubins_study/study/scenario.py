@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,9 +32,6 @@ class ScenarioError(DubinsStudyError, ValueError):
 @dataclass(frozen=True, slots=True, init=False)
 class Scenario:
     """One vehicle and one target.
-
-    A number is an int or a float, one of numpy's, a Fraction or a Decimal: no text, boolean or
-    complex number (`study.values.real_number`).
 
     Args:
         x, y: start position; any length unit, the same for all lengths.
@@ -166,11 +163,8 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
     `speed` and `label` may be left out, and a label that is missing is empty. The caller's frame
     is not changed; its index is kept. Columns of any type are read if each value is a number as
-    `Scenario` takes it (a heading is in radians) or, of `label`, a text.
-
-    Raises:
-        ScenarioError: naming the columns that are missing, one that is unknown, or the field, the
-            value and the index label of the first row that no scenario may have.
+    `Scenario` takes it (a heading is in radians) or, of `label`, a text. A `ScenarioError` names
+    columns, or the first row that no scenario may have.
     """
     import pandas as pd
 
@@ -195,16 +189,13 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    column = frame[name]
-    kinds = column.dtype.kind if column.dtype != object else ""
-    if kinds in tuple("iuf") or (not kinds and set(map(type, column)) <= {int, float}):
-        try:
-            with np.errstate(over="ignore"):
-                values = column.to_numpy(dtype=np.float64, na_value=np.nan)
-        except OverflowError:
-            values = _one_by_one(frame, name)
+    """One column of numbers as doubles, read-only."""
+    if frame[name].dtype.kind in "iuf":
+        with np.errstate(over="ignore"):
+            values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
     else:
-        values = _one_by_one(frame, name)
+        given = _each(frame, frame[name], lambda v: np.nan if v is None else _number(name, v))
+        values = np.fromiter(given, np.float64, len(frame))
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
     values = values.view()
@@ -212,20 +203,8 @@ def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float
     least = SMALLEST if name in _POSITIVE else -LARGEST
     if least <= low and high <= LARGEST:  # neither holds for NaN
         return values
-    bad = ~((least <= values) & (values <= LARGEST))
-    row = int(np.flatnonzero(bad)[0])
+    row = int(np.argmin((least <= values) & (values <= LARGEST)))
     raise ScenarioError(f"{_row(frame, row)}: {_problem(name, float(values[row]))}")
-
-
-def _one_by_one(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """A column of which not every value need be a number."""
-    values = np.empty(len(frame))
-    for row, value in enumerate(frame[name]):
-        try:
-            values[row] = np.nan if value is None else _number(name, value)
-        except ScenarioError as error:
-            raise ScenarioError(f"{_row(frame, row)}: {error}") from None
-    return values
 
 
 def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
@@ -241,12 +220,18 @@ def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
     if plain and all(map(str.isascii, labels.unique())):
         return frame["label"]
     texts = ["" if none else text for text, none in zip(labels, missing, strict=True)]
-    for row, text in enumerate(texts):
+    return pd.Series(list(_each(frame, texts, _label)), frame.index, "str")
+
+
+def _each(
+    frame: pd.DataFrame, values: Iterable[Any], convert: Callable[[Any], Any]
+) -> Iterator[Any]:
+    """The values converted; an error names its row of the frame."""
+    for row, value in enumerate(values):
         try:
-            _label(text)
+            yield convert(value)
         except ScenarioError as error:
             raise ScenarioError(f"{_row(frame, row)}: {error}") from None
-    return pd.Series(texts, frame.index, "str")
 
 
 def _row(frame: pd.DataFrame, row: int) -> str:

@@ -14,17 +14,11 @@ DRIVEN = 32.0 * EPS
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """When a path counts as arriving, as drivable and as optimal.
+    """When a path counts as arriving, as drivable and as optimal."""
 
-    Args:
-        miss: largest distance to the target, in turning radii.
-        curvature: largest curvature beyond what the branch allows, times the radius.
-        gap: largest gap of an answer that is called optimal.
-    """
-
-    miss: float = ARRIVES
-    curvature: float = 1e-9
-    gap: float = 1e-4
+    miss: float = ARRIVES  # largest distance to the target, in turning radii
+    curvature: float = 1e-9  # largest curvature beyond what the branch allows, times the radius
+    gap: float = 1e-4  # largest gap of an answer that is called optimal
 
 
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:

@@ -22,19 +22,12 @@ QP = "QP and MILP"
 
 
 class Formulation(NamedTuple):
-    """A mathematical problem that is handed to engines.
+    """A mathematical problem that is handed to engines."""
 
-    Args:
-        name: the column `formulation` of rows.
-        short: its name beside an engine's in figures.
-        specs: kind of engine -> the spec that asks for it, where `{}` is the engine's name.
-        reasons: kind of engine -> why no engine of the kind can read it, where that is another
-            reason than for other formulations.
-    """
-
-    name: str
-    short: str
-    specs: Mapping[str, str]
+    name: str  # the column `formulation` of rows
+    short: str  # its name beside an engine's in figures
+    specs: Mapping[str, str]  # by kind of engine: the spec that asks for it; `{}` is the engine
+    # by kind of engine: why none of the kind can read it, if not for the usual reason
     reasons: Mapping[str, str] = MappingProxyType({})
 
 

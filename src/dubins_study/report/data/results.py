@@ -23,14 +23,12 @@ from dubins_study.study.rows.parts import (
     printable_batches,
     read_footer,
 )
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 _COLUMNS = [*_SCALARS, *_CONTROLS]
-_PLAIN = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS])
 
 
 class NoRowsError(ResultsError):
@@ -195,7 +193,7 @@ def _checked_rows(files: Sequence[FilePath]) -> pa.Table:
     """The rows of all parts, checked; with part (the file's number) and place (the row's in it)."""
     tables = []
     for number, file in enumerate(files):
-        part = pa.concat_tables(batch.cast(_PLAIN) for batch in printable_batches(file, _COLUMNS))
+        part = pa.concat_tables(printable_batches(file, _COLUMNS))
         places = {"part": np.full(len(part), number), "place": np.arange(len(part))}
         for name, values in places.items():
             part = part.append_column(name, pa.array(values))

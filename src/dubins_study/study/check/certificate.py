@@ -32,30 +32,19 @@ BOUND_TOLERANCE = 1e-9
 
 
 class Evidence(NamedTuple):
-    """What a proof rests on: numbers of one answer, or arrays of a frame's; NaN where unknown.
+    """What a proof rests on: numbers of one answer, or arrays of a frame's; NaN where unknown."""
 
-    Args:
-        optimal, none_exists: whether the verdict is this one.
-        arrives: whether the path arrives.
-        length: of the path.
-        residual, cut: how nearly it is an extremal, and its cut margin (rad).
-        low: of the proven interval around the shortest length.
-        near: whether the interval is finite and within `allowed` of the length: an answer far below
-            it owes that to its miss, and proves nothing.
-        bound: the solver's own, unless it is false: then it contradicts the answer.
-        allowed: by how much an optimal path's length may differ.
-        radius: of the scenario.
-    """
-
-    optimal: Any
-    none_exists: Any
+    optimal: Any  # the verdict
+    none_exists: Any  # the verdict
     arrives: Any
     length: Any
-    residual: Any
-    cut: Any
-    low: Any
+    residual: Any  # of Pontryagin's conditions
+    cut: Any  # margin, rad
+    low: Any  # of the proven interval around the shortest length
+    # The interval is finite, and the length within `allowed` of it: an answer far below it owes
+    # that to its miss, and proves nothing.
     near: Any
-    bound: Any
+    bound: Any  # the solver's own, unless it is false: then it contradicts the answer
     allowed: Any
     radius: Any
 

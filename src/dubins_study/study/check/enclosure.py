@@ -28,18 +28,12 @@ Part = tuple[float, float]
 
 
 class Enclosure(NamedTuple):
-    """A proven interval around a branch's shortest lengths (length unit).
-
-    Args:
-        low, high: the ends of the interval; both infinite where provably no target has a path.
-        absent: whether some of the targets may have no path.
-        parts: sorted intervals [low, high], apart from each other, that hold all of the lengths.
-    """
+    """A proven interval around a branch's shortest lengths (length unit)."""
 
     low: float
-    high: float
-    absent: bool
-    parts: tuple[Part, ...]
+    high: float  # both ends are infinite where provably no target has a path
+    absent: bool  # some of the targets may have no path
+    parts: tuple[Part, ...]  # sorted intervals [low, high], apart, that hold all of the lengths
 
     @property
     def exists(self) -> bool:
@@ -73,12 +67,7 @@ class Enclosure(NamedTuple):
 
 @lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
-    """Enclose the shortest lengths of a branch.
-
-    Args:
-        scenario: start pose, target, radius; the exact values of its doubles, known to delta.
-        branch: one of `study.words.BRANCHES`.
-    """
+    """Enclose the shortest lengths of a branch over all targets within delta."""
     with ctx.workprec(_BITS):
         X, Y = _square(scenario)
         if branch == "best":

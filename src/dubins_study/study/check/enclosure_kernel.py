@@ -20,13 +20,13 @@ import numpy as np
 
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.check.interval_kernel import (
+    FULL_TURN,
     GROWTH,
     SINE_COSINE_ERROR,
     TINY,
     Interval,
     angle_above,
     exact,
-    full_turn,
     is_signed,
     lesser,
     minus,
@@ -57,25 +57,15 @@ _FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _A
 
 
 class Bounds(NamedTuple):
-    """Proven bounds of the shortest lengths of n rows: arrays of shape (n,).
+    """Proven bounds of the shortest lengths of n rows: arrays of shape (n,)."""
 
-    Args:
-        low, high: as in `enclosure.Enclosure` (length unit); both infinite where there is no path.
-        left: rows that the loops leave to `enclosure.enclose`; their bounds mean nothing.
-    """
-
-    low: FloatArray
-    high: FloatArray
-    left: BoolArray
+    low: FloatArray  # as in `enclosure.Enclosure`, length unit
+    high: FloatArray  # both are infinite where there is no path
+    left: BoolArray  # rows that the loops leave to `enclosure.enclose`, without bounds
 
 
 def bound_rows(scenarios: ScenarioArrays, branch: str = "best") -> Bounds:
-    """Enclose the shortest length of every row, but for the rows that are left.
-
-    Args:
-        scenarios: n rows, read as the exact values of their doubles.
-        branch: one of `study.words.BRANCHES`.
-    """
+    """Enclose the shortest length of every row, but for the rows that are left."""
     scenarios = ScenarioArrays(*map(loop_input, scenarios))
     n = scenarios.x.size
     bounds = Bounds(np.empty(n), np.empty(n), np.empty(n, np.bool_))
@@ -115,7 +105,7 @@ def _bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
     below = rise.mid < 0.0
     angle = angle_above(negative(rise) if below else rise, run)
     decided = (abs(rise.mid) > rise.rad) | positive(negative(run))
-    return minus(full_turn(), angle) if below else angle, decided
+    return minus(FULL_TURN, angle) if below else angle, decided
 
 
 @inlined
@@ -129,7 +119,7 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
     bearing, decided = _bearing(X, minus(exact(1.0), Y))
     # for a target ahead and to the right the turn is nearly a full one
     ahead_right = (X.mid >= 0.0) & (Y.mid < 0.0)
-    bearing = plus(bearing, full_turn()) if ahead_right else bearing
+    bearing = plus(bearing, FULL_TURN) if ahead_right else bearing
     corner = angle_above(exact(s.mid), exact(1.0))
     most = s.mid + s.rad
     spread = s.rad * min(most * most, 1.0) * GROWTH
@@ -153,7 +143,7 @@ def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
     run = minus(times(up, side), times(X, signed))
     first, decided = _bearing(rise, run)
     corner = angle_above(D, minus(exact(4.0), p))
-    second = minus(full_turn(), corner) if long else corner
+    second = minus(FULL_TURN, corner) if long else corner
     return _Shortest(plus(first, second), decided)
 
 

@@ -48,23 +48,15 @@ class Extremal(NamedTuple):
 
     Residuals are for costates scaled to max(nu0, |(nu1, nu2)|) = 1, and nu3 is divided by the
     path's length in radii where that exceeds 1, so that they are errors of angles.
-
-    Args:
-        costate_x, costate_y: nu1 and nu2 in the world frame with nu0 = 1, or of norm 1 if abnormal.
-        abnormal: whether nu0 = 0.
-        hamiltonian: max |H| over the path.
-        sign_margin: least -u nu3 over the turning pieces; below 0 a turn goes the wrong way.
-        transversality: |nu3| at the end.
-        pmp_residual: the worst of all violations, those of nu3 = 0 on straights included.
     """
 
-    costate_x: float
+    costate_x: float  # nu1 and nu2 in the world frame with nu0 = 1, or of norm 1 if abnormal
     costate_y: float
-    abnormal: bool
-    hamiltonian: float
-    sign_margin: float
-    transversality: float
-    pmp_residual: float
+    abnormal: bool  # nu0 = 0
+    hamiltonian: float  # max |H| over the path
+    sign_margin: float  # least -u nu3 over the turning pieces; below 0 a turn goes the wrong way
+    transversality: float  # |nu3| at the end
+    pmp_residual: float  # the worst of all violations, those of nu3 = 0 on straights included
 
     @property
     def nu(self) -> tuple[float, float]:

@@ -43,7 +43,7 @@ class Interval(NamedTuple):
 
 
 _ERROR_OF_PI = 1.23e-16  # pi less its double is 1.2246e-16
-_QUARTER, _HALF, _PI, _TWO_PI = (
+_QUARTER, _HALF, _PI, FULL_TURN = (
     Interval(part * math.pi, part * _ERROR_OF_PI) for part in (0.25, 0.5, 1.0, 2.0)
 )
 
@@ -126,12 +126,6 @@ def angle_above(rise: Interval, run: Interval) -> Interval:
     spread = slope.rad + ARCTANGENT_ERROR * abs(slope.mid)
     angle = plus(turned, Interval(small_arctangent(slope.mid), spread * GROWTH + TINY))
     return minus(_PI, angle) if behind else angle
-
-
-@inlined
-def full_turn() -> Interval:
-    """2 pi"""
-    return _TWO_PI
 
 
 @inlined

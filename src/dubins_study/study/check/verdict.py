@@ -90,8 +90,7 @@ def _shortest_length(scenario: Scenario, branch: str) -> float | None:
 def _onto_circle(scenario: Scenario) -> tuple[float, float]:
     """The point of the nearer turning circle that is nearest to the target.
 
-    It lies outside by rounding, never inside: next to the start delta is finer than the rounding of
-    this point.
+    Rounding moves it outwards only: next to the start delta is finer than this point's rounding.
     """
     _, Y = scenario.local()
     side = math.copysign(scenario.radius, Y)
@@ -223,10 +222,10 @@ def _judge_path(
 def _known_to_delta(
     scenario: Scenario, branch: str, length: float, reference: float, gap: float
 ) -> float:
-    """The shortest length that an answer is compared with, for data that are known to delta.
+    """The reference that an answer is compared with, for data that are known to delta.
 
-    That is the reference, unless the answer is longer: then it is the largest of the shortest
-    lengths of the targets within delta that the answer does not fall short of.
+    Of a longer answer that is the longest shortest length, over targets within delta, that is not
+    above the answer's length.
     """
     allowed = gap * max(reference, scenario.radius)
     if length - reference <= allowed:
@@ -271,11 +270,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
 
     `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
     one-sided turning is shorter (docs/derivation.md, section 8); `LR` and `RL` allow only +1 and
-    -1, in that order.
-
-    Args:
-        curvature: of each arc, in units of 1 / radius, arcs of no length left out.
-        branch: one of `study.words.BRANCHES`.
+    -1, in that order. Arcs of no length are left out of `curvature`.
     """
     if not curvature:
         return 0.0

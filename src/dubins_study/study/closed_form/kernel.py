@@ -59,18 +59,12 @@ class ScenarioArrays(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """The shortest paths of n rows: arrays of shape (n,).
+    """The shortest paths of n rows: arrays of shape (n,), lengths in the length unit."""
 
-    Args:
-        length: of the whole path, in the length unit; NaN where the branch has none.
-        first, second: lengths of its two segments, in the length unit; 0 for a letter left out.
-        word: index into `WORDS`, or `NO_PATH`.
-    """
-
-    length: FloatArray
-    first: FloatArray
+    length: FloatArray  # NaN where the branch has no path
+    first: FloatArray  # of its first segment; 0 for a letter left out
     second: FloatArray
-    word: CodeArray
+    word: CodeArray  # index into `WORDS`, or `NO_PATH`
 
     @classmethod
     def empty(cls, n: int) -> Rows:
@@ -81,7 +75,6 @@ class Rows(NamedTuple):
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
 _TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
-_BLOCK = 32
 # Below this w, and inside the disc below this q, a row is delicate. At that q the length
 # changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
@@ -303,24 +296,11 @@ def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> None:
 @separate
 def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
     """The rows that the vector loops leave: delicate ones, huge headings, radii near underflow."""
-    first, last = chunk_bounds(chunk, scenarios.x.size)
-    for block in range(CHUNK // _BLOCK):
-        begin = min(first + np.uint64(block * _BLOCK), last)
-        end = min(begin + np.uint64(_BLOCK), last)
-        left = 0  # counted by a vector loop, since most blocks have none
-        for i in range(begin, end):
-            usual = (abs(scenarios.heading[i]) <= LARGEST_ANGLE) & (rows.length[i] <= _LARGEST)
-            left += not usual
-        if left:
-            _finish_block(begin, end, scenarios, rows)
-
-
-@separate
-def _finish_block(begin: np.uint64, end: np.uint64, scenarios: ScenarioArrays, rows: Rows) -> None:
     x, y, heading, tx, ty, radius = scenarios
     length, first, second, word = rows
-    for i in range(begin, end):
-        if abs(heading[i]) <= LARGEST_ANGLE and length[i] <= _LARGEST:
+    low, high = chunk_bounds(chunk, x.size)
+    for i in range(low, high):
+        if (abs(heading[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST):
             continue
         X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
         a, b, code = best_exactly(X, Y, delta)

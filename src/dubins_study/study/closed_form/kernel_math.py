@@ -10,7 +10,7 @@ The coefficients are Chebyshev interpolants found with mpmath at 40 digits,
     COSINE      (cos(r) - 1 + z/2) / z^2        z_max = (pi/4)^2      n = 6    error 1.3e-18
     ARCTANGENT  (atan(t) / t - 1) / z           z_max = tan(pi/8)^2   n = 11   error 3.2e-17
 
-`tests/study/test_kernel.py` finds them again. Errors are multiplied by z r, z^2 and z t.
+Errors are multiplied by z r, z^2 and z t; tests/unit/study/test_interval.py proves bounds of them.
 """
 
 from __future__ import annotations

@@ -165,12 +165,7 @@ def shortest(scenario: Scenario, branch: str = "best") -> Shortest | None:
 
 
 def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
-    """The shortest path itself, as controls; None where the branch has none.
-
-    Args:
-        scenario: start, target, turning radius.
-        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
-    """
+    """The shortest path itself, as controls; None where the branch has none."""
     optimum = shortest(scenario, branch)
     return None if optimum is None else as_path(scenario, optimum.word, optimum.segments)
 
@@ -197,8 +192,5 @@ def margin(scenario: Scenario) -> float:
 
 
 def margin_local(X: float, y: float) -> float:
-    """| |T - C| - 1 | for the circle on the target's side, which is the nearer one (y = |Y|).
-
-    Written as |w| / (1 + |T - C|), which keeps its digits near the circle.
-    """
+    """| |T - C| - 1 | as |w| / (1 + |T - C|), which keeps its digits near the circle; y = |Y|."""
     return abs(y * (2.0 - y) - X * X) / (1.0 + math.hypot(X, y - 1.0))

@@ -1,4 +1,4 @@
-"""Attempts at the same cell from several folders: which are kept, and which contradict them."""
+"""Attempts at the same cell, of one folder or several: which are kept, which contradict them."""
 
 from __future__ import annotations
 
@@ -16,15 +16,10 @@ JUDGED = ("outcome", "claim", "verdict", "word")
 def compare_attempts(
     rows: pd.DataFrame, cell: Sequence[str]
 ) -> tuple[NDArray[np.intp], pd.DataFrame]:
-    """Keep the first row of each cell, and put every other one beside it.
+    """Keep the first row of each cell; `cell` are the columns that name it.
 
-    Args:
-        rows: in the order of preference.
-        cell: the columns that name a cell.
-
-    Returns:
-        The positions of the rows that are kept, ascending, and a row for every other attempt: its
-        columns, and the kept attempt's with the suffix `_kept`; the columns of the cell stand once.
+    Returns the ascending positions of the rows that are kept, and a row for every other attempt:
+    its columns, and the kept attempt's with the suffix `_kept`; the cell's columns stand once.
     """
     kept = ~rows.duplicated(list(cell)).to_numpy()
     pairs = rows[~kept].merge(rows[kept], on=list(cell), suffixes=("", "_kept"))
@@ -32,22 +27,14 @@ def compare_attempts(
 
 
 def differences(pairs: pd.DataFrame, tolerance: float) -> pd.DataFrame:
-    """Where attempts contradict the kept attempt at their cell.
+    """Where pairs of `compare_attempts` differ: columns of `JUDGED` and `gap`.
 
-    Args:
-        pairs: columns of `JUDGED` and `gap`, each also with the suffix `_kept`.
-        tolerance: by how much the gaps of two attempts that agree may differ.
-
-    Returns:
-        The columns of `JUDGED` and `gap`, true where they differ; a value that is missing in both
-        attempts does not differ. The index is that of `pairs`.
+    Gaps that differ by up to `tolerance` agree, and so do two missing values.
     """
     differ = {}
     for name in (*JUDGED, "gap"):
         one, other = pairs[name], pairs[f"{name}_kept"]
-        if name == "gap":
-            agree = (one - other).abs() <= tolerance
-        else:
-            agree = one.astype(object) == other.astype(object)
+        equal = one.astype(object) == other.astype(object)
+        agree = (one - other).abs() <= tolerance if name == "gap" else equal
         differ[name] = ~agree & ~(one.isna() & other.isna())
     return pd.DataFrame(differ, index=pairs.index)

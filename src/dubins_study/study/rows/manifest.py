@@ -145,14 +145,9 @@ class RunEntry(_Record):
 class Manifest(_Record):
     """What a results folder says about itself.
 
-    Args:
-        schema_version: of the rows; `schema` in the file.
-        cells: how many the folder is asked for.
-        gap_tolerance: gaps of two attempts that differ by more contradict each other.
-        matrix: every formulation with every engine, if the experiment compares them all.
-        solvers: by spec; rows of another code than an entry's `code_digest` are stale.
-        created, finished: UTC, ISO 8601; `finished` is None until every cell has its row.
-        runs: an entry a run, the earliest first.
+    `schema` (of the rows) has another name here, which pydantic leaves free. `solvers` are by spec:
+    rows of another code than an entry's are stale. Gaps of two attempts that differ by more than
+    `gap_tolerance` contradict each other. `finished` is None until every cell has its row.
     """
 
     schema_version: int = Field(default=VERSION, alias="schema")
@@ -180,11 +175,7 @@ class Manifest(_Record):
 
 
 def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
-    """The manifest of a results folder; `printable` writes out what its texts cannot print.
-
-    Raises:
-        ResultsError: if there is none, or it is of another schema, or a value has another type.
-    """
+    """The manifest of a results folder; `printable` writes out what its texts cannot print."""
     file = folder / MANIFEST
     content = _read_object(folder, file)
     version = content.get("schema")

@@ -141,18 +141,16 @@ def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch |
 def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
     with _reading(file):
         columns, rows = content.schema_arrow.names, int(content.metadata.num_rows)
-        texts = {
-            key.decode("utf-8", "replace"): value.decode("utf-8", "replace")
-            for key, value in (content.metadata.metadata or {}).items()
-        }
-    version = texts.get(VERSION_KEY, str(VERSION))
+        texts = content.metadata.metadata or {}
+        version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
+        run_id = texts.get(RUN_ID.encode(), b"").decode("utf-8", "replace")
     if version != str(VERSION):
         raise ResultsError(f"{file} is of schema {version!r:.60}; expected {VERSION}: {_MOVE}")
     if problem := _column_problem(columns):
         raise ResultsError(
             f"{file} cannot be read: {problem}; expected the columns of schema {VERSION}: {_MOVE}"
         )
-    return Part(file, rows, texts.get(RUN_ID, ""))
+    return Part(file, rows, run_id)
 
 
 def _column_problem(columns: Sequence[str]) -> str | None:

@@ -25,21 +25,15 @@ RUN_ID = "dubins-study run"
 
 
 class Column(NamedTuple):
-    """A column: name, Arrow type, unit and meaning. Missing and non-finite numbers are null.
-
-    Args:
-        detail: comparisons of solvers do not read it.
-        manifest: the report shows it from the manifest, and does not read it.
-        plotted: the plot of single attempts shows it.
-    """
+    """A column: name, Arrow type, unit and meaning. Missing and non-finite numbers are null."""
 
     name: str
     meaning: str
     type: str = "string"
     unit: str = ""
-    detail: bool = False
-    manifest: bool = False
-    plotted: bool = False
+    detail: bool = False  # comparisons of solvers do not read it
+    manifest: bool = False  # the report shows it from the manifest, and does not read it
+    plotted: bool = False  # the plot of single attempts shows it
 
 
 def column(meaning: str, unit: str = "", *, default: Any = None, **flags: bool) -> Any:
