@@ -1,10 +1,14 @@
-"""A page in a real Chromium, and what may not happen on it."""
+"""A page in a real Chromium, what may not happen on it, and the explorer as a reader sees it."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
+
+from dubins_study import Scenario
+from dubins_study.study.closed_form.shortest import shortest
 
 PHONE, DESK = {"width": 400, "height": 800}, {"width": 1280, "height": 900}
 
@@ -31,3 +35,63 @@ class Tab:
     def close(self) -> None:
         self.context.close()
         assert not self.errors, self.errors
+
+
+def scenario_in(page: Page) -> Scenario:
+    """The scenario that the page shows."""
+    state = page.evaluate("window.explorer.state()")
+    state.pop("written")
+    return Scenario(**state)
+
+
+def shown(page: Page) -> dict[str, dict[str, str]]:
+    """The table: branch -> cell -> text, and whether the row is marked as optimal."""
+    rows = page.locator("tr[data-branch]").evaluate_all(
+        """rows => rows.map(row => [row.dataset.branch, {
+             optimal: String(row.classList.contains("optimal")),
+             ...Object.fromEntries([...row.querySelectorAll("[data-cell]")]
+                 .map(cell => [cell.dataset.cell, cell.textContent]))}])"""
+    )
+    return dict(rows)
+
+
+def number(text: str) -> float:
+    return float(text.replace("−", "-"))
+
+
+def centre(page: Page, name: str) -> tuple[float, float]:
+    """Where a handle is on the screen."""
+    page.locator(".explorer-stage").scroll_into_view_if_needed()
+    box = page.locator(f".handle.{name} .knob").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page: Page, name: str, dx: float, dy: float) -> None:
+    x, y = centre(page, name)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx / 2, y + dy / 2, steps=3)
+    page.mouse.move(x + dx, y + dy, steps=3)
+    page.mouse.up()
+
+
+def agrees(page: Page) -> None:
+    """What the table says is what the package says of the scenario that is shown."""
+    scenario = scenario_in(page)
+    best = shortest(scenario)
+    assert best is not None
+    for branch, cells in shown(page).items():
+        optimum = shortest(scenario, branch)
+        if optimum is None:
+            assert cells["length"] == "–"
+            assert cells["certificate"].startswith("no path")
+            continue
+        # six digits are shown
+        assert number(cells["length"]) == pytest.approx(optimum.total * scenario.radius, rel=6e-6)
+        assert number(cells["radii"]) == pytest.approx(optimum.total, rel=6e-6)
+        assert cells["optimal"] == str(optimum.word in best.words).lower()
+        assert (cells["over"] == "shortest") == (optimum.word in best.words)
+
+
+def shown_best(page: Page) -> str:
+    return next(branch for branch, cells in shown(page).items() if cells["optimal"] == "true")

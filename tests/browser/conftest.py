@@ -15,6 +15,14 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from dubins_study import render
 from dubins_study.report.explorer.standalone import write_standalone
+from tests.unit.report.topic_page import without_pdf_files
+
+
+@pytest.fixture(autouse=True, scope="module")
+def svg_alone() -> Iterator[None]:
+    """No page shows the PDF files of its figures."""
+    with without_pdf_files():
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -33,14 +41,16 @@ def chromium() -> Iterator[Browser]:
 @pytest.fixture(scope="session")
 def report_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
     """`index.html` of a small report with a benchmark, the paper's problems and a radius sweep."""
-    return small_report(tmp_path_factory.mktemp("small"))
+    with without_pdf_files():
+        return small_report(tmp_path_factory.mktemp("small"))
 
 
 @pytest.fixture(scope="session")
 def benchmark_page(tmp_path_factory: pytest.TempPathFactory) -> FilePath:
     """`index.html` of the committed benchmark."""
     results = FilePath(__file__).parents[2] / "results" / "benchmark"
-    return render([results], tmp_path_factory.mktemp("benchmark") / "report")
+    with without_pdf_files():
+        return render([results], tmp_path_factory.mktemp("benchmark") / "report")
 
 
 @pytest.fixture

@@ -13,12 +13,13 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
-from browser_tab import DESK, PHONE
+from browser_tab import PHONE
 
-from dubins_study import Scenario, render, solve
+from dubins_study import Scenario, solve
 from dubins_study.study.path import Path
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
+from tests.unit.report.topic_page import topic_page
 
 # What would run if it were not text: in HTML, in a template of Bokeh's, in a shell. A mark that
 # turns the text around is written out by the reader of the results (`study.printable`).
@@ -57,7 +58,7 @@ def rows() -> list[dict[str, Any]]:
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     place = tmp_path_factory.mktemp("attempts")
     folder = write_folder(place / "mine", "mine", rows(), time_limit_s=30.0)
-    return render([folder], out=place / "report").as_uri()
+    return topic_page(folder, place / "report", "single attempts").as_uri()
 
 
 @pytest.fixture
@@ -160,23 +161,21 @@ def test_every_attempt_is_a_point(plot):
 def test_axes_are_chosen_and_named_with_their_units(plot):
     """Logarithmic but for angles; zeros stand at the floor that the title names."""
     page = plot()
-    titles = "() => ['below', 'left'].map((side) => attempts.drawn.figure()[side][0].axis_label)"
     page.get_by_label("horizontal").select_option("bearing")
     page.get_by_label("vertical").select_option("miss")
     page.wait_for_function("() => attempts.drawn.figure().left[0].axis_label.startsWith('miss')")
+    below, left, floor, *kinds = page.evaluate(
+        """() => {
+            const fig = attempts.drawn.figure();
+            return [fig.below[0].axis_label, fig.left[0].axis_label,
+                    Math.min(...fig.renderers[1].data_source.data.y),
+                    fig.x_scale.type, fig.y_scale.type];
+        }"""
+    )
 
-    assert page.evaluate(titles)[0].endswith("(degrees)")
-    floor = page.evaluate(
-        "() => Math.min(...attempts.drawn.figure().renderers[1].data_source.data.y)"
-    )
-    least = min(one["miss"] for one in rows() if one["miss"])
-    assert 0 < floor < least
-    assert page.evaluate(titles)[1].endswith(
-        "(R); 0 is drawn at 1e−" + str(-round(math.log10(floor)))
-    )
-    kinds = page.evaluate(
-        "() => { const f = attempts.drawn.figure(); return [f.x_scale.type, f.y_scale.type]; }"
-    )
+    assert below.endswith("(degrees)")
+    assert 0 < floor < min(one["miss"] for one in rows() if one["miss"])
+    assert left.endswith(f"(R); 0 is drawn at 1e−{-round(math.log10(floor))}")
     assert kinds == ["LinearScale", "LogScale"]
 
 
@@ -205,17 +204,12 @@ def test_verdicts_are_filtered(plot):
     filters = page.locator(".filters details", has_text="verdicts")
     filters.locator("summary").click()
     filters.get_by_role("button", name="none").click()
-    assert (
-        "0 coloured points and 0 faint"
-        in page.locator("#attempts-plot > p[role=status]").text_content()
-    )
+    status = page.locator("#attempts-plot > p[role=status]")
+    assert "0 coloured points and 0 faint" in status.text_content()
 
     filters.get_by_label("misses").check()
     missed = sum(one["verdict"] == "misses" for one in rows() if one["solver"] == "far")
-    assert (
-        f"{missed} coloured points"
-        in page.locator("#attempts-plot > p[role=status]").text_content()
-    )
+    assert f"{missed} coloured points" in status.text_content()
 
 
 @pytest.mark.slow
@@ -287,37 +281,44 @@ def drawn_end(page) -> tuple[tuple[float, float], tuple[float, float], tuple[flo
 
 
 def test_a_click_opens_the_path_with_its_numbers(plot):
-    """The drawn path ends at the target; the address names the attempt until Escape closes it."""
+    """The address names the attempt until Escape closes it."""
     page = plot()
     choose(page, "far")
     page.mouse.click(*position(page, row(page, "far", 11)))
     drawer = page.get_by_role("dialog")
     drawer.wait_for()
 
-    facts = dict(
-        zip(
-            drawer.locator("dt").all_text_contents(),
-            drawer.locator("dd").all_text_contents(),
-            strict=True,
-        )
-    )
-    expected = next(
-        one for one in rows() if one["solver"] == "far" and one["scenario_id"] == "000000b"
-    )
+    names, values = (drawer.locator(part).all_text_contents() for part in ("dt", "dd"))
+    facts = dict(zip(names, values, strict=True))
+    mine = (one for one in rows() if (one["solver"], one["scenario_id"]) == ("far", "000000b"))
+    expected = next(mine)
     assert facts["claim"] == "local"
     assert facts["verdict"] == "optimal"
     assert facts["word"] == expected["word"]
     assert facts["message"] == f"{HOSTILE}\nsecond line"
     assert float(facts["length"].removesuffix(" R")) == pytest.approx(expected["length"], rel=5e-3)
-    path, reference, target = drawn_end(page)
-    assert math.dist(path, target) < 0.2  # pixels: coordinates are written to a tenth
-    assert math.dist(reference, target) < 0.2
     assert drawer.locator("img").count() == 0
     assert "#attempt=000000b/0/mine/far/best/cold/default" in page.url
 
     page.keyboard.press("Escape")
     assert not drawer.is_visible()
     assert "#attempt" not in page.url
+
+
+@pytest.mark.slow
+def test_points_at_one_place_are_led_through(plot):
+    """`next` shows the others there."""
+    page = plot()
+    choose(page, "fine", "far")
+    page.mouse.click(*position(page, row(page, "far", 11)))
+    drawer = page.get_by_role("dialog")
+    drawer.wait_for()
+    first = page.url
+    assert re.search(r"1 of \d+ here", drawer.text_content())
+    drawer.get_by_role("button", name="next").press("Enter")
+    assert page.url != first
+    drawer.get_by_role("button", name="previous").press("Enter")
+    assert page.url == first
 
 
 @pytest.mark.parametrize("solver", [RAW, LONG, "analytic"])
@@ -339,23 +340,6 @@ def test_a_drawn_path_is_the_solvers(plot, solver: str):
 
     assert path == pytest.approx(expected, abs=0.3)  # pixels: tenths, and the grid of long paths
     assert math.dist(reference, target) < 0.2
-
-
-@pytest.mark.slow
-def test_points_at_one_place_are_led_through(plot):
-    """`next` shows the others there."""
-    page = plot()
-    choose(page, "fine", "far")
-    page.mouse.click(*position(page, row(page, "far", 11)))
-    drawer = page.get_by_role("dialog")
-    drawer.wait_for()
-    first = page.url
-    assert re.search(r"1 of \d+ here", drawer.text_content())
-
-    drawer.get_by_role("button", name="next").press("Enter")
-    assert page.url != first
-    drawer.get_by_role("button", name="previous").press("Enter")
-    assert page.url == first
 
 
 def test_an_address_opens_its_attempt(plot):
@@ -512,10 +496,9 @@ def test_the_plot_follows_the_colour_scheme(plot):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_phone_shows_it_all(plot, scheme: str):
+def test_a_phone_shows_it_all(plot):
     """Nothing scrolls sideways, with the drawer open too; a tap opens it."""
-    page = plot(viewport=PHONE, color_scheme=scheme, has_touch=True)
+    page = plot(viewport=PHONE, has_touch=True)
     choose(page, "far")
     page.touchscreen.tap(*position(page, row(page, "far", 11)))
     page.get_by_role("dialog").wait_for()
@@ -523,7 +506,6 @@ def test_a_phone_shows_it_all(plot, scheme: str):
     assert page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
     picture = page.locator("#attempt-drawer svg").bounding_box()
     assert 0 <= picture["x"] <= picture["x"] + picture["width"] <= PHONE["width"]
-    assert DESK["width"] > PHONE["width"]
 
 
 @pytest.mark.slow
@@ -535,13 +517,10 @@ def test_a_finger_on_the_plot_scrolls_the_page(plot):
     box, before = canvas.bounding_box(), page.evaluate("scrollY")
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     finger = page.context.new_cdp_session(page)
-    finger.send(
-        "Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]}
-    )
-    for step in range(1, 11):
-        points = [{"x": x, "y": y - 20 * step}]
-        finger.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": points})
-    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    for step in range(12):
+        kind = {0: "touchStart", 11: "touchEnd"}.get(step, "touchMove")
+        points = [{"x": x, "y": y - 20 * step}] if step < 11 else []
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
     page.wait_for_function("before => scrollY > before + 50", arg=before)
 
@@ -568,7 +547,7 @@ def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
     """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""
     page = new_tab(reduced_motion="reduce")
     folder = write_folder(tmp_path / "odd", "odd", ODD_ROWS[name])
-    page.goto(f"{render([folder]).as_uri()}#attempts")
+    page.goto(f"{topic_page(folder, tmp_path / 'out', 'single attempts').as_uri()}#attempts")
     page.locator("#attempts-plot").scroll_into_view_if_needed()
     page.wait_for_selector("#attempts-plot[data-ready=yes]")
     page.get_by_label("vertical").select_option("wall_s")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from explorer_page import agrees, scenario_in
+from browser_tab import agrees, scenario_in
 
 from dubins_study import Scenario
 from dubins_study.report.explorer.fragment import PRESETS
@@ -30,15 +30,11 @@ def test_the_examples_show_what_their_titles_say():
     for preset in PRESETS:
         x, y, heading, *rest = preset.text.split(",")
         cases[preset.name] = Scenario(float(x), float(y), heading, *map(float, rest))
-    tie, disc = shortest(cases["Straight behind"]), shortest(cases["Inside a disc"])
-    outside, inside = shortest(cases["Just outside"]), shortest(cases["Just inside"])
-    assert tie is not None
-    assert disc is not None
-    assert outside is not None
-    assert inside is not None
+    best = {name: shortest(case) for name, case in cases.items()}
+    outside, inside = best["Just outside"], best["Just inside"]
 
-    assert tie.words == ("LS", "RS")
-    assert disc.word == inside.word == "RL"
+    assert best["Straight behind"].words == ("LS", "RS")
+    assert best["Inside a disc"].word == inside.word == "RL"
     assert outside.word == "LS"
     # the arcs of 0.3 on the circle and from inside, moved by 0.001 R each
     assert inside.total - outside.total == pytest.approx(6.235, abs=0.02)
@@ -92,14 +88,14 @@ def test_fields_and_their_refusals(explorer):
     assert page.locator("[data-answer=problem]").text_content() == ""
 
 
-@pytest.mark.parametrize("radius", ["1", "25", "1.234", "0.0099", "3e-9", "1e+40"])
+@pytest.mark.parametrize("radius", ["25", "0.0099", "1e+40"])
 def test_arrow_keys_in_the_radius_field_keep_it_above_zero(explorer, radius):
     """A step is a hundredth to a tenth of the radius, down and up; no step is refused."""
     page = explorer(f"0,0,0deg,{radius},{radius},{radius}")
     field = page.get_by_label("radius R")
     field.focus()
     for key, sign in (("ArrowDown", -1), ("ArrowUp", 1)):
-        for _ in range(30):
+        for _ in range(12):
             before = scenario_in(page).radius
             page.keyboard.press(key)
             after = scenario_in(page).radius

@@ -10,8 +10,7 @@ from contextlib import redirect_stdout
 from io import StringIO
 
 import pytest
-from browser_tab import PHONE
-from explorer_page import agrees, number, scenario_in, shown, shown_best
+from browser_tab import PHONE, agrees, number, scenario_in, shown, shown_best
 
 from dubins_study import Scenario, solve
 from dubins_study.study.angle import parse_angle

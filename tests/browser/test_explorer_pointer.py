@@ -7,8 +7,7 @@ import re
 from typing import Any
 
 import pytest
-from browser_tab import PHONE
-from explorer_page import agrees, centre, drag, scenario_in, shown
+from browser_tab import PHONE, agrees, centre, drag, scenario_in
 
 from dubins_study import Scenario, solve
 
@@ -30,28 +29,8 @@ def test_dragging_the_target_moves_it_and_everything_follows(explorer):
 
 
 @pytest.mark.slow
-def test_dragging_across_the_circle_changes_the_word(explorer):
-    """From outside into the left disc: LS ends to exist and RL is shortest."""
-    page = explorer("0,0,0deg,1.3,1,1")
-    assert shown(page)["LS"]["optimal"] == "true"
-    x, _ = centre(page, "target")
-    inside = page.locator("circle[data-word=RL]").bounding_box()
-    drag(page, "target", inside["x"] + inside["width"] / 2 - x, 0)
-
-    assert shown(page)["RL"]["optimal"] == "true"
-    assert (
-        shown(page)["LS"]["certificate"] == "no path: the target is inside the left turning circle"
-    )
-    agrees(page)
-
-
-@pytest.mark.slow
-def test_dragging_heading_and_radius(explorer):
-    """The heading points where the pointer is; the radius grows away from the start."""
-    page = explorer("0,0,0deg,4,3,1")
-    drag(page, "heading", -62, -62)  # from 62 pixels ahead to 62 above
-    assert scenario_in(page).heading == pytest.approx(math.pi / 2, abs=0.03)
-    agrees(page)
+def test_dragging_the_radius(explorer):
+    """It grows away from the start."""
     page = explorer("0,0,0deg,4,3,1")
     drag(page, "radius", 0, 30)
     assert scenario_in(page).radius > 1.1
@@ -99,32 +78,6 @@ def test_a_second_finger_does_not_move_what_the_first_drags(explorer):
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     assert scenario_in(page).target_x < 2
     assert scenario_in(page).radius == 1
-    agrees(page)
-
-
-@pytest.mark.slow
-def test_a_drag_is_answered_within_a_frame(explorer):
-    """Works 1000 random scenarios off; the times are printed (`pytest -s`), not asserted."""
-    page = explorer()
-    times = page.evaluate(
-        """() => {
-          let seed = 1;
-          const random = () => { seed = seed * 48271 % 2147483647; return seed / 2147483647; };
-          const times = [];
-          for (let i = 0; i < 1000; i += 1) {
-            const before = performance.now();
-            window.explorer.set({target_x: 12 * random() - 6, target_y: 12 * random() - 6}, "keep");
-            const best = window.explorer.entries().find((entry) => entry.optimal);
-            window.explorer.sweep.draw(window.explorer.state(), best.length);
-            document.body.getBoundingClientRect();  // the layout belongs to the answer
-            times.push(performance.now() - before);
-          }
-          return times;
-        }"""
-    )
-    times.sort()
-    print(f"update: median {times[500]:.2f} ms, 99 % {times[990]:.2f} ms, most {times[-1]:.2f} ms")
-    assert len(times) == 1000
     agrees(page)
 
 

@@ -5,27 +5,36 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from browser_tab import DESK, PHONE
+from browser_tab import DESK, PHONE, Tab
 
 from dubins_study import render
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 
-WIDTHS = {"phone": PHONE, "desk": DESK}
 LOST = [(scenario, solver) for scenario in paper_scenarios() for solver in ("slsqp", "ipopt")]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", WIDTHS)
-def test_nothing_scrolls_sideways(new_tab, report_page: Path, width: str, scheme: str):
+def test_an_error_on_the_page_fails_its_test(chromium, tmp_path: Path):
+    """A page that logs an error, asks for something remote or opens a dialog fails its test."""
+    file = tmp_path / "page.html"
+    file.write_text("<script>throw new Error('wrong')</script><script>alert('run')</script>")
+    tab = Tab(chromium)
+    tab.page.goto(file.as_uri())
+
+    with pytest.raises(AssertionError, match="wrong"):
+        tab.close()
+
+
+@pytest.mark.parametrize(("viewport", "scheme"), [(PHONE, "dark"), (DESK, "light")])
+def test_nothing_scrolls_sideways(new_tab, report_page: Path, viewport, scheme: str):
     """What is wider than the screen scrolls in a box of its own."""
-    page = new_tab(viewport=WIDTHS[width], color_scheme=scheme)
+    page = new_tab(viewport=viewport, color_scheme=scheme)
     page.goto(report_page.as_uri())
     # A section that is laid out only when it comes into view would hide what is too wide.
     page.add_style_tag(content="main > section { content-visibility: visible !important }")
     page.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true })")
 
-    assert page.evaluate("document.scrollingElement.scrollWidth") <= WIDTHS[width]["width"]
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= viewport["width"]
 
 
 def test_every_anchor_is_there_once(new_tab, report_page: Path):
@@ -182,7 +191,6 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("viewport", WIDTHS.values(), ids=WIDTHS)
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
@@ -195,15 +203,15 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
     ],
     ids=["empty", "one solver", "all failures"],
 )
-def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words, viewport):
+def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words):
     """Its scripts find nothing to work on, and say nothing."""
     folder = write_folder(tmp_path / "mine", "mine", rows)
-    page = new_tab(viewport=viewport)
+    page = new_tab(viewport=PHONE)
     page.goto(render([folder], tmp_path / "out").as_uri())
 
     assert words in page.locator("#decision").text_content()
     assert page.locator("#contents a[aria-current]").count() == 1
-    assert page.evaluate("document.scrollingElement.scrollWidth") <= viewport["width"]
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
 
 
 def test_links_jump(new_tab, report_page: Path):

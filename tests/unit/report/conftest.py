@@ -7,10 +7,9 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
-from matplotlib.figure import Figure
 
-from dubins_study.report.elements.figure_file import figure_bytes
 from tests.unit.report.results_folder import write_folder
+from tests.unit.report.topic_page import without_pdf_files
 
 
 @pytest.fixture
@@ -25,14 +24,6 @@ def results(tmp_path: FilePath) -> Callable[..., FilePath]:
 
 @pytest.fixture(autouse=True, scope="module")
 def svg_alone() -> Iterator[None]:
-    """Figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs.
-
-    A test that looks at PDF files draws them inside `with_pdf_files()`.
-    """
-
-    def drawn(figure: Figure, kind: str) -> bytes:
-        return b"%PDF" if kind == "pdf" else figure_bytes(figure, kind)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("dubins_study.report.page.render.figure_bytes", drawn)
+    """A test that looks at PDF files draws them inside `with_pdf_files()`."""
+    with without_pdf_files():
         yield

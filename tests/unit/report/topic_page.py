@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 
 import pytest
+from matplotlib.figure import Figure
 
 from dubins_study import render
 from dubins_study.report.elements.figure_file import figure_bytes
@@ -42,4 +43,16 @@ def with_pdf_files() -> Iterator[None]:
     """Draw the PDF files of figures too, which the fixture `svg_alone` leaves out."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("dubins_study.report.page.render.figure_bytes", figure_bytes)
+        yield
+
+
+@contextmanager
+def without_pdf_files() -> Iterator[None]:
+    """Draw figures as SVG alone: fonts are cut for every PDF anew, a third of what a page costs."""
+
+    def drawn(figure: Figure, kind: str) -> bytes:
+        return b"%PDF" if kind == "pdf" else figure_bytes(figure, kind)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dubins_study.report.page.render.figure_bytes", drawn)
         yield
