@@ -1,11 +1,168 @@
-"""Every command and every piece of code that the documentation shows does what the page says."""
+"""Every command and every piece of code that the documentation shows does what the page says.
+
+    console    lines that begin with `$ ` are commands; what follows is their output, in which `...`
+               stands for anything
+    sh         commands, of which the last exit code counts
+    python     run in the namespace of its page
+    pycon      a dialogue with `>>>`, its outputs compared as above
+A block with a caption, or whose first line is a comment with a file's name, is written to that
+file. Blocks of other languages must look like no command.
+"""
 
 from __future__ import annotations
 
+import doctest
+import os
+import re
+import subprocess
+import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import pytest
-from snippets import RUN, Block, Runner, blocks, parsed, unknown
+
+RUN = ("console", "sh", "python", "pycon")
+SHOWN = ("text", "toml", "json", "bibtex", "css", "yaml")
+_FENCE = re.compile(r"^( *)(`{3,})([^\n`]*)\n(.*?)^\1\2 *$", re.M | re.S)
+_FILE = re.compile(r"(?:#|//) ([\w.-]+\.\w+)\n")
+_CAPTION = re.compile(r"(?:^:caption: *(\S+)\n|^:\w+:.*\n)+\n?", re.M)
+_COMMAND = re.compile(r"^(?:\$ |make |pip |dubins-study |python )", re.M)
+_MATCHES = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+# Seconds; far above what any command of the documentation takes.
+_LIMIT_S = 200
+
+
+class Block(NamedTuple):
+    """A block of a page: its language, its text, the file that it is, and the line it begins at."""
+
+    language: str
+    text: str
+    file: str
+    line: int
+
+
+def blocks(page: Path) -> list[Block]:
+    """All blocks of a page but those of directives, from the first to the last."""
+    found = []
+    source = page.read_text(encoding="utf-8")
+    for match in _FENCE.finditer(source):
+        indent, _, info, text = match.groups()
+        text = re.sub(f"^{indent}", "", text, flags=re.M)
+        language, file = info.strip(), ""
+        if language.startswith("{code-block}"):
+            language = language.split()[-1]
+            options = _CAPTION.match(text)
+            if options:
+                file, text = options[1] or "", text[options.end() :]
+        if language.startswith("{"):
+            continue
+        named = _FILE.match(text)
+        file = file or (named[1] if named else "")
+        found.append(Block(language, text, file, source.count("\n", 0, match.start()) + 2))
+    return found
+
+
+def unknown(block: Block) -> bool:
+    """Whether nobody would notice that the block no longer works."""
+    if block.language in RUN or block.file:
+        return False
+    return block.language not in SHOWN or bool(_COMMAND.search(block.text))
+
+
+class Runner:
+    """Runs the blocks of one page in one folder, in their order.
+
+    Args:
+        folder: an empty folder, which is the working directory of all blocks.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        # a module of its own, in which a dataclass finds itself
+        module = sys.modules["page_of_the_documentation"] = ModuleType("page_of_the_documentation")
+        self.names: dict[str, Any] = vars(module)
+        programs = Path(sys.executable).parent
+        self.environment = os.environ | {
+            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+            "COLUMNS": "100",
+            "NO_COLOR": "1",
+        }
+
+    def run(self, block: Block) -> None:
+        """Run or write one block.
+
+        Raises:
+            AssertionError: with the command, its output and what the page says.
+        """
+        if block.file:
+            (self.folder / block.file).write_text(block.text, encoding="utf-8")
+        if block.file or block.language in SHOWN:
+            return
+        getattr(self, f"_{block.language}")(block)
+
+    def _python(self, block: Block) -> None:
+        # the line numbers of a traceback are those of the page
+        code = compile("\n" * (block.line - 1) + block.text, "page", "exec")
+        exec(code, self.names)
+
+    def _pycon(self, block: Block) -> None:
+        test = doctest.DocTestParser().get_doctest(block.text, self.names, "page", None, block.line)
+        report: list[str] = []
+        result = doctest.DocTestRunner(optionflags=_MATCHES).run(
+            test, out=report.append, clear_globs=False
+        )
+        self.names |= test.globs
+        assert not result.failed, "".join(report)
+
+    def _sh(self, block: Block) -> None:
+        self._command(block.text)
+
+    def _console(self, block: Block) -> None:
+        command, expected = "", ""
+        for line in [*block.text.splitlines(keepends=True), "$ "]:
+            if not line.startswith("$ "):
+                expected += line
+                continue
+            if command:
+                self._compare(command, expected)
+            command, expected = line[2:], ""
+
+    def _compare(self, command: str, expected: str) -> None:
+        output = self._command(command)
+        wanted = re.sub(r"\n\.\.\.\n\Z", "...", expected)  # of nothing as well
+        same = doctest.OutputChecker().check_output(wanted, output, _MATCHES)
+        assert same, f"$ {command}\nthe page says:\n{expected}\nit printed:\n{output}"
+
+    def _command(self, command: str) -> str:
+        """What a command prints to standard output; a command may fail if the page says so."""
+        script = f"set -eo pipefail\n{command}"
+        process = subprocess.run(
+            ["bash", "-c", script],
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=_LIMIT_S,
+        )
+        output = f"{process.stdout}\n{process.stderr}"
+        stated = re.search(r"# exit code (\d+)\s*$", command)
+        allowed = int(stated[1]) if stated else 0
+        assert process.returncode == allowed, f"$ {command}\nexit {process.returncode}\n{output}"
+        return process.stdout
+
+
+def parsed(block: Block) -> bool:
+    """Whether a block is Python, or commands of a shell, by its form alone."""
+    if block.language == "python":
+        compile(block.text, "page", "exec")
+        return True
+    lines = block.text.splitlines()
+    if block.language == "console":
+        lines = [line[2:] for line in lines if line.startswith("$ ")]
+    shell = subprocess.run(["bash", "-n"], input="\n".join(lines), text=True, capture_output=True)
+    return shell.returncode == 0
+
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
