@@ -120,13 +120,13 @@ def test_the_path_ends_within_delta_of_the_target_where_two_edges_meet():
     assert max(abs(end.x - X), abs(end.y - Y)) <= delta + 1e-15
 
 
-@pytest.mark.parametrize("box", [1.0, 1e4, 1e5])
+@pytest.mark.parametrize("box", [1.0, 1e5])
 @pytest.mark.parametrize("branch", BRANCHES)
 @pytest.mark.parametrize("target", [(0, 2), (0, -2), (0, 4), (math.sin(0.3), 1 - math.cos(0.3))])
 def test_targets_that_a_user_computed_to_lie_on_an_edge(box, branch, target):
     """No false claim and no false bound, whatever rounding made of them; circles are circles."""
     starts = np.random.default_rng(1).uniform(
-        (-box, -box, -math.pi, 0.5), (box, box, math.pi, 2), (300, 4)
+        (-box, -box, -math.pi, 0.5), (box, box, math.pi, 2), (100, 4)
     )
     frame = scenario_frame(placed(*target, *start) for start in starts)
     rows = solve_frame(frame, branch=branch, certified=True)

@@ -87,30 +87,6 @@ def test_gams_without_licence_is_a_reason(monkeypatch):
     assert "licence" in str(ENGINES["gams-snopt"].unavailable())
 
 
-def test_apopt_as_gekko_runs_it():
-    """gekko's own interface takes as many iterations, to the same ten digits."""
-    from gekko import GEKKO
-
-    model = GEKKO(remote=False)
-    try:
-        x = [model.Var(value=value) for value in _START[7]]
-        model.Equation((1 + x[0] ** 2) ** 2 + x[1] ** 2 - 4 == 0)
-        model.Minimize(model.log(1 + x[0] ** 2) - x[1])
-        options = {"SOLVER": 1, "RTOL": 1e-8, "OTOL": 1e-8, "MAX_ITER": 200}
-        for name, value in options.items():
-            setattr(model.options, name, value)
-        model.solve(disp=False)
-        expected = [variable.value[0] for variable in x]
-        iterations = model.options.ITERATIONS
-    finally:
-        model.cleanup()
-
-    result = _run("apopt", 7)
-
-    assert result.x == pytest.approx(expected, abs=1e-9)
-    assert result.iterations == iterations
-
-
 def test_apopt_within_a_worker_s_memory_limit():
     """Its program reserves gigabytes: with a limit of 4 GiB it ended in one run of five."""
     limits = resource.getrlimit(resource.RLIMIT_DATA)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 
 import casadi
@@ -41,29 +40,6 @@ def test_with_numbers_the_walk_is_casadis_evaluation(x):
     assert objective == pytest.approx(functions.objective(np.array(x)), rel=1e-14, abs=1e-14)
     # sums of a few terms, the largest of them 5^5
     assert equations == pytest.approx(functions.equations(np.array(x)), rel=1e-13, abs=1e-14)
-
-
-def test_with_pyomos_variables_the_walk_is_a_model():
-    """It evaluates as casadi does, and the NL writer takes it."""
-    import pyomo.environ as pyomo
-    from pyomo.repn.plugins.nl_writer import NLWriter
-
-    posed, x = program(), np.array((0.4, 1.1, 2.3))
-    model = pyomo.ConcreteModel()
-    model.x = pyomo.Var(range(3), initialize=dict(enumerate(x)))
-    objective, equations = rebuilt(posed, list(model.x.values()), pyomo)
-    model.objective = pyomo.Objective(expr=objective)
-    model.rows = pyomo.ConstraintList()
-    for side in equations:
-        if not isinstance(side, float):  # the second is 0 = 0
-            model.rows.add(side == 0)
-    text = io.StringIO()
-    NLWriter().write(model, text)
-
-    functions = posed.expressions.functions(posed.p)
-    assert pyomo.value(model.objective) == pytest.approx(functions.objective(x), rel=1e-14)
-    assert [pyomo.value(side) for side in equations] == pytest.approx(functions.equations(x))
-    assert text.getvalue().splitlines()[1].split()[:2] == ["3", "3"]  # variables, constraints
 
 
 def test_parameters_become_constants():

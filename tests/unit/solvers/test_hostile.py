@@ -198,27 +198,19 @@ ARRAYS = {
 BAD_ARRAYS = {
     "complex": ({"length": np.ones((2, N), complex)}, "length is an array of complex128"),
     "of text": ({"length": np.full((2, N), "1_0")}, "length is an array of <U3"),
-    "booleans": ({"curvature": np.ones((2, N), bool)}, "curvature is an array of bool"),
     "of odd objects": ({"length": np.full((2, N), None)}, "length holds None"),
     "durations": ({"length": np.ones((2, N), "m8[s]")}, "length is an array of timedelta64"),
     "of one row": ({"length": np.ones(N)}, r"length has shape \(3,\); expected \(2, 3\)"),
-    "flat": ({"curvature": np.ones(N), "length": np.ones(N)}, r"curvature has shape \(3,\)"),
     "numbers for flags": ({"returned": np.ones(N)}, "returned is an array of float64"),
     "few flags": ({"returned": np.ones(1, bool)}, r"returned has shape \(1,\); expected \(3,\)"),
     "claims that are NaN": ({"claim": np.full(N, np.nan)}, "claim is neither a Claim nor indices"),
     "claims of text": ({"claim": ["optimal"] * N}, "claim is neither a Claim nor indices"),
-    "claims too many": (
-        {"claim": np.zeros(N + 1, int)},
-        r"claim has shape \(4,\); expected \(3,\)",
-    ),
-    "complex bounds": ({"lower_bound": np.ones(N, complex)}, "lower_bound is an array of complex"),
     "a bound": ({"lower_bound": 1.0}, r"lower_bound has shape \(\); expected \(3,\)"),
     "messages of lists": ({"message": [[1]] * N}, r"row 0: message is \[1\]; expected a text"),
     "few messages": ({"message": ["a"]}, "there are 1 messages; expected 1 or 3"),
     "a status": ({"native_status": 3}, "native_status is 3; expected a text"),
     "few paths": ({"paths": Paths(np.zeros((2, 2)), np.zeros((2, 2)))}, "2 paths for 3 scenarios"),
     "unknown claims": ({"claim": np.full(N, 99)}, "claim is neither a Claim nor indices"),
-    "few lengths": ({"claimed_length": np.zeros(N - 1)}, "claimed_length has shape"),
     "no paths": ({"paths": None}, "paths is None; expected Paths"),
 }
 

@@ -66,23 +66,6 @@ def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
     np.testing.assert_allclose([function.at(point) for point in points.T], expected, rtol=1e-13)
 
 
-@pytest.mark.parametrize("Y", [1.0, 1.3, 1.6])
-def test_the_least_weight_is_the_norm_of_the_multipliers(Y):
-    """Locally, for RL at the depth of the left disc: 1 / |cos(a2 / 2)|, a tenth more or less."""
-    scenario = Scenario(0, 0, 0, 0, Y, 1)
-    first, second = shortest(scenario).segments[:2]
-    norm = 1 / abs(math.cos(second / 2))
-    z = np.array((first, second))
-    around = z[:, None] + 1e-5 * np.random.default_rng(0).normal(size=(2, 2000))
-
-    def gains(weight: float) -> bool:
-        function = function_of(scenario, "RL", weight)
-        return bool(function.at_each(around).min() < function.at(z))
-
-    assert gains(0.9 * norm)
-    assert not gains(1.1 * norm)
-
-
 def test_no_weight_serves_all_targets():
     """A little inside the front of a circle, stopping short on it costs less than arriving."""
     inside = 1e-3
@@ -162,16 +145,6 @@ def test_raw_points_are_the_engine_s_own():
     assert raw.miss > 1e-6
     assert moved.miss < 1e-12
     assert moved.claim is Claim.FEASIBLE
-
-
-def test_one_order_of_turns_may_lack_the_shortest_path():
-    """LRS, the paper's order, holds no RL: in the left disc its best path is RS."""
-    paper = attempt(load("penalty[order=LRS]"), Question(LEFT_DISC))
-    other = attempt(load("penalty[order=RLS]"), Question(LEFT_DISC))
-
-    assert paper.verdict is Verdict.LONGER
-    assert paper.gap > 0.2
-    assert other.verdict is Verdict.OPTIMAL
 
 
 @pytest.mark.parametrize("presolve", [True, False])

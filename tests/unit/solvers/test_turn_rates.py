@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import names
-from dubins_study.solvers.optimal_control.arcs import RATES
+from dubins_study.solvers.optimal_control.arcs import RATES, Controls, rollout
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import EngineError, template
 from dubins_study.solvers.optimal_control.turn_rates import expressions
@@ -201,6 +201,22 @@ def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
     tolerance = 1e-3 if engine == "osqp" else 1e-6  # what they are asked for, times the penalty
     assert ours.value == pytest.approx(value, abs=tolerance)
     assert ours.z == pytest.approx(qp.z.value, abs=30 * tolerance)
+
+
+@given(st.integers(1, 40), st.floats(0.01, 60), st.integers(0, 10_000))
+def test_gradient_of_the_rollout(n: int, length: float, seed: int) -> None:
+    """By the headings, against central differences: a step of 1e-6 leaves 1e-8 of the length."""
+    random, h = np.random.default_rng(seed), 1e-6
+    shares = random.dirichlet(np.ones(n))
+    rate = random.choice([-1.0, 0.0, 1.0], n) * random.uniform(0, 1, n)
+    heading = np.cumsum(rate * shares * length)
+
+    def end(change):
+        return rollout(Controls(heading + change, length), shares).end
+
+    expected = np.transpose([(end(h * e) - end(-h * e)) / (2 * h) for e in np.eye(n)])
+    found = rollout(Controls(heading, length), shares).gradient
+    assert found == pytest.approx(expected, abs=1e-7 * (1 + length))
 
 
 targets = st.one_of(
