@@ -38,12 +38,16 @@ z"/><clipPath id="cut"><rect x="0.5" y="1" width="2.0" height="3"/></clipPath></
  <g id="axes_1"><g id="empty"/>
   <use xlink:href="#mark" x="1.23456789" y="2.0" style="fill: #1a1c1f; stroke: none"/>
   <path d="M 3.999999 4 L 5 6" clip-path="url(#cut)" style="fill: #1a1c1f; stroke: none"/>
+  <rect width="1" height="1" fill="#0072b2"/>
   <text style="fill: #123456" transform="rotate(-0 1 2)">1.23456789 &lt;b&gt; M 1.000001</text>
  </g></svg>"""
 
 
 def test_a_figure_is_smaller_and_shows_the_same():
-    """Text is unchanged, and nothing that is used is lost; figure_file has rounded the lengths."""
+    """Text is unchanged, and nothing that is used is lost; lengths are cut to a hundredth.
+
+    The colour of a hatch, an attribute, becomes a style: the page's modes change styles alone.
+    """
     drawings = Drawings()
     inline = drawings.inline(SVG, "a <figure>")
     tree = ElementTree.fromstring(inline)
@@ -53,10 +57,19 @@ def test_a_figure_is_smaller_and_shows_the_same():
 
     assert tree.attrib["aria-label"] == "a <figure>"
     assert text.text == "1.23456789 <b> M 1.000001"
-    assert (use.attrib["x"], use.attrib["y"]) == ("1.23456789", "2.0")
-    assert tree.find(f".//*[@id='{anchor}']").attrib["d"].startswith("M 0 1.23456789")
+    assert (use.attrib["x"], use.attrib["y"]) == ("1.23", "2.0")
+    assert tree.find(f".//*[@id='{anchor}']").attrib["d"].split() == [
+        "M",
+        "0",
+        "1.23",
+        "L",
+        "1",
+        "-2.5e-3",
+        "z",
+    ]
     assert "metadata" not in inline
     assert "var(--ink)" in drawings.css()
+    assert "fill:var(--blue)" in drawings.css()
     assert len(inline) < len(SVG)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -54,46 +53,7 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
         with _fonts_without_layout():
             FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
     figure.set_dpi(dpi)
-    return _compact(buffer.getvalue()) if kind == "svg" else buffer.getvalue()
-
-
-_TAG = re.compile(rb"<[^>]*>")
-_LONG_NUMBER = re.compile(rb"(-?\d+\.\d\d)\d+")
-_LINE_END = re.compile(rb" *\n(?=[LMQCz\"])")
-_EMPTY_GROUP = re.compile(rb"\n *<g id=\"\w+\"/>")
-_NO_TURN = re.compile(rb' transform="rotate\(-?0 [^"]*\)"')
-_FILL = re.compile(rb' fill="(#\w{6})"')  # of hatches; the page's modes change styles alone
-_INDENT = re.compile(rb">\n +<")
-_FONT = b"font-family: 'DejaVu Sans'"
-
-
-def _compact(svg: bytes) -> bytes:
-    """The same drawing in fewer bytes: coordinates to a hundredth of a point, the font once."""
-    head, body = svg.split(b"<defs>", 1)
-    # Texts between tags stay as they are.
-    body = _INDENT.sub(b">\n<", _TAG.sub(_short_tag, _EMPTY_GROUP.sub(b"", body)))
-    return head.replace(b"<svg ", b'<svg style="' + _FONT + b'" ', 1) + b"<defs>" + body
-
-
-def _short_tag(match: re.Match[bytes]) -> bytes:
-    tag = _LINE_END.sub(b"", _LONG_NUMBER.sub(rb"\1", match[0]))
-    tag = _NO_TURN.sub(b"", tag.replace(_FONT + b"; ", b"").replace(b"; " + _FONT, b""))
-    tag = _FILL.sub(rb' style="fill: \1"', tag)
-    return _STEPS.sub(_right_angles, tag) if b" d=" in tag else tag
-
-
-_STEPS = re.compile(rb"M (\S+) ([^LMQCz\"]+)((?:L [^LMQCz\"]+)+)")
-
-
-def _right_angles(match: re.Match[bytes]) -> bytes:
-    """A line whose horizontal and vertical parts name only the coordinate that changes."""
-    here = [match[1], match[2].strip()]
-    parts = [b"M " + b" ".join(here)]
-    for point in match[3].split(b"L ")[1:]:
-        x, y = point.split()
-        parts.append(b"H" + x if y == here[1] else b"V" + y if x == here[0] else b"L%b %b" % (x, y))
-        here = [x, y]
-    return b"".join(parts)
+    return buffer.getvalue()
 
 
 # The tables of a TrueType font that a PDF file reads (ISO 32000-1, sec. 9.9).

@@ -21,6 +21,8 @@ _METADATA = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 _BETWEEN = re.compile(r">\s+<")
 _STYLE = re.compile(r' style="([^"]*)"')
+_FILL = re.compile(r' fill="(#\w{6})"')  # of hatches
+_LONG_NUMBER = re.compile(r"(-?\d+\.\d\d)\d+")  # a hundredth of a point is enough
 _DEFINED = re.compile(r' id="([^"]+)"')
 _USED = re.compile(r'(?:href="#|url\(#)([^")]+)')
 _NAMED = re.compile(r'(?P<before> id="|href="#|url\(#)(?P<name>[^")]+)')
@@ -57,6 +59,7 @@ class Drawings:
 
     def _smaller(self, tag: str, names: dict[str, str]) -> str:
         """A tag with a class for its style, and short names of what is used."""
+        tag = _FILL.sub(r' style="fill: \1"', _LONG_NUMBER.sub(r"\1", tag))
         tag = _DEFINED.sub(lambda m: m.group() if m.group(1) in names else "", tag)
         tag = _NAMED.sub(lambda m: f"{m['before']}{names.get(m['name'], m['name'])}", tag)
         return _STYLE.sub(self._classed, tag)
