@@ -52,7 +52,7 @@ BUDGETS |= {
     "solvers": Size(9_770, 66),
     "experiments": Size(6_150, 40),
     "conformance": Size(1_870, 9),
-    "report": Size(14_020, 83),
+    "report": Size(13_980, 83),
     "package": Size(40_270, 263),
     "tests": Size(32_300, 200),
 }
