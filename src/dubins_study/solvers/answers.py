@@ -1,16 +1,56 @@
-"""What the answers of several formulations share: body coordinates, the start, efforts."""
+"""Runs of engines, and the answer that several of them give together."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import Path
+from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
+
+Point = TypeVar("Point")
+
+
+class Run(NamedTuple, Generic[Point]):
+    """One run of an engine on a subproblem: what it says, what it cost, where its path leads."""
+
+    subproblem: str
+    seconds: float
+    point: Point  # from which the formulation makes the path
+    claim: Claim
+    duals: FloatArray | None  # (2,) or more, of the end point in body coordinates
+    iterations: int | None
+    evaluations: int | None
+    status: str
+    message: str
+    length: float = math.inf  # radii; infinite without a path
+    miss: float = math.inf  # radii
+    bound: float = -math.inf  # radii: what the engine proves of the length
+
+    @property
+    def effort(self) -> Effort:
+        return Effort(self.subproblem, 1, self.evaluations, self.seconds)
+
+
+def best_of(arrived: Sequence[Run[Point]], others: Iterable[Run[Point]]) -> Run[Point]:
+    """The shortest run that arrived; if none did, the one that ends nearest to the target."""
+    if arrived:
+        return min(arrived, key=lambda run: run.length)
+    return min(others, key=lambda run: run.miss)
+
+
+def costs(runs: Sequence[Run[Any]]) -> dict[str, Any]:
+    """The fields of a solution that say what all runs of a question cost."""
+    return {
+        "iterations": total(run.iterations for run in runs),
+        "evaluations": total(run.evaluations for run in runs),
+        "efforts": summed(run.effort for run in runs),
+    }
 
 
 def staying(question: Question) -> Solution:
@@ -30,8 +70,9 @@ def coordinate_rounding(scenario: Scenario) -> float:
     return 2 * EPS * scenario.extent / scenario.radius
 
 
-def in_world(scenario: Scenario, along: float, left: float) -> tuple[float, float]:
-    """A vector, such as the duals of the end point, turned from body coordinates."""
+def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
+    """The duals (2,) of the end point, turned from body coordinates."""
+    along, left = float(duals[0]), float(duals[1])
     cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
     return along * cos - left * sin, along * sin + left * cos
 

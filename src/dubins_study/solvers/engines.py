@@ -125,7 +125,7 @@ def _gams(label: str, solver: str) -> Engine:
 
 
 def _search(label: str, function: str, evaluations: int, kind: str = SAMPLING) -> Engine:
-    place = f"stochastic.searches:{function}"
+    place = f"stochastic.penalty_function:{function}"
     return Engine(label, kind, ("scipy",), place, evaluations=evaluations)
 
 
@@ -188,7 +188,9 @@ ENGINES = {
     "dual-annealing": _search("dual annealing", "dual_annealing", 3000),
     "shgo": _search("SHGO", "shgo", 3000),
     "direct": _search("DIRECT", "direct", 8000),
-    "cma-es": Engine("CMA-ES", SAMPLING, ("cma",), "stochastic.searches:cma_es", evaluations=1000),
+    "cma-es": Engine(
+        "CMA-ES", SAMPLING, ("cma",), "stochastic.penalty_function:cma_es", evaluations=1000
+    ),
     # these end by themselves long before
     "nelder-mead": _search("Nelder-Mead", "nelder_mead", 3000, DERIVATIVE_FREE),
     "powell": _search("Powell", "powell", 3000, DERIVATIVE_FREE),

@@ -15,11 +15,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start, total
+from dubins_study.solvers.answers import Run, at_start, costs
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
-    ProvenResult,
     Row,
     Settings,
     Written,
@@ -44,7 +43,6 @@ from dubins_study.solvers.paper_nlp.program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import BRANCHES, Claim
 
 EMPHASES = ("default", "lean")
@@ -56,33 +54,6 @@ class Model(NamedTuple):
 
     question: Question
     programs: list[tuple[Subproblem, MixedProgram]]
-
-
-class Run(NamedTuple):
-    """The end of an engine's run on one subproblem, and how long it took (s)."""
-
-    subproblem: Subproblem
-    result: ProvenResult
-    seconds: float
-
-    @property
-    def z(self) -> FloatArray | None:
-        """The point as three lengths, those that are not free zero; None without a point."""
-        if self.result.x is None:
-            return None
-        z = np.zeros(3)
-        free = list(self.subproblem.free)
-        z[free] = self.result.x[: len(free)]
-        return z
-
-    @property
-    def length(self) -> float:
-        """Of the point (radii); infinite without one."""
-        return math.inf if self.z is None else float(self.z.sum())
-
-    @property
-    def effort(self) -> Effort:
-        return Effort(self.subproblem.name, 1, None, self.seconds)
 
 
 @dataclass(frozen=True)
@@ -166,36 +137,53 @@ class GlobalNlp(EngineSolver):
         if there := at_start(model.question):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
         run = ENGINES[self.engine].load()(Settings(self.gap, self.feastol, self.emphasis == "lean"))
-        runs: list[Run] = []
+        runs: list[Run[FloatArray]] = []
         for subproblem, posed in model.programs:
             began = perf_counter()
             if began > deadline:
-                return self._answer(model.question, runs, covers, complete=False)
+                break
             result = run(posed, deadline - began)
-            runs.append(Run(subproblem, result, perf_counter() - began))
-        return self._answer(model.question, runs, covers, complete=True)
+            z, length = np.zeros(3), math.inf
+            if result.x is not None:
+                free = list(subproblem.free)
+                z[free] = result.x[: len(free)]
+                length = float(z.sum())
+            runs.append(
+                Run(
+                    subproblem.name,
+                    perf_counter() - began,
+                    z,
+                    result.claim,
+                    None,
+                    result.nodes,
+                    None,
+                    result.status,
+                    result.message,
+                    length,
+                    bound=result.bound,
+                )
+            )
+        return self._answer(model.question, runs, covers, len(runs) == len(model.programs))
 
     def _answer(
-        self, question: Question, runs: list[Run], covers: bool, complete: bool
+        self, question: Question, runs: list[Run[FloatArray]], covers: bool, complete: bool
     ) -> Solution:
         """The best point of all runs, with the claim and the bound of all together."""
         R = question.scenario.radius
-        claim = _claim(runs, covers) if complete else Claim.LIMIT
-        bound = min((run.result.bound for run in runs), default=-math.inf)
+        bound = min((run.bound for run in runs), default=-math.inf)
         solution = Solution(
-            claim,
+            _claim(runs, covers) if complete else Claim.LIMIT,
             lower_bound=bound * R if complete and covers and math.isfinite(bound) else None,
-            iterations=total(run.result.nodes for run in runs),
-            native_status="; ".join(f"{run.subproblem.name} {run.result.status}" for run in runs),
-            message="; ".join(f"{run.subproblem.name}: {run.result.message}" for run in runs),
-            efforts=tuple(run.effort for run in runs),
+            native_status="; ".join(f"{run.subproblem} {run.status}" for run in runs),
+            message="; ".join(f"{run.subproblem}: {run.message}" for run in runs),
+            **costs(runs),
         )
         best = min(runs, key=lambda run: run.length, default=None)
-        if best is None or best.z is None:
+        if best is None or best.length == math.inf:
             return solution
         return replace(
             solution,
-            path=_path(question, best.subproblem, best.z, self.polish),
+            path=_path(question, SUBPROBLEMS[best.subproblem], best.point, self.polish),
             claimed_length=best.length * R,
             best_run=best.effort,
         )
@@ -229,16 +217,16 @@ def _with_heading() -> Expressions:
     return Expressions(x, p, z1 + z2 + z3, casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2))
 
 
-def _claim(runs: list[Run], covers: bool) -> Claim:
+def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
     """The engine's claim of all programs together."""
-    claims = {run.result.claim for run in runs}
+    claims = {run.claim for run in runs}
     if claims == {Claim.INFEASIBLE}:
         return Claim.INFEASIBLE if covers else Claim.FAILED
     if claims <= {Claim.OPTIMAL, Claim.INFEASIBLE}:
         return Claim.OPTIMAL if covers else Claim.LOCAL
     if Claim.LIMIT in claims:
         return Claim.LIMIT
-    has_point = any(run.result.x is not None for run in runs)
+    has_point = any(run.length < math.inf for run in runs)
     return Claim.FEASIBLE if has_point else Claim.FAILED
 
 

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.sparse import eye_array, kron
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
+from dubins_study.solvers.minlp_engines.program import (
+    MixedProgram,
+    ProvenResult,
+    Row,
+    Settings,
+    Written,
+)
 from dubins_study.solvers.optimal_control.turn_rate_template import Compiled
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -32,14 +38,12 @@ _OPTIONS = {
 }
 
 
-class Answer(NamedTuple):
-    """The engine's answer; `choice` is None without a point, `bound` is proven on the objective."""
-
-    status: str
-    choice: int | None
-    bound: float
-    nodes: int
-    iterations: int
+# what cvxpy calls the ends of HiGHS's runs
+_CLAIMS = {
+    "optimal": Claim.OPTIMAL,
+    "infeasible": Claim.INFEASIBLE,
+    "user_limit": Claim.LIMIT,
+}
 
 
 class Template:
@@ -69,6 +73,7 @@ class Template:
     def __init__(self, n: int, m: int) -> None:
         import cvxpy as cp
 
+        self.n = n
         shapes = {"toll": n, "slope": n * m, "along": n * m, "across": n * m}
         p = {name: cp.Parameter(shape, name=name) for name, shape in shapes.items()}
         self.z, s = cp.Variable(n, boolean=True), cp.Variable(n * m, bounds=[0, None])
@@ -83,10 +88,11 @@ class Template:
         for name, view in zip(p, self._compiled.views, strict=True):
             setattr(self, name, view)
 
-    def solve(self, gap: float, cutoff: float, seconds: float) -> Answer:
-        """Solve the MILP for the parameters' present values.
+    def solve(self, gap: float, cutoff: float, seconds: float) -> ProvenResult:
+        """Solve the MILP for the parameters' present values; the point's first n variables are z.
 
         It is optimal at the relative `gap`; points with an objective above `cutoff` are ignored.
+        The status is cvxpy's word.
         """
         import cvxpy as cp
 
@@ -95,32 +101,19 @@ class Template:
         try:
             self._compiled.solve(_OPTIONS | options)
         except cp.error.SolverError as error:
-            return Answer(str(error), None, -np.inf, 0, 0)
-        info = self.problem.solver_stats.extra_stats
-        z = self.z.value
+            return ProvenResult(None, Claim.FAILED, -math.inf, 0, 0, str(error), "")
+        info, status = self.problem.solver_stats.extra_stats, str(self.problem.status)
+        z, counts = self.z.value, (int(info.mip_node_count), int(info.simplex_iteration_count))
         # HiGHS leaves zeros where it stopped at its limit without a point
-        has_point = z is not None and z.max() > 0.5
-        return Answer(
-            str(self.problem.status),
-            int(np.argmax(z)) if has_point else None,
-            float(info.mip_dual_bound),
-            int(info.mip_node_count),
-            int(info.simplex_iteration_count),
-        )
+        point = z if z is not None and z.max() > 0.5 else None
+        claim = _CLAIMS.get(status, Claim.FAILED)
+        return ProvenResult(point, claim, float(info.mip_dual_bound), *counts, status, "")
 
 
 @lru_cache(maxsize=32)
 def template(n: int, m: int) -> Template:
     """The compiled MILP; kept, since compiling takes as long as many solves."""
     return Template(n, m)
-
-
-# what cvxpy calls the ends of HiGHS's runs
-_STATUSES = {
-    Claim.OPTIMAL: "optimal",
-    Claim.INFEASIBLE: "infeasible",
-    Claim.LIMIT: "user_limit",
-}
 
 
 class Stated:
@@ -131,7 +124,7 @@ class Stated:
         self.toll = np.zeros(n)
         self.slope, self.along, self.across = (np.zeros(n * m) for _ in range(3))
 
-    def solve(self, gap: float, cutoff: float, seconds: float) -> Answer:
+    def solve(self, gap: float, cutoff: float, seconds: float) -> ProvenResult:
         """Solve the MILP for the parameters' present values; as `Template.solve`."""
         n, size = self.n, self.n * (1 + self.m)
         upper = np.full(size, math.inf)
@@ -139,13 +132,12 @@ class Stated:
         program = MixedProgram(np.zeros(size), upper, np.arange(size) < n, self._write)
         # as with HiGHS: the relaxation is nearly always integral, so that branching needs no help
         settings = Settings(gap, TOLERANCE, lean=True, cutoff=cutoff)
-        result = ENGINES[self.name].load()(settings)(program, seconds)
-        return Answer(
-            _STATUSES.get(result.claim, result.message),
-            None if result.x is None else int(np.argmax(result.x[:n])),
-            result.bound,
-            result.nodes or 0,
-            result.iterations or 0,
+        result: ProvenResult = ENGINES[self.name].load()(settings)(program, seconds)
+        known = (status for status, claim in _CLAIMS.items() if claim is result.claim)
+        return result._replace(
+            status=next(known, result.message),
+            nodes=result.nodes or 0,
+            iterations=result.iterations or 0,
         )
 
     def _write(self, x: Sequence[Any], functions: Any) -> Written:

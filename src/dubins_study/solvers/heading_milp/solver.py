@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start, coordinate_rounding, in_world, summed
+from dubins_study.solvers.answers import Run, at_start, coordinate_rounding, costs, in_world
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.heading_milp.grid import (
     FULL_TURN,
@@ -28,70 +28,49 @@ from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
 
-class MilpResult(NamedTuple):
-    """The result of one MILP.
-
-    `length` and `bound` are in radii; the bound holds for paths on this grid only. Without a path
-    that arrives, `legs` is None and `length` infinite.
-    """
+class Choice(NamedTuple):
+    """What one MILP has chosen; without a path that arrives, `legs` is None."""
 
     family: Family
-    status: str
     choice: int
     legs: Legs | None
-    length: float
-    bound: float
-    nodes: int
-    iterations: int
-    seconds: float
-
-    @property
-    def effort(self) -> Effort:
-        return Effort(self.family.name, 1, self.nodes, self.seconds)
 
 
 def solution(
-    question: Question, results: list[MilpResult], complete: bool, grid: str, engine: str
+    question: Question, runs: list[Run[Choice]], complete: bool, grid: str, engine: str
 ) -> Solution:
     """The shortest path of all MILPs, and the claim that follows from their statuses.
 
-    `results` are those of the MILPs that there was time for, `complete` if these are all; `grid`
-    and `engine` are for messages.
+    `runs` are those of the MILPs that there was time for, `complete` if these are all; `grid` and
+    `engine` are for messages.
     """
     scenario, R = question.scenario, question.scenario.radius
-    counts: dict[str, Any] = {
-        "iterations": sum(result.iterations for result in results),
-        "evaluations": sum(result.nodes for result in results),
-        "native_status": "; ".join(
-            dict.fromkeys(f"{result.family.name} {result.status}" for result in results)
-        ),
-        "efforts": summed(result.effort for result in results),
-    }
-    done = {result.status for result in results} <= {"optimal", "infeasible"}
-    stopped = not complete or any(result.status == "user_limit" for result in results)
-    best = min(results, key=lambda result: result.length, default=None)
-    if best is None or best.legs is None:
+    counts = costs(runs)
+    counts["native_status"] = "; ".join(
+        dict.fromkeys(f"{run.subproblem} {run.status}" for run in runs)
+    )
+    claims = {run.claim for run in runs}
+    stopped = not complete or Claim.LIMIT in claims
+    best = min(runs, key=lambda run: run.length, default=None)
+    if best is None or best.point.legs is None:
         message = f"no path on {grid} was found"
-        if not stopped and {result.status for result in results} == {"infeasible"}:
+        if not stopped and claims == {Claim.INFEASIBLE}:
             message = f"{message}: {engine} proves that there is none, on this grid only"
         return Solution(Claim.LIMIT if stopped else Claim.FAILED, message=message, **counts)
+    done = claims <= {Claim.OPTIMAL, Claim.INFEASIBLE}
     claim = Claim.LIMIT if stopped else Claim.LOCAL if done else Claim.FEASIBLE
-    duals = best.legs.duals
-    curvature, length = controls(best.family, best.choice, best.legs.length)
+    curvature, length = controls(best.point.family, best.point.choice, best.point.legs.length)
     path = Path(scenario.start, np.array(curvature) / R, np.array(length) * R)
     # "infeasible": the family has no path shorter than the best one, at whose length it is cut off
-    bound = min(
-        result.bound if result.status != "infeasible" else best.length for result in results
-    )
-    message = f"{best.family.name}; not all words were solved"
+    bound = min(best.length if run.claim is Claim.INFEASIBLE else run.bound for run in runs)
+    message = f"{best.subproblem}; not all words were solved"
     if math.isfinite(bound):
         proven = f"{engine}'s bound {bound * R:.9g}"
         message = (
-            f"{best.family.name}; {proven} holds for paths on {grid} only, not for the scenario"
+            f"{best.subproblem}; {proven} holds for paths on {grid} only, not for the scenario"
         )
     if claim is not Claim.LIMIT and (reason := one_sided_only(question, path)):
         claim, message = Claim.FAILED, reason
@@ -99,7 +78,7 @@ def solution(
         claim,
         path=path,
         claimed_length=best.length * R,
-        multipliers=None if duals is None else in_world(scenario, *map(float, duals)),
+        multipliers=None if best.duals is None else in_world(scenario, best.duals),
         message=message,
         best_run=best.effort,
         **counts,
@@ -212,18 +191,18 @@ class HeadingMilp(EngineSolver):
         deadline = time.perf_counter() + limit
         if answer := at_start(model.question, coordinate_rounding(model.question.scenario)):
             return answer
-        results: list[MilpResult] = []
+        runs: list[Run[Choice]] = []
         cutoff = self._longest(math.hypot(*model.target))
         for case in model.cases:
             seconds = deadline - time.perf_counter()
             if seconds <= 0:
                 break
-            results.append(_solved(case, model.target, cutoff, self.gap, seconds))
-            cutoff = min(cutoff, results[-1].length)
+            runs.append(_solved(case, model.target, cutoff, self.gap, seconds))
+            cutoff = min(cutoff, runs[-1].length)
         return solution(
             model.question,
-            results,
-            len(results) == len(model.cases),
+            runs,
+            len(runs) == len(model.cases),
             f"the grid of {self.headings} headings",
             ENGINES[self.engine].label,
         )
@@ -240,7 +219,7 @@ class HeadingMilp(EngineSolver):
 
 def _solved(
     case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
-) -> MilpResult:
+) -> Run[Choice]:
     """The answer of one MILP to a target (2,) in radii; longer paths than `cutoff` are ignored.
 
     The objective is a path's length less the distance of the target, so that a gap keeps its
@@ -265,14 +244,24 @@ def _solved(
     slope = bridged[:, None] * 2 * np.sin((family.heading - bearing) / 2) ** 2
     milp.slope[:] = slope.ravel()
     began = time.perf_counter()
-    answer = milp.solve(gap, cutoff - distance, seconds)
+    result = milp.solve(gap, cutoff - distance, seconds)
     spent = time.perf_counter() - began
-    choice, legs, length = answer.choice or 0, None, math.inf
-    if answer.choice is not None:
+    choice, legs, length = 0, None, math.inf
+    if result.x is not None:
+        choice = int(np.argmax(result.x[: milp.n]))
         legs = least_legs(family.heading[choice], gaps[:, choice])
     if legs is not None:
         length = float(family.length[choice] + legs.length.sum())
-    bound = distance + answer.bound
-    return MilpResult(
-        family, answer.status, choice, legs, length, bound, answer.nodes, answer.iterations, spent
+    return Run(
+        family.name,
+        spent,
+        Choice(family, choice, legs),
+        result.claim,
+        legs and legs.duals,
+        result.iterations,
+        result.nodes,
+        result.status,
+        result.message,
+        length,
+        bound=distance + result.bound,
     )

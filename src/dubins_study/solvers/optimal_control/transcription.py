@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from dubins_study.solvers.answers import in_world, staying, summed, total
+from dubins_study.solvers.answers import Run, best_of, costs, in_world, staying, total
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import RATES, Elements, Rates, closed, miss
@@ -21,7 +21,6 @@ from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
 MESHES = ("free", "equal")
@@ -65,17 +64,6 @@ class Model(NamedTuple):
     def target(self) -> FloatArray:
         """Shape (2,)."""
         return np.array((self.place.X, self.place.Y))
-
-
-class Run(NamedTuple):
-    """One solve by the engine; `missed` and `miss` (radii) are before and after the correction."""
-
-    claim: Claim
-    elements: Elements
-    missed: float
-    miss: float
-    native: EngineResult
-    effort: Effort
 
 
 @dataclass(frozen=True)
@@ -147,7 +135,7 @@ class Transcription(EngineSolver):
         question, place, rates, template = model
         if place.X == place.Y == 0:
             return staying(question)
-        runs: list[Run] = []
+        runs: list[Run[Elements]] = []
         until = perf_counter() + limit
         shapes = words(question, self.presolve)
         kind = Kind(self.initial_guess, self.seed + question.repeat, self.count)
@@ -160,7 +148,7 @@ class Transcription(EngineSolver):
                     break
         return _answer(model, runs, in_time=perf_counter() <= until)
 
-    def _run(self, model: Model, guess: Guess, until: float) -> Run:
+    def _run(self, model: Model, guess: Guess, until: float) -> Run[Elements]:
         began, target = perf_counter(), model.target
         elements, native = model.template.solve(guess.elements, model.rates, target, until)
         # what is optimal for a transcription is not proven for the problem itself
@@ -176,67 +164,56 @@ class Transcription(EngineSolver):
                 elements, off, rollouts = closed(elements, model.rates, target, fixed)
                 if claim is Claim.LOCAL and not _arrives(off, target):
                     claim = Claim.FAILED
-        evaluations = total((native.evaluations, rollouts))
-        effort = Effort(guess.subproblem, 1, evaluations, perf_counter() - began)
-        return Run(claim, elements, missed, off, native, effort)
+        result = native._replace(
+            claim=claim,
+            evaluations=total((native.evaluations, rollouts)),
+            message=f"{native.message}; missed by {missed:.1e} radii before the correction",
+        )
+        seconds = perf_counter() - began
+        return Run(guess.subproblem, seconds, elements, *result[1:], elements.total, off)
 
 
 def _arrives(off: float, target: FloatArray) -> bool:
     return off <= max(_ARRIVED, _ROUNDED * float(np.abs(target).sum()))
 
 
-def _chosen(model: Model, runs: list[Run]) -> Run:
-    """The shortest run that arrives, or else the run that ends nearest to the target.
+def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
+    """The shortest run that arrives, or else the one that ends nearest to the target.
 
     Of runs that are equally short, one that the engine calls a solution goes first.
     """
-    arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, model.target)]
-    if not arrived:
-        return min(runs, key=lambda run: run.miss)
-    shortest = min(run.elements.total for run in arrived)
-    tied = [run for run in arrived if run.elements.total <= shortest * (1 + _SAME)]
-    return min(tied, key=lambda run: (run.claim is not Claim.LOCAL, run.elements.total))
-
-
-def _claim(model: Model, runs: list[Run], best: Run, in_time: bool) -> Claim:
-    """The claim of the best run, before its path is looked at as a word."""
-    if not in_time:
-        return Claim.LIMIT
-    if best.claim is Claim.LOCAL:
-        return Claim.LOCAL
-    if _arrives(best.miss, model.target):
-        # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
-        return Claim.FEASIBLE
-    claims = {run.claim for run in runs}
-    return Claim.INFEASIBLE if claims == {Claim.INFEASIBLE} else Claim.FAILED
-
-
-def _answer(model: Model, runs: list[Run], in_time: bool) -> Solution:
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
-    best = _chosen(model, runs)
-    scenario, claim = model.question.scenario, _claim(model, runs, best, in_time)
-    elements, native = best.elements, best.native
+    scenario, rates = model.question.scenario, model.rates
+    arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, model.target)]
+    shortest = min((run.length for run in arrived), default=math.inf)
+    tied = [run for run in arrived if run.length <= shortest * (1 + _SAME)]
+    best = best_of([run for run in tied if run.claim is Claim.LOCAL] or tied, runs)
+    claim, message = best.claim, best.message
+    if not in_time:
+        claim = Claim.LIMIT
+    elif claim is not Claim.LOCAL and _arrives(best.miss, model.target):
+        # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
+        claim = Claim.FEASIBLE
+    elif claim is not Claim.LOCAL:
+        none = {run.claim for run in runs} == {Claim.INFEASIBLE}
+        claim = Claim.INFEASIBLE if none else Claim.FAILED
     path = None
-    message = f"{native.message}; missed by {best.missed:.1e} radii before the correction"
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
-        rate = np.clip(elements.rate, model.rates.lower, model.rates.upper)
-        path = Path(scenario.start, rate / scenario.radius, elements.length * scenario.radius)
-        if claim in (Claim.LOCAL, Claim.FEASIBLE):
-            reason = one_sided_only(model.question, path)
-            claim, message = (Claim.FAILED, reason) if reason else (claim, message)
-    multipliers = None
-    if native.duals is not None and claim is Claim.LOCAL:
-        multipliers = in_world(scenario, *map(float, native.duals))
+        rate = np.clip(best.point.rate, rates.lower, rates.upper)
+        path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
+        if claim in (Claim.LOCAL, Claim.FEASIBLE) and (
+            reason := one_sided_only(model.question, path)
+        ):
+            claim, message = Claim.FAILED, reason
+    duals = best.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
         path=path,
-        claimed_length=None if path is None else elements.total * scenario.radius,
-        multipliers=multipliers,
-        iterations=total(run.native.iterations for run in runs),
-        evaluations=total(run.effort.evaluations for run in runs),
-        native_status=native.status,
+        claimed_length=None if path is None else best.length * scenario.radius,
+        multipliers=None if duals is None else in_world(scenario, duals),
+        native_status=best.status,
         message=message,
-        efforts=summed(run.effort for run in runs),
         best_run=best.effort,
+        **costs(runs),
     )

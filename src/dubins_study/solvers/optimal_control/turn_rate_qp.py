@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.answers import coordinate_rounding, in_world, summed
+from dubins_study.solvers.answers import Run, best_of, coordinate_rounding, costs, in_world
 from dubins_study.solvers.engines import ENGINES, EngineSolver, names
 from dubins_study.solvers.optimal_control.arcs import (
     CLOSE,
@@ -18,16 +18,22 @@ from dubins_study.solvers.optimal_control.arcs import (
     SHARINGS,
     Controls,
     Rates,
+    clipped,
+    corrected,
+    rollout,
     step_shares,
 )
-from dubins_study.solvers.optimal_control.turn_rate_sequence import Limits, Run, Sequence
-from dubins_study.solvers.optimal_control.turn_rate_template import Template, template
+from dubins_study.solvers.optimal_control.turn_rate_template import (
+    Answer,
+    EngineError,
+    Template,
+    template,
+)
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import QP, Claim
 
 
@@ -101,25 +107,27 @@ class TurnRateQp(EngineSolver):
     def solve(self, model: TurnRateModel, limit: float) -> Solution:
         deadline = time.perf_counter() + limit
         if math.hypot(*model.target) <= coordinate_rounding(model.question.scenario):
-            stay = Controls(np.zeros(self.n), 0.0)
-            run = Run(Claim.LOCAL, stay, 0.0, None, 0, 0, "the target is at the start")
-            return _solution(model, [run], [])
-        limits = Limits(self.tolerance, self.max_qps, deadline)
-        sequence = Sequence(model.qp, model.target, model.shares, model.rates, limits)
-        runs: list[Run] = []
-        efforts: list[Effort] = []
+            none, reason = np.zeros(self.n), "the target is at the start"
+            return Solution(
+                Claim.LOCAL,
+                path=Path(model.question.scenario.start, none, none),
+                claimed_length=0.0,
+                iterations=0,
+                evaluations=0,
+                native_status=reason,
+                message=reason,
+            )
+        sequence = Sequence(model, self, deadline)
+        runs: list[Run[Controls]] = []
         for subproblem, guess in _guesses(model, runs, self.presolve):
-            began = time.perf_counter()
-            runs.append(sequence.run(guess))
-            seconds = time.perf_counter() - began
-            efforts.append(Effort(subproblem, 1, runs[-1].rollouts, seconds))
+            runs.append(sequence.run(subproblem, guess))
             if runs[-1].claim is Claim.LIMIT:
                 break
-        return _solution(model, runs, efforts)
+        return _solution(model, runs)
 
 
 def _guesses(
-    model: TurnRateModel, runs: list[Run], presolve: bool
+    model: TurnRateModel, runs: list[Run[Controls]], presolve: bool
 ) -> Iterator[tuple[str, Controls]]:
     """Initial guesses in the order to be tried, and whose shape they have; `runs` as far as known.
 
@@ -179,42 +187,189 @@ def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
     return Controls(heading, path.total_length / model.question.scenario.radius)
 
 
-def _solution(model: TurnRateModel, runs: list[Run], efforts: list[Effort]) -> Solution:
-    """The shortest path that arrives, or else the nearest to the target, and its claim.
-
-    The efforts are those of the runs; none where no engine was needed.
-    """
+def _solution(model: TurnRateModel, runs: list[Run[Controls]]) -> Solution:
+    """The shortest path that arrives, or else the nearest to the target, and its claim."""
     scenario = model.question.scenario
     arrived = [run for run in runs if run.miss <= CLOSE]
-    if arrived:
-        best = min(arrived, key=lambda run: run.controls.length)
-    else:
-        best = min(runs, key=lambda run: run.miss)
+    best = best_of(arrived, runs)
     claim = best.claim
     if any(run.claim is Claim.LIMIT for run in runs):
         claim = Claim.LIMIT
     elif arrived and claim is Claim.FAILED:
         claim = Claim.FEASIBLE  # the engine failed, but its last point arrives
-    steps = model.shares * best.controls.length
+    steps = model.shares * best.length
     with np.errstate(invalid="ignore"):
-        rate = np.where(steps > 0, best.controls.turns / steps, 0.0)
+        rate = np.where(steps > 0, best.point.turns / steps, 0.0)
     rate = np.clip(rate, model.rates.lower, model.rates.upper)
     path = Path(scenario.start, rate / scenario.radius, steps * scenario.radius)
     message = "; ".join(dict.fromkeys(run.status for run in runs))
     if claim in (Claim.LOCAL, Claim.FEASIBLE) and (reason := one_sided_only(model.question, path)):
         claim, message = Claim.FAILED, reason
-    multipliers = None
-    if best.duals is not None and claim is Claim.LOCAL:
-        multipliers = in_world(scenario, *map(float, best.duals))
+    duals = best.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
         path=path,
-        claimed_length=best.controls.length * scenario.radius,
-        multipliers=multipliers,
-        iterations=sum(run.qps for run in runs),
-        evaluations=sum(run.rollouts for run in runs),
+        claimed_length=best.length * scenario.radius,
+        multipliers=None if duals is None else in_world(scenario, duals),
         native_status=best.status,
         message=message,
-        efforts=summed(efforts),
-        best_run=efforts[runs.index(best)] if efforts else None,
+        best_run=best.effort,
+        **costs(runs),
     )
+
+
+_RETRIES = 3  # with a smaller trust region each, after which a failing engine ends the sequence
+_ARRIVED = 1e-6  # of the length; the last correction closes such a miss at no cost of length
+_LARGEST_PENALTY = 1e4  # a larger one hides the length behind the engines' tolerances
+_LEAST_CURVATURE = 1e-6  # makes the QP's answer unique where the Lagrangian is not convex
+
+
+class Sequence:
+    """Sl1QP with a trust region (Fletcher 1987, Practical Methods of Optimization, sec. 14.4).
+
+    The QP's curvature c_k is the Lagrangian's second derivative by the headings, lumped on the
+    diagonal: the part of step k's chord along the multiplier. A negative one (the chord leads
+    backwards) is replaced by zero, which keeps every QP convex.
+    """
+
+    def __init__(self, model: TurnRateModel, solver: TurnRateQp, deadline: float) -> None:
+        self.qp, self.target, self.shares = model.qp, model.target, model.shares
+        self.rates, self.solver, self.deadline = model.rates, solver, deadline
+
+    def run(self, subproblem: str, guess: Controls) -> Run[Controls]:
+        """Solve from one initial guess. A failing engine is a claim, not an exception.
+
+        The run counts QPs as iterations and rollouts as evaluations.
+        """
+        began = time.perf_counter()
+        self.restored = False
+        self.qp.forget()
+        self._begin(clipped(guess, self.shares, self.rates))
+        self.qps, self.rollouts, failures = 0, 1, 0
+        claim, status = Claim.FEASIBLE, "QP limit"
+        while self.qps < self.solver.max_qps:
+            if time.perf_counter() > self.deadline:
+                claim, status = Claim.LIMIT, "time limit"
+                break
+            self.qps += 1
+            try:
+                converged = self._advance(self._ask())
+            except EngineError as error:
+                failures += 1
+                self.reach *= 0.3
+                if failures > _RETRIES:
+                    claim, status = Claim.FAILED, str(error)
+                    break
+                continue
+            if converged:
+                claim, status = Claim.LOCAL, "converged"
+                break
+        if claim is Claim.LOCAL and not self._arrived():
+            claim, status = Claim.FEASIBLE, "a dead end off the target"
+        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        self.rollouts += used
+        if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
+            claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off the target"
+        duals = self.duals if claim is Claim.LOCAL else None
+        seconds, texts = time.perf_counter() - began, (status, status)
+        counts = self.qps, self.rollouts
+        return Run(
+            subproblem, seconds, controls, claim, duals, *counts, *texts, controls.length, miss
+        )
+
+    def _begin(self, controls: Controls) -> None:
+        self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
+        self.now, self.rolled = controls, rollout(controls, self.shares)
+        final = controls.heading[-1]
+        self.duals = np.array([np.cos(final), np.sin(final)])
+
+    def _ask(self) -> Answer:
+        """Write the linearisation at the present point into the QP, and solve it."""
+        qp, now, T = self.qp, self.now, self.now.length
+        self.unit = unit = min(1.0, T)  # a short path's headings change by about its length
+        steps = self.shares * (T / unit)
+        along = np.maximum(self.duals @ self.rolled.chords, 0.0) / T
+        curvature = along / 2
+        curvature[:-1] += along[1:] / 2
+        floor = _LEAST_CURVATURE / along.size
+        turns = now.turns / unit
+        upper, lower = self.rates.upper * steps, self.rates.lower * steps
+        qp.G[:] = self.rolled.gradient * (unit / T)
+        qp.q[:] = self.rolled.end / T
+        qp.r[:] = (self.target - self.rolled.end) / T
+        qp.upper[:], qp.above[:] = upper, upper - turns
+        qp.lower[:], qp.below[:] = lower, turns - lower
+        qp.c[:] = np.maximum(curvature * self.ease, floor) * unit**2
+        qp.penalty[:] = self.penalty
+        qp.reach[:], qp.stretch[:] = self.reach / unit, min(self.reach, 0.5)
+        return qp.solve(max(self.deadline - time.perf_counter(), 1e-3))
+
+    def _merit(self, length: float, end: FloatArray) -> float:
+        return length + self.penalty * float(np.abs(end - self.target).sum())
+
+    def _advance(self, answer: Answer) -> bool:
+        """Take the QP's step if it lowers the merit function; True if there is nothing to gain."""
+        T = self.now.length
+        before = self._merit(T, self.rolled.end)
+        promised = before - T * (1.0 + answer.value)
+        moved = Controls(self.now.heading + self.unit * answer.z, T * (1.0 + answer.t))
+        trial = clipped(moved, self.shares, self.rates)
+        rolled = rollout(trial, self.shares)
+        self.rollouts += 1
+        gain = before - self._merit(trial.length, rolled.end)
+        if answer.slack < 1e-6 and gain < 0.7 * promised:
+            # second-order correction: a good step must not fail for the linearisation's error
+            closer, _, used = corrected(trial, self.shares, self.rates, self.target)
+            bent = rollout(closer, self.shares)
+            self.rollouts += used + 1
+            better = before - self._merit(closer.length, bent.end)
+            if better > gain:
+                trial, rolled, gain = closer, bent, better
+        if promised < self.solver.tolerance * T:
+            if not answer.solved:
+                raise EngineError("the engine stopped at its limit, before any gain")
+            return self._arrived() or not (self._raise_penalty() or self._restore())
+        self._adapt(answer, gain / promised)
+        if gain > 0.05 * promised:
+            self.now, self.rolled, self.duals = trial, rolled, answer.duals
+        return False
+
+    def _arrived(self) -> bool:
+        off = float(np.abs(self.rolled.end - self.target).sum())
+        return off <= max(_ARRIVED * self.now.length, CLOSE)
+
+    def _raise_penalty(self) -> bool:
+        """Raise the penalty on missing the target; False if it is at its largest.
+
+        The penalty is exact only above the multipliers, which grow without bound where the second
+        arc of RL or LR nears pi (docs/derivation.md, section 9).
+        """
+        if self.penalty >= _LARGEST_PENALTY:
+            return False
+        self.penalty *= 10.0
+        self.reach = max(self.reach, 0.1)
+        return True
+
+    def _restore(self) -> bool:
+        """Restart once from a path that arrives, where no small change comes nearer; else False."""
+        if self.restored:
+            return False
+        self.restored = True
+        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        self.rollouts += used + 1
+        if miss > CLOSE:
+            return False
+        self._begin(controls)
+        return True
+
+    def _adapt(self, answer: Answer, ratio: float) -> None:
+        """Adapt the trust region and the curvature to the ratio of gain to predicted gain."""
+        turned, stretched = self.unit * float(np.abs(answer.z).max()), abs(answer.t)
+        if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
+            self.reach = min(2 * self.reach, 4.0)
+        elif ratio < 0.25:
+            self.reach = 0.3 * max(turned, stretched)
+        if ratio > 1.0:  # the neglected negative curvature was real: step further
+            self.ease = max(0.3 * self.ease, 1e-3)
+        elif ratio < 0.75:
+            self.ease = min(3 * self.ease, 1.0)

@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start, in_world, summed, total
+from dubins_study.solvers.answers import Run, at_start, best_of, costs, in_world
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
@@ -22,6 +22,7 @@ from dubins_study.solvers.paper_nlp.model import (
     FULL_TURN,
     MODELS,
     ORDERS,
+    SUBPROBLEMS,
     Subproblem,
     as_path,
     equations,
@@ -32,7 +33,6 @@ from dubins_study.solvers.paper_nlp.model import (
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, Claim
@@ -74,18 +74,6 @@ class Attempts(NamedTuple):
     solve: Callable[[FloatArray, float], EngineResult]
     guesses: Iterable[FloatArray]
     enough: Callable[[FloatArray], bool]
-
-
-class SubproblemRun(NamedTuple):
-    """One run of an engine on a subproblem, whose point is z, and how long it took (s)."""
-
-    subproblem: Subproblem
-    result: EngineResult
-    seconds: float
-
-    @property
-    def effort(self) -> Effort:
-        return Effort(self.subproblem.name, 1, self.result.evaluations, self.seconds)
 
 
 @dataclass(frozen=True)
@@ -177,63 +165,57 @@ def answer(question: Question, attempts: list[Attempts], limit: float) -> Soluti
     return at_start(question) or choose(question, _runs(attempts, limit))
 
 
-def _runs(attempts: list[Attempts], limit: float) -> list[SubproblemRun]:
+def _runs(attempts: list[Attempts], limit: float) -> list[Run[FloatArray]]:
     deadline = perf_counter() + limit
-    runs: list[SubproblemRun] = []
+    runs: list[Run[FloatArray]] = []
     for subproblem, solve, guesses, enough in attempts:
         for guess in guesses:
             began = perf_counter()
             if began > deadline:
                 return runs
             result = solve(guess, deadline - began)
-            runs.append(SubproblemRun(subproblem, result, perf_counter() - began))
+            seconds, length = perf_counter() - began, float(result.x.sum())
+            runs.append(Run(subproblem.name, seconds, *result, length=length))
             if result.claim is Claim.LOCAL and enough(result.x):
                 break
     return runs
 
 
-def choose(question: Question, runs: list[SubproblemRun]) -> Solution:
+def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
     """The answer to a question from the runs of all its subproblems and initial guesses.
 
     It is the shortest point that the engine calls a solution. If there is none, it is the point
     that ends nearest to the target, with the claim that all points share, or `failed`.
     """
-    scenario = question.scenario
-    solved = [run for run in runs if run.result.claim is Claim.LOCAL]
-    if solved:
-        best = min(solved, key=lambda run: float(run.result.x.sum()))
-        claim = Claim.LOCAL
-    elif runs:
-        best = min(runs, key=lambda run: _residual(scenario, run))
-        claims = {run.result.claim for run in runs}
-        claim = claims.pop() if len(claims) == 1 else Claim.FAILED
-        if claim is Claim.FEASIBLE and not _residual(scenario, best) <= ARRIVES:
-            claim = Claim.FAILED  # feasible to the engine's tolerance, but no path to the target
-    else:
+    if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
-    subproblem, result, _ = best
-    multipliers = None
-    if result.duals is not None:
-        along, left = float(result.duals[0]), float(result.duals[1])
-        multipliers = in_world(scenario, along, -left if subproblem.mirrored else left)
+    scenario = question.scenario
+    solved = [run for run in runs if run.claim is Claim.LOCAL]
+    best = best_of(solved, (run._replace(miss=_residual(scenario, run)) for run in runs))
+    claims = {run.claim for run in runs}
+    claim = Claim.LOCAL if solved else claims.pop() if len(claims) == 1 else Claim.FAILED
+    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
+        claim = Claim.FAILED  # feasible to the engine's tolerance, but no path to the target
+    subproblem = SUBPROBLEMS[best.subproblem]
+    sides = (1, -1) if subproblem.mirrored else (1, 1)
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail
-    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(result.x).all())
+    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.point).all())
     return Solution(
         claim,
-        path=None if pathless else as_path(scenario, subproblem, result.x),
-        claimed_length=float(result.x.sum()) * scenario.radius if solved else None,
-        multipliers=multipliers,
-        iterations=total(run.result.iterations for run in runs),
-        evaluations=total(run.result.evaluations for run in runs),
-        native_status=result.status,
-        message=f"{subproblem.name}: {result.message}",
-        efforts=summed(run.effort for run in runs),
+        path=None if pathless else as_path(scenario, subproblem, best.point),
+        claimed_length=best.length * scenario.radius if solved else None,
+        multipliers=None
+        if best.duals is None
+        else in_world(scenario, np.multiply(sides, best.duals[:2])),
+        native_status=best.status,
+        message=f"{best.subproblem}: {best.message}",
         best_run=best.effort,
+        **costs(runs),
     )
 
 
-def _residual(scenario: Scenario, run: SubproblemRun) -> float:
-    aim = target(scenario, run.subproblem.mirrored)
-    residual = np.abs(equations(run.result.x, *aim)).sum()
+def _residual(scenario: Scenario, run: Run[FloatArray]) -> float:
+    aim = target(scenario, SUBPROBLEMS[run.subproblem].mirrored)
+    residual = np.abs(equations(run.point, *aim)).sum()
     return float(residual) if np.isfinite(residual) else math.inf

@@ -20,11 +20,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start, coordinate_rounding, summed, total
+from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
 from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
+    SUBPROBLEMS,
     Subproblem,
     as_path,
     equations,
@@ -41,7 +42,6 @@ from dubins_study.solvers.stochastic.penalty_function import (
     Task,
 )
 from dubins_study.study.path import FloatArray
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
@@ -60,21 +60,6 @@ class Model(NamedTuple):
 
     question: Question
     cases: list[Subproblem]
-
-
-class _Search(NamedTuple):
-    """The end of one search: its point z, shape (3,), and that after the correction.
-
-    `miss` (radii) is the corrected point's.
-    """
-
-    subproblem: Subproblem
-    z: FloatArray
-    corrected: FloatArray
-    miss: float
-    claim: Claim
-    message: str
-    effort: Effort
 
 
 @dataclass(frozen=True)
@@ -158,17 +143,17 @@ class Penalty(EngineSolver):
         if there := at_start(model.question):
             return there
         until = perf_counter() + limit
-        candidates = [
-            candidate
+        runs = [
+            run
             for number, case in enumerate(model.cases)
-            for candidate in self._searches(model.question, case, number, until)
+            for run in self._searches(model.question, case, number, until)
         ]
-        return _answer(model.question, candidates)
+        return _answer(model.question, runs)
 
     def _searches(
         self, question: Question, case: Subproblem, number: int, until: float
-    ) -> Iterator[_Search]:
-        """The ends of the searches of a subproblem."""
+    ) -> Iterator[Run[FloatArray]]:
+        """The searches of a subproblem; a run's point is z, shape (3,), after the correction."""
         random = np.random.default_rng((self.seed + question.repeat, number))
         guesses: list[FloatArray | None] = [None]
         if self._guided:
@@ -179,12 +164,12 @@ class Penalty(EngineSolver):
             for _ in range(self.rounds):
                 if perf_counter() > until:
                     return
-                search = self._search(question, case, weight, at, random, until)
-                yield search
-                if _miss(question, case, search.z) <= _SHORT:
+                z, run = self._search(question, case, weight, at, random, until)
+                yield run
+                if _miss(question, case, z) <= _SHORT:
                     break
                 weight *= _GROWTH
-                at = search.z if self._guided else None
+                at = z if self._guided else None
 
     def _search(
         self,
@@ -194,7 +179,8 @@ class Penalty(EngineSolver):
         guess: FloatArray | None,
         random: np.random.Generator,
         until: float,
-    ) -> _Search:
+    ) -> tuple[FloatArray, Run[FloatArray]]:
+        """The engine's own point z, shape (3,), and the run."""
         began = perf_counter()
         aim = target(question.scenario, case.mirrored)
         function = CountedFunction(PenaltyFunction(case, aim, weight), self._budget, until)
@@ -212,36 +198,32 @@ class Penalty(EngineSolver):
         corrected, missed = z, _miss(question, case, z)
         if self.polish and np.isfinite(z).all():
             corrected, missed = polish(case.name, z, *aim)
-        effort = Effort(case.name, 1, function.evaluations, perf_counter() - began)
-        return _Search(case, z, corrected, missed, claim, message, effort)
+        seconds, counts = perf_counter() - began, (None, function.evaluations)
+        texts, length = (claim.value, message), float(corrected.sum())
+        return z, Run(case.name, seconds, corrected, claim, None, *counts, *texts, length, missed)
 
 
 def _miss(question: Question, case: Subproblem, z: FloatArray) -> float:
     return float(np.hypot(*equations(z, *target(question.scenario, case.mirrored))))
 
 
-def _answer(question: Question, searches: list[_Search]) -> Solution:
+def _answer(question: Question, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest path that arrives; if none does, the one that ends nearest to the target."""
     scenario = question.scenario
-    begun = [search for search in searches if np.isfinite(search.corrected).all()]
+    begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
-        messages = [search.message for search in searches]
+        messages = [run.message for run in runs]
         return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
     allowed = max(ARRIVES, coordinate_rounding(scenario))
-    arriving = [search for search in begun if search.miss <= allowed]
-    if arriving:
-        best = min(arriving, key=lambda search: float(search.corrected.sum()))
-        claim = Claim.FEASIBLE
-    else:
-        best = min(begun, key=lambda search: search.miss)
-        claim = Claim.LIMIT if {s.claim for s in begun} == {Claim.LIMIT} else Claim.FAILED
+    arriving = [run for run in begun if run.miss <= allowed]
+    best = best_of(arriving, begun)
+    stopped = {run.claim for run in begun} == {Claim.LIMIT}
     return Solution(
-        claim,
-        path=as_path(scenario, best.subproblem, best.corrected),
-        claimed_length=float(best.corrected.sum()) * scenario.radius if arriving else None,
-        evaluations=total(search.effort.evaluations for search in searches),
-        native_status=best.claim.value,
-        message=f"{best.subproblem.name}: {best.message}",
-        efforts=summed(search.effort for search in searches),
+        Claim.FEASIBLE if arriving else Claim.LIMIT if stopped else Claim.FAILED,
+        path=as_path(scenario, SUBPROBLEMS[best.subproblem], best.point),
+        claimed_length=best.length * scenario.radius if arriving else None,
+        native_status=best.status,
+        message=f"{best.subproblem}: {best.message}",
         best_run=best.effort,
+        **costs(runs),
     )
