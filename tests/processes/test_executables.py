@@ -99,10 +99,10 @@ def _running(pid: int) -> bool:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no line 'Options'"),
+        ("", "no 'Options' line"),
         ("nonsense\nOptions\nthree\n", "invalid literal"),
-        ("m\nOptions\n3\n1\n1\n0\n2\n2\n2\n2\n0.5\n", "ends too soon"),
-        ("m\nOptions\n3\n1\n1\n0\n0\n0\n0\n0\n", "no line 'objno'"),
+        ("m\nOptions\n3\n1\n1\n0\n2\n2\n2\n2\n0.5\n", "could not convert string to float"),
+        ("m\nOptions\n3\n1\n1\n0\n0\n0\n0\n0\n", "expected 'objno'"),
     ],
 )
 def test_a_broken_sol_file_is_a_failure_with_a_message(programs, text, message):

@@ -38,10 +38,9 @@ _REPR_CHARS = 96  # of a line of an answer's repr
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Answer(Spent, Times, Certificate, Judgement, Reported):
-    """A judged and certified attempt. Units as in `study.rows.schema`; None if there is no value.
-
-    The check computes `length`, `travel_time`, `word`, `gap`, `miss` and the certificate
-    from the path's controls. The solver reports `claimed_length`.
+    """A judged and certified attempt; units as in `study.rows.schema`, None where there is no
+    value. The check computes what it can from the path's controls; the solver reports
+    `claimed_length`.
     """
 
     scenario: Scenario
@@ -96,12 +95,8 @@ class QuestionError(DubinsStudyError, ValueError):
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
-    """Refuse an unknown branch or a time limit that is not a positive number of seconds.
-
-    `limit_name` is what the caller calls the limit.
-
-    Raises:
-        QuestionError: naming the value and what was expected.
+    """Refuse an unknown branch or a time limit, which the caller calls `limit_name`, that is not a
+    positive number of seconds.
     """
     if not isinstance(branch, str) or branch not in BRANCHES:
         known = f"{did_you_mean(branch, BRANCHES)}choose one of: {', '.join(BRANCHES)}"
@@ -121,11 +116,7 @@ def attempt(
     allowed: Tolerances = PROFILES["default"],
     spec: str | None = None,
 ) -> Answer:
-    """Put a question to a solver, time it, and judge whatever comes back.
-
-    A solver that raises, returns something else than a `Solution`, cannot run here or cannot
-    answer the branch yields a row that says so.
-    """
+    """Put a question to a solver, time it, and judge whatever comes back, an exception among it."""
     began = monotonic()
     reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
     return judged(spec or solver.name, question, reply, allowed, stated_method(solver))

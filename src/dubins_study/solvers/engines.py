@@ -1,6 +1,5 @@
 """Every optimisation library that a formulation is solved with: one table, by the names of specs.
-
-An engine is a line of the table, or a module and that line. Nothing is imported until it is asked.
+Nothing is imported until it is asked.
 """
 
 from __future__ import annotations

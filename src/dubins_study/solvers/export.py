@@ -1,8 +1,5 @@
-"""The models of this study as files for other people's solvers.
-
-The paper's model (4.12) is written as the paper has it, in the scenario's own coordinates and
-units; the disjunctive model as `solvers.global_minlp.model` has it, in the vehicle's frame at unit
-radius.
+"""The models of this study as files for other people's solvers: (4.12) in the scenario's own
+coordinates and units, as in the paper, or the disjunctive model in body coordinates at unit radius.
 """
 
 from __future__ import annotations

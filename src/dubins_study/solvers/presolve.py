@@ -1,6 +1,4 @@
-"""The presolve: what the geometry of a question says of its words before an engine sees them.
-
-It is the same for every engine, and off unless a solver's setting `presolve` turns it on. A row
+"""The presolve: what the geometry of a question says of its words before an engine sees them. A row
 that it answers says so, and proves nothing for the engine.
 """
 

@@ -20,11 +20,7 @@ class ProfileError(DubinsStudyError, ValueError):
 
 
 def tolerances(profile: str) -> Tolerances:
-    """The tolerances of a profile.
-
-    Raises:
-        ProfileError: naming the profiles that exist.
-    """
+    """The tolerances of a profile."""
     if not isinstance(profile, str) or profile not in PROFILES:
         names = ", ".join(PROFILES)
         near = did_you_mean(profile, PROFILES)

@@ -110,10 +110,8 @@ class Solution(Reported):
             raise TypeError(f"path has {arcs} arcs; expected at most {MAX_ARCS}")
 
     def copy(self) -> Solution:
-        """The solution made anew of plain values, its path too, whoever else holds the parts.
-
-        Raises:
-            TypeError: as above: a plug-in may have changed its solution since it was made.
+        """The solution made anew of plain values, its path too: a plug-in may have changed its own
+        since.
         """
         copy = Solution(**{name: getattr(self, name) for name in _PLAIN})
         if (path := copy.path) is not None:

@@ -72,10 +72,7 @@ def available_solvers() -> list[str]:
 
 
 def entries() -> list[Entry]:
-    """Every registered solver: what it is and, if it cannot run here, why.
-
-    A solver's `variants` follow it, one entry each.
-    """
+    """Every registered solver, its `variants` after it: what it is, or why it cannot run."""
     listed = []
     for name in registered():
         listed.append(_entry(name))
@@ -85,11 +82,7 @@ def entries() -> list[Entry]:
 
 
 def entry(spec: str) -> Entry:
-    """What the solver of a spec is and, if it cannot run here, why.
-
-    Raises:
-        SolverError: as `load`.
-    """
+    """What the solver of a spec is and, if it cannot run here, why."""
     load(spec)
     return _entry(spec)
 
@@ -121,9 +114,8 @@ def unavailable(solver: Solver) -> str | None:
 
 
 def reported_versions(solver: Solver) -> dict[str, str]:
-    """Versions of the libraries inside a solver's packages, as the solver reports them.
-
-    Asked in the process that solves, since loading a library may take long or fail.
+    """Versions of the libraries inside a solver's packages. Asked in the process that solves, since
+    loading a library may take long or fail.
     """
     try:
         return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}
@@ -132,10 +124,8 @@ def reported_versions(solver: Solver) -> dict[str, str]:
 
 
 def stated_method(solver: Solver) -> Method:
-    """A solver's formulation, engine and initial guess, as far as it states them.
-
-    Raises:
-        SolverError: if it states something else.
+    """A solver's formulation, engine and initial guess, or a SolverError if it states something
+    else.
     """
     stated: Any = solver.method
     try:
@@ -159,12 +149,8 @@ def settings(solver: Solver) -> dict[str, Any]:
 
 
 def canonical(spec: str, profile: str = "default") -> str:
-    """The spec as rows write it: settings in the order of their declaration.
-
-    A setting that has the profile's value is left out.
-
-    Raises:
-        SolverError: as `load`.
+    """The spec as rows write it: settings in the order of their declaration, without those that
+    have the profile's value.
     """
     name, given = _parse(spec)
     kind = _kind(name)
@@ -284,11 +270,7 @@ def _is_solver(value: object) -> TypeGuard[type[Solver]]:
 
 
 def _checked(name: str, kind: Any) -> type[Solver]:
-    """The class, if it extends `Solver` as its docstring says.
-
-    Raises:
-        SolverError: naming what is missing, or the attribute and its value.
-    """
+    """The class, if it extends `Solver` as its docstring says."""
     if not _is_solver(kind):
         raise SolverError(
             f"solver {name!r} does not extend dubins_study.Solver; expected a frozen dataclass "

@@ -39,10 +39,8 @@ def ask(
     limit: float = DEFAULT_LIMIT,
     raised: Callable[[BaseException], None] | None = None,
 ) -> Reply:
-    """Put a question to a solver and time it. What a solver raises is its reply.
-
-    Where the solver's setting `presolve` is on, what the presolve answers is not put to it.
-    `raised` is called with the exception of a solver that raises, which has its traceback.
+    """Put a question to a solver, unless its presolve answers it, and time it. What a solver raises
+    is its reply; `raised` is called with the exception, which has its traceback.
     """
     reason = unavailable(solver)
     if reason is not None:
@@ -80,9 +78,8 @@ _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ b
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; one that raised where a time is impossible for a caller who waited that long.
-
-    A library may replace the clock of the process that solves.
+    """The reply; one that raised where a time is impossible for a caller who waited that long,
+    since a library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:

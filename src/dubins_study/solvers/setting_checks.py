@@ -1,6 +1,5 @@
-"""Checks that solvers share on their settings and packages.
-
-A refused setting is a ValueError that names it, its value and what was expected.
+"""Checks that solvers share on their settings and packages. A refusal is a ValueError that names
+the setting, its value and what was expected.
 """
 
 from __future__ import annotations

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.ampl import read_sol
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.local_nlp import Case
@@ -212,13 +211,6 @@ def test_a_far_target_is_met():
 
         assert answer.verdict is Verdict.OPTIMAL
         assert answer.miss < 1e-6
-
-
-def test_a_sol_file_with_a_tolerance_among_its_options():
-    """ASL's writesol.c: a 3 in second place announces one more number, counted as two."""
-    text = "a\nb\n\nOptions\n5\n1\n3\n0\n1\n1\n2\n2\n1e-6\n0.25\n1.5\n2.5\nobjno 0 0\nsuffix 0\n"
-
-    assert read_sol(text) == ("a b", [0.25], [1.5, 2.5], 0)
 
 
 def test_absence_has_its_reason():

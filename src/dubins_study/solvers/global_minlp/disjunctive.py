@@ -1,8 +1,6 @@
-"""The shortest path as a disjunction of words, solved to proven global optimality.
-
-Pyomo.GDP states the model (`solvers.global_minlp.model`), which SCIP, Gurobi, Xpress or MAiNGO gets
-through its Python interface (`solvers.minlp_engines`). Branch and bound proves that no path of any
-word is shorter than its bound; its point, which meets the target only to a tolerance, is polished.
+"""The shortest path as a disjunction of words, solved to proven global optimality. Branch and bound
+proves that no path of any word is shorter than its bound; its point, which meets the target only to
+a tolerance, is polished.
 """
 
 from __future__ import annotations
@@ -61,9 +59,8 @@ class Model(NamedTuple):
 
 
 class Run(NamedTuple):
-    """An engine's result, in radii, the tolerance it was asked for, and what it took.
-
-    `word` and z (left, right, straight) are None without a point.
+    """An engine's result, in radii, the tolerance it was asked for, and what it took. `word` and z
+    (left, right, straight) are None without a point.
     """
 
     result: ProvenResult

@@ -1,7 +1,5 @@
-"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality.
-
-`disjunctive` is stated as an engine of global optimisation likes it. This solver hands over the
-equations as they stand in the paper, and so measures what an engine makes of them.
+"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality: unlike
+`disjunctive`, which is stated as an engine likes it, the equations as they stand in the paper.
 """
 
 from __future__ import annotations
@@ -243,9 +241,8 @@ def _path(question: Question, subproblem: Subproblem, z: FloatArray, polish: boo
 
 
 def _words(subproblem: Subproblem, z: FloatArray) -> tuple[str, ...]:
-    """The words that a point's lengths may stand for: the one whose missing length is least first.
-
-    An optimum of the joint model has two lengths of the three; the third is zero to a tolerance.
+    """The words that a point's lengths may stand for: an optimum of the joint model has two of the
+    three, so the word whose missing length is least goes first.
     """
     if len(subproblem.free) == 2:
         return (subproblem.name,)

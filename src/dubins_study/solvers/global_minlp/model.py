@@ -113,10 +113,8 @@ def _word(disjunct: Any, word: str, X: float, Y: float) -> None:
 
 
 def transformed(model: Any, transformation: str = "bigm") -> Any:
-    """The model as a mixed-integer nonlinear program, in place: what SCIP or an NL file takes.
-
-    Every M and every disaggregated bound follows from the variables' own bounds. Afterwards
-    word[w].binary_indicator_var is 1 for the word that is driven.
+    """The model as a mixed-integer nonlinear program, in place; every M and every disaggregated
+    bound follows from the variables' own bounds.
     """
     from pyomo.environ import TransformationFactory
 
@@ -132,10 +130,8 @@ class Translated(NamedTuple):
 
 
 def translated(model: Any) -> Translated:
-    """The program of a Pyomo model with equations, inequalities and one objective to minimise.
-
-    Variables come in the order in which the constraints name them; fixed ones stay variables, with
-    bounds that meet.
+    """The program of a Pyomo model of equations, inequalities and one objective to minimise. Fixed
+    variables stay variables, with bounds that meet.
     """
     from pyomo.core.expr.visitor import identify_variables
     from pyomo.environ import Constraint, Objective

@@ -1,7 +1,5 @@
-"""The grids of `heading-milp`: where turns may end, the end points, and the straight legs.
-
-In body coordinates at unit radius. A choice is the number of steps after which each turn ends.
-Straight legs, whose headings lie on a grid too, may be driven near the end of every turn.
+"""The grids of `heading-milp` in body coordinates at unit radius: where turns may end, the end
+points, and the straight legs near the end of every turn, whose headings lie on a grid too.
 """
 
 from __future__ import annotations
@@ -107,13 +105,10 @@ def _one_turn(side: int, headings: int, legs: int, ahead: bool, passing: float |
 def two_turns(side: int, headings: int) -> tuple[Family, ...]:
     """RL (`side` 1) or LR: a turn of up to a sixth of a circle, then a turn back beyond heading 0.
 
-    A choice is a pair of ends. The second turn begins at heading -a, where the first one ends; its
-    arc from there to heading 0 depends only on the first turn, and is counted as part of it. Legs
-    are driven at the ends of the turns' last steps. Legs elsewhere would hardly shorten a path: in
-    these places they cost nothing to first order.
-
-    Each family has up to `_PAIRS` pairs, for a few ends of the first turn: the time and memory in
-    which cvxpy compiles a family grow with the square of their number.
+    A choice is a pair of ends. The second turn's arc from the end of the first to heading 0 is
+    counted as part of the first. Legs are driven at the ends of the turns' last steps: elsewhere
+    they would hardly shorten a path. Each family has up to `_PAIRS` pairs, since the time and
+    memory in which cvxpy compiles a family grow with the square of their number.
     """
     step = FULL_TURN / headings
     away = step * np.arange(int(FIRST_ARC / step + 1e-9) + 1, dtype=np.float64)
@@ -168,12 +163,10 @@ class Legs(NamedTuple):
 
 
 def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
-    """The shortest legs along headings (m,) that bridge a gap (2,), in radii; None if none do.
-
-    A linear program in two equations has a solution with two legs, so every pair is tried. The
-    duals are the vector whose product with both legs' directions is 1. For a leg at the switch and
-    one at the end that is Pontryagin's condition on the costates of a CC path; for two neighbouring
-    headings it is nearly the unit vector between them.
+    """The shortest legs along headings (m,) that bridge a gap (2,), in radii; None if none do. A
+    linear program in two equations has a solution with two legs, so every pair is tried. The duals
+    are the vector whose product with both legs' directions is 1: Pontryagin's condition on the
+    costates.
     """
     length = np.zeros(heading.size)
     bridged = np.hypot(*gap)

@@ -89,10 +89,9 @@ class Template:
             setattr(self, name, view)
 
     def solve(self, gap: float, cutoff: float, seconds: float) -> ProvenResult:
-        """Solve the MILP for the parameters' present values; the point's first n variables are z.
-
-        It is optimal at the relative `gap`; points with an objective above `cutoff` are ignored.
-        The status is cvxpy's word.
+        """Solve the MILP for the parameters' present values, to a relative gap; points with an
+        objective above `cutoff` are ignored. The point's first n variables are z, the status is
+        cvxpy's word.
         """
         import cvxpy as cp
 

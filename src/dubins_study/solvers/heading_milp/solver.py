@@ -42,10 +42,8 @@ class Choice(NamedTuple):
 def solution(
     question: Question, runs: list[Run[Choice]], complete: bool, grid: str, engine: str
 ) -> Solution:
-    """The shortest path of all MILPs, and the claim that follows from their statuses.
-
-    `runs` are those of the MILPs that there was time for, `complete` if these are all; `grid` and
-    `engine` are for messages.
+    """The shortest path of the MILPs that there was time for, `complete` if these are all, and the
+    claim that follows from theirs; `grid` and `engine` are for messages.
     """
     scenario, R = question.scenario, question.scenario.radius
     counts = costs(runs)
@@ -208,10 +206,8 @@ class HeadingMilp(EngineSolver):
         )
 
     def _longest(self, distance: float) -> float:
-        """An upper bound (radii) on the shortest length, with room to spare.
-
-        A full turn and a straight. The straight is longer than the distance by a radius, and by a
-        factor of up to 1 / cos(b / 2) between two headings that are an angle b apart.
+        """An upper bound (radii) on the shortest length: a full turn and a straight, which is
+        longer than the distance by a radius, and by 1 / cos(b / 2) between two headings b apart.
         """
         between = FULL_TURN / (self.headings * self.legs)
         return (distance + 3 * math.pi) / math.cos(between / 2)
@@ -220,10 +216,9 @@ class HeadingMilp(EngineSolver):
 def _solved(
     case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
 ) -> Run[Choice]:
-    """The answer of one MILP to a target (2,) in radii; longer paths than `cutoff` are ignored.
-
-    The objective is a path's length less the distance of the target, so that a gap keeps its
-    meaning however far the target is.
+    """The run of one MILP for a target (2,) in radii; longer paths than `cutoff` are ignored. The
+    objective is a path's length less the target's distance, so that a gap keeps its meaning however
+    far the target is.
     """
     family, milp = case
     distance = math.hypot(*target)

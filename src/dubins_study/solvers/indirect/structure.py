@@ -1,9 +1,6 @@
-"""Pontryagin's system along two pieces of given controls, and which solutions are extremals.
-
-Everything in body coordinates at unit radius and speed. The costates nu1 and nu2 are constant
-(2.4), (2.5). For a start at (0, 0, 0) equation (2.6) then integrates to
-nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t), since dy = sin(theta) dt and dx = cos(theta) dt: states and
-costates are exact on every piece.
+"""Pontryagin's system along two pieces of given controls, in body coordinates at unit radius and
+speed. The costates nu1 and nu2 are constant (2.4), (2.5); for a start at (0, 0, 0) equation (2.6)
+integrates to nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t): all exact on every piece.
 """
 
 from __future__ import annotations
@@ -42,9 +39,8 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """Two pieces of constant control: bang-singular (CS) or bang-bang (CC), and the target.
-
-    The first of the turns is +1 or -1, the second 0 (singular) or the first's opposite (bang).
+    """Bang-singular (CS) or bang-bang (CC) controls, and the target. The first of the turns is +1
+    or -1, the second 0 or the first's opposite.
     """
 
     turns: tuple[float, float]
@@ -53,10 +49,7 @@ class Structure:
 
     @cached_property
     def scale(self) -> float:
-        """Unit (radii) of the end point's residual and of a straight: the target's distance, or 1.
-
-        It makes the unknowns of similar size.
-        """
+        """Unit (radii) of the end point's residual and of a straight: unknowns of like size."""
         return max(1.0, math.hypot(self.X, self.Y))
 
     @property
@@ -179,10 +172,7 @@ _ABNORMAL = 1e-9
 
 @dataclass(frozen=True)
 class Conditions:
-    """Tolerances on the conditions.
-
-    If the branch prescribes the controls, only the durations are free, and (2.14) need not hold.
-    """
+    """Tolerances. If the branch prescribes the controls, (2.14) need not hold."""
 
     tol: float  # of the costates' conditions, with (nu0, nu1, nu2) of length 1, and of u nu3
     miss: float  # radii
@@ -235,10 +225,8 @@ def examine(
     structure: Structure, v: FloatArray, conditions: Conditions
 ) -> tuple[Candidate, str | None]:
     """The candidate that a solution v, shape (6,), of `Structure.residual` gives, and its fault.
-
-    Full turns are removed from arcs: the conditions have that period, and the path is shorter
-    without them. A piece of no length may come out as a negative one or nearly a full turn, so the
-    path without either piece is tried first.
+    Full turns are removed from arcs. A piece of no length may come out as a negative one or nearly
+    a full turn, so the path without either piece is tried first.
     """
     durations = v[4:] * (1.0, structure.unit)
     for missing in (0, 1):
@@ -259,10 +247,8 @@ def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
 
 
 def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
-    """The durations with one piece removed; its length beyond full turns is added to the other.
-
-    Near a piece of no length the end point depends on the sum of the two durations, and on their
-    difference only to second order: a solution has that difference to half of its digits.
+    """The durations with one piece removed; its length beyond full turns is added to the other,
+    since near a piece of no length the end point depends on the sum alone to first order.
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):

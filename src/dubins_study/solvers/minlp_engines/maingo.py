@@ -27,9 +27,8 @@ _CLAIMS = {
 
 
 def maingo(settings: Settings) -> MinlpCall:
-    """MAiNGO with epsilonR, deltaEq and deltaIneq; `lean` changes nothing.
-
-    Its time limit counts whole seconds of the processor.
+    """MAiNGO with epsilonR, deltaEq and deltaIneq; its time limit counts whole seconds of the
+    processor.
     """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:

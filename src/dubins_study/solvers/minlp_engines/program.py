@@ -1,7 +1,5 @@
-"""A mixed-integer nonlinear program, as every engine of this room takes it.
-
-A formulation writes its program with whatever variables and functions it is given, so that an
-engine gets it in expressions of its own interface.
+"""A mixed-integer nonlinear program, written by a formulation with whatever variables and functions
+it is given, so that every engine gets it in expressions of its own interface.
 """
 
 from __future__ import annotations
@@ -19,10 +17,7 @@ from dubins_study.study.words import Claim
 
 
 class Row(NamedTuple):
-    """lower <= body <= upper, in an engine's expressions; an equation if both are equal.
-
-    Either bound may be infinite, with its sign.
-    """
+    """lower <= body <= upper, in an engine's expressions; bounds may be equal, or infinite."""
 
     body: Any
     lower: float = 0.0
@@ -47,9 +42,8 @@ class Written(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class MixedProgram:
     """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
-
-    `write` takes the engine's n variables, and where it keeps `sin`, `cos`, ..., and writes the
-    program in these. Functions of numbers are computed.
+    `write` takes the engine's n variables, and where it keeps `sin`, `cos`, ...; functions of
+    numbers are computed.
     """
 
     lower: FloatArray
@@ -73,10 +67,8 @@ class Settings(NamedTuple):
 
 
 class ProvenResult(NamedTuple):
-    """The end of one run of an engine; the claim is its status, `optimal` within the gap.
-
-    The bound on the objective is minus infinity without one, and infinity where the engine proves
-    that there is no point. What an engine does not count is None.
+    """The end of one run; the claim is the engine's status, `optimal` within the gap. The bound is
+    minus infinity without one, infinity where it proves that there is no point.
     """
 
     x: FloatArray | None  # shape (n,)

@@ -26,9 +26,8 @@ _descriptors = Lock()  # of two threads, each would save what the other has set
 
 @contextmanager
 def silent(*descriptors: int) -> Iterator[None]:
-    """Send these descriptors (1 for output, 2 for errors) to nowhere inside the `with` block.
-
-    What other threads write there in the meantime is lost as well.
+    """Send these descriptors (1 for output, 2 for errors) to nowhere inside the `with` block; what
+    other threads write there in the meantime is lost as well.
     """
     with _descriptors, ExitStack() as restored:
         for descriptor in descriptors:
@@ -56,11 +55,7 @@ def scip(settings: Settings) -> MinlpCall:
     """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
-        """An error of SCIP's own is a result.
-
-        Raises:
-            KeyboardInterrupt: if Ctrl-C has ended SCIP, which catches it.
-        """
+        """An error of SCIP's own is a result; Ctrl-C, which SCIP catches, is raised again."""
         model, x = _translated(program)
         options = dict(_lean() if settings.lean else ())
         options |= {"numerics/feastol": settings.feastol, "limits/gap": settings.gap}

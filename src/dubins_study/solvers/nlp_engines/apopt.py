@@ -1,7 +1,6 @@
-"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings.
-
-The program is started as `gekko.GEKKO(remote=False).solve()` starts it: in a folder of its own, on
-a model and options in APMonitor's language (apmonitor.com/wiki). It writes ten digits of a point.
+"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings, started
+as gekko starts it: in a folder of its own, on a model and options in APMonitor's language. It
+writes ten digits of a point.
 """
 
 from __future__ import annotations
@@ -124,9 +123,8 @@ def _log(folder: FilePath, seconds: float) -> str | None:
 
 
 def _lift_data_limit() -> None:
-    """Let the program reserve what it likes: it asks for gigabytes, of which it fills a few MB.
-
-    Within a worker's limit it ends now and then with exit code 41, insufficient virtual memory.
+    """Let the program reserve gigabytes, of which it fills a few MB: within a worker's limit it
+    ends now and then with exit code 41, insufficient virtual memory.
     """
     import resource
 

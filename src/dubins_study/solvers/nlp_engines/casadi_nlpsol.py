@@ -1,6 +1,5 @@
-"""The engines that casadi's wheel carries, all through its `nlpsol`.
-
-Options are the engines' own defaults but for tolerance, iterations and silence.
+"""The engines that casadi's wheel carries, all through its `nlpsol`, with their own defaults but
+for tolerance, iterations and silence.
 """
 
 from __future__ import annotations

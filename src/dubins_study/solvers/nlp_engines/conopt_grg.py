@@ -1,8 +1,6 @@
-"""CONOPT, a generalised reduced gradient method, by GAMS's package `conopt`.
-
-Without a licence CONOPT runs in a demo mode, for up to 1000 variables and 1000 equations. The
-package has no means to set its tolerances: 1e-7 of each equation and of the reduced gradient, both
-scaled.
+"""CONOPT, a generalised reduced gradient method, by GAMS's package `conopt`. Its demo mode takes
+1000 variables and equations. Its tolerances cannot be set: 1e-7 of each equation and of the reduced
+gradient, both scaled.
 """
 
 from __future__ import annotations

@@ -10,26 +10,27 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 
-# What Python's operators do for every type of operand, by casadi's name of the operation. A square
-# is a power, which the interfaces recognise as convex, and not a product of two expressions.
-_ARITHMETIC: dict[str, Callable[..., Any]] = {
-    "OP_ASSIGN": lambda a: a,
-    "OP_ADD": operator.add,
-    "OP_SUB": operator.sub,
-    "OP_MUL": operator.mul,
-    "OP_DIV": operator.truediv,
-    "OP_NEG": operator.neg,
-    "OP_SQ": lambda a: a**2,
-    "OP_TWICE": lambda a: 2.0 * a,
-    "OP_INV": lambda a: 1.0 / a,
-    "OP_POW": operator.pow,
-    "OP_CONSTPOW": operator.pow,
+# What Python's operators do for every type of operand, by casadi's name of the operation, and the
+# text; that of a power is the language's. A square is a power, which the interfaces recognise as
+# convex, and not a product of two expressions.
+_ARITHMETIC: dict[str, tuple[Callable[..., Any], str]] = {
+    "OP_ASSIGN": (lambda a: a, "{}"),
+    "OP_ADD": (operator.add, "({} + {})"),
+    "OP_SUB": (operator.sub, "({} - {})"),
+    "OP_MUL": (operator.mul, "({} * {})"),
+    "OP_DIV": (operator.truediv, "({} / {})"),
+    "OP_NEG": (operator.neg, "(0 - {})"),
+    "OP_SQ": (lambda a: a**2, ""),
+    "OP_TWICE": (lambda a: 2.0 * a, "((2.0) * {})"),
+    "OP_INV": (lambda a: 1.0 / a, "((1.0) / {})"),
+    "OP_POW": (operator.pow, ""),
+    "OP_CONSTPOW": (operator.pow, ""),
 }
 # What each interface has functions of its own for, under the names that `math` uses too.
 _FUNCTIONS = {
@@ -50,10 +51,8 @@ class Rebuilt(NamedTuple):
 
 
 def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> Rebuilt:
-    """A program's objective and equations, at its parameters, in other variables.
-
-    x, shape (n,), are the other interface's variables, or numbers; parameters become constants.
-    `functions` has attributes `sin`, `cos`, ...; functions of numbers are computed by `math`.
+    """A program's objective and equations, at its parameters, in other variables x (n,) or numbers;
+    `functions` has attributes `sin`, `cos`, ...
     """
     function = _function(program.expressions)
     objective, equations = carried_out(function, [x, program.p.tolist()], functions)
@@ -96,10 +95,12 @@ def carried_out(function: Any, given: Sequence[Sequence[Any]], functions: Any = 
 
 def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., Any]:
     """What carries out an operation on operands."""
-    if name in _ARITHMETIC:
-        return _ARITHMETIC[name]
     numbers = all(isinstance(operand, (int, float)) for operand in operands)
     place = math if numbers else functions
+    if isinstance(place, _Text) and name in {*_ARITHMETIC, *_FUNCTIONS}:
+        return partial(place.of, name)
+    if name in _ARITHMETIC:
+        return _ARITHMETIC[name][0]
     function: Callable[..., Any] | None = getattr(place, _FUNCTIONS.get(name, ""), None)
     if function is None:
         known = ", ".join(sorted({*_ARITHMETIC, *_FUNCTIONS}))
@@ -139,60 +140,34 @@ class AlgebraText(NamedTuple):
 
 def algebra_text(program: Program, language: Language) -> AlgebraText:
     """A program at its parameters, in the syntax of a language."""
-    intermediates: list[tuple[str, str]] = []
-    functions = _Functions(language, intermediates)
+    text = _Text(language, [])
     variables = [language.variable.format(i + 1) for i in range(program.lower.size)]
-    x = [_Term(name, language, intermediates) for name in variables]
-    objective, equations = rebuilt(program, x, functions)
-    return AlgebraText(variables, _text(objective), list(map(_text, equations)), intermediates)
+    objective, equations = rebuilt(program, variables, text)
+    sides = [_operand(side) for side in equations]
+    return AlgebraText(variables, _operand(objective), sides, text.intermediates)
 
 
-class _Term:
-    """An expression as text; operators and functions of terms give terms."""
+class _Text(NamedTuple):
+    """Operations on texts, which give texts, or the names of long ones."""
 
-    def __init__(self, text: str, language: Language, intermediates: list[tuple[str, str]]) -> None:
-        if len(text) > language.longest:
-            name = f"i{len(intermediates) + 1}"
-            intermediates.append((name, text))
-            text = name
-        self.text, self.language, self.intermediates = text, language, intermediates
+    language: Language
+    intermediates: list[tuple[str, str]]
 
-    def _term(self, template: str, *operands: object) -> _Term:
-        text = template.format(*map(_text, operands))
-        return _Term(text, self.language, self.intermediates)
+    @property
+    def __name__(self) -> str:
+        return self.language.name
 
-    def __pow__(self, other: object) -> _Term:
-        return self._term(self.language.power, self, other)
-
-    def __neg__(self) -> _Term:
-        return self._term("(0 - {})", self)
-
-
-def _operators(sign: str) -> tuple[Any, Any]:
-    """An operator between terms, and the one for a number on its left side."""
-    template = f"({{}} {sign} {{}})"
-    return (
-        lambda self, other: self._term(template, self, other),
-        lambda self, other: self._term(template, other, self),
-    )
+    def of(self, operation: str, *operands: float | str) -> str:
+        """The text of an operation on operands."""
+        template = _ARITHMETIC.get(operation, (None, _FUNCTIONS.get(operation, "") + "({})"))[1]
+        exponent = (2.0,) if operation == "OP_SQ" else ()
+        text = (template or self.language.power).format(*map(_operand, operands + exponent))
+        if len(text) <= self.language.longest:
+            return text
+        self.intermediates.append((f"i{len(self.intermediates) + 1}", text))
+        return self.intermediates[-1][0]
 
 
-for _name, _sign in {"add": "+", "sub": "-", "mul": "*", "truediv": "/"}.items():
-    for _prefix, _operator in zip(("__", "__r"), _operators(_sign), strict=True):
-        setattr(_Term, f"{_prefix}{_name}__", _operator)
-
-
-class _Functions:
-    """Functions of terms, which have the names there that they have in `math`."""
-
-    def __init__(self, language: Language, intermediates: list[tuple[str, str]]) -> None:
-        self.language, self.intermediates = language, intermediates
-        self.__name__ = language.name
-
-    def __getattr__(self, name: str) -> Callable[[_Term], _Term]:
-        return lambda term: _Term(f"{name}({term.text})", self.language, self.intermediates)
-
-
-def _text(operand: object) -> str:
+def _operand(operand: float | str) -> str:
     """An operand as text: a number to its last digit, in brackets since it may be negative."""
-    return operand.text if isinstance(operand, _Term) else f"({float(str(operand))!r})"
+    return operand if isinstance(operand, str) else f"({float(operand)!r})"

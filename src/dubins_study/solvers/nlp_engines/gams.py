@@ -1,8 +1,6 @@
-"""SNOPT and MINOS as GAMS runs them, from the wheels that its Python package installs.
-
-Each run has a folder of its own, with links to the files of the wheels, since GAMS looks for its
-solvers beside its own program. The demo licence in the wheels takes 1000 variables and 1000
-equations, and expires five months after their release.
+"""SNOPT and MINOS as GAMS runs them, from the wheels that its Python package installs. The demo
+licence in the wheels takes 1000 variables and equations, and expires five months after their
+release.
 """
 
 from __future__ import annotations
@@ -122,9 +120,8 @@ def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
 
 
 def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
-    """The program in GAMS's language, with a limit of minor iterations.
-
-    It writes the two status numbers, the number of minor iterations, x and marginals.
+    """The program in GAMS's language; it writes the two status numbers, the number of minor
+    iterations, x and marginals.
     """
     text = algebra_text(program, _LANGUAGE)
     rows = [f"e{i + 1}" for i in range(len(text.equations))]
@@ -195,10 +192,8 @@ def exit_code(
     seconds: float,
     environment: Mapping[str, str] | None = None,
 ) -> int | None:
-    """The exit code of a program that reads and prints nothing; None if its time was up.
-
-    It works in the folder, with this process's environment by default. When its time is up it is
-    killed, and its children too.
+    """The exit code of a program that works in the folder, reads and prints nothing; None if its
+    time was up, when it is killed and its children too.
     """
     process = subprocess.Popen(
         command,

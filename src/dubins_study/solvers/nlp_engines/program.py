@@ -1,8 +1,6 @@
-"""A nonlinear program with equations and bounds, as every engine of this room takes it.
-
-A formulation writes its program once, in casadi's expressions with parameters; a question then
-gives the parameters, the bounds and an initial guess. Engines that want expressions get them,
-engines that want functions get compiled ones.
+"""A nonlinear program with equations and bounds. A formulation writes it once in casadi's
+expressions with parameters; a question gives these, the bounds and an initial guess. Engines that
+want functions get compiled ones.
 """
 
 from __future__ import annotations
@@ -21,11 +19,9 @@ from dubins_study.study.words import Claim
 
 @dataclass(frozen=True, eq=False)
 class Expressions:
-    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
-
-    Of shapes (n,) for the variables x, (k,) for the parameters p, (m,) for g. Engines compile it
-    once and keep what they compiled, so a formulation makes one object and keeps it (two objects
-    are never equal).
+    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols of shapes (n,) for
+    x, (k,) for p, (m,) for g. Engines keep what they compiled of an object, so a formulation keeps
+    it.
     """
 
     x: Any
@@ -63,9 +59,8 @@ class Expressions:
 
 
 class DeferredExpressions(Expressions):
-    """Expressions that are written when an engine first reads them.
-
-    An engine that calls functions which a formulation has written by hand then loads no casadi.
+    """Expressions that are written when an engine first reads them: one that calls functions which
+    a formulation has written by hand loads no casadi.
     """
 
     def __init__(self, write: Callable[[], Expressions]) -> None:
@@ -93,11 +88,9 @@ class Functions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """One question's nonlinear program: values of p (k,) and bounds of x (n,), maybe infinite.
-
-    `written` are functions written by hand, if the formulation has quicker ones than casadi's. Some
-    1e-16 of `magnitude`, that of the terms which the equations add up, is their rounding, which no
-    engine can do better than.
+    """One question's program: values of p (k,), bounds of x (n,), maybe infinite, and functions
+    `written` by hand if these are quicker than casadi's. Some 1e-16 of `magnitude`, that of the
+    terms which the equations add up, is their rounding.
     """
 
     expressions: Expressions
@@ -118,11 +111,9 @@ class Program:
 
 
 class EngineResult(NamedTuple):
-    """The end of one run of an engine.
-
-    The claim is the engine's status. x, shape (n,), is NaN where the engine returns no point. With
-    the duals, shape (m,), f + duals g is stationary in the free variables. Evaluations are those of
-    the equations (or of the objective, if more), not of derivatives.
+    """The end of one run. x, shape (n,), is NaN where the engine returns no point. With the duals,
+    shape (m,), f + duals g is stationary in the free variables. Evaluations are those of the
+    equations (or of the objective, if more), not of derivatives.
     """
 
     x: FloatArray

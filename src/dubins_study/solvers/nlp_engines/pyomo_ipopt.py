@@ -1,8 +1,6 @@
-"""Ipopt on a Pyomo model that is compiled once and asked many times.
-
-Data are variables that each question pins through their bounds, so one NL file serves all. An
-`ipopt` executable on PATH solves it if there is one; otherwise the Ipopt library inside the casadi
-wheel does, in process.
+"""Ipopt on a Pyomo model that is compiled once and asked many times: data are variables that each
+question pins through their bounds, so one NL file serves all. An executable on PATH solves it, or
+the Ipopt library inside the casadi wheel.
 """
 
 from __future__ import annotations
@@ -28,18 +26,16 @@ from dubins_study.study.words import Claim
 
 @dataclass
 class Deadline:
-    """When to stop (s, on `perf_counter`). It may be set anew before every run.
-
-    It must live as long as the programs that it stops: casadi does not keep what it calls.
+    """When to stop (s, on `perf_counter`), set anew before every run. It must live as long as the
+    programs that it stops: casadi does not keep what it calls.
     """
 
     at: float = math.inf
     watches: list[Any] = field(default_factory=list)
 
     def watch(self, variables: int, rows: int) -> Any:
-        """The function that casadi calls after every iteration of a program of this size.
-
-        It costs some 0.1 ms an iteration; Ipopt's own time limits are fixed once compiled.
+        """The function that casadi calls after every iteration, at a cost of some 0.1 ms; Ipopt's
+        own time limits are fixed once compiled.
         """
         import casadi
 
@@ -175,10 +171,7 @@ def _on_path(path: str) -> bool:
 def compiled(
     program: PyomoProgram, options: Options, executable: bool, deadline: Deadline | None = None
 ) -> Ask:
-    """A model to be solved by Ipopt again and again, by the executable on PATH or by the library.
-
-    Only the library looks at the deadline, after every iteration.
-    """
+    """A model to be solved by Ipopt again and again; only the library looks at the deadline."""
     return _executable(program, options) if executable else _library(program, options, deadline)
 
 

@@ -1,7 +1,5 @@
-"""SciPy's SLSQP, COBYQA and trust-constr.
-
-trust-constr has no test for infeasibility of its own and goes on to its last iteration. Here a run
-of it ends where the constraint violation is stationary, which is what Ipopt, too, calls locally
+"""SciPy's SLSQP, COBYQA and trust-constr. The last has no test for infeasibility; here a run of it
+ends where the constraint violation is stationary, which is what Ipopt, too, calls locally
 infeasible, and where the violation does not fall any more.
 """
 
@@ -44,10 +42,8 @@ _LARGEST_FACTOR = 1e3
 
 
 def slsqp(tol: float, max_iter: int) -> NlpCall:
-    """SLSQP after Kraft: sequential quadratic programs.
-
-    `tol` is SciPy's ftol, on the objective's change and the sum of violations; it grows with the
-    equations' magnitude up to a thousandfold, since rounding grows with it.
+    """SLSQP after Kraft; `tol` is SciPy's ftol, on the objective's change and the sum of
+    violations. It grows with the equations' magnitude, as rounding does.
     """
     long_run = max_iter > _QUICK_ITERATIONS
 
@@ -80,9 +76,8 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
 
 
 def cobyqa(tol: float, max_iter: int) -> NlpCall:
-    """COBYQA of Ragonneau and Zhang: quadratic models by interpolation; it takes no derivatives.
-
-    `tol` is the violation of each equation, and the trust region's last radius.
+    """COBYQA of Ragonneau and Zhang, without derivatives; `tol` is the violation of each equation,
+    and the trust region's last radius.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -196,10 +191,7 @@ def _stationary(program: Program, x: FloatArray) -> bool:
 
 
 def trust_constr(tol: float, max_iter: int) -> NlpCall:
-    """trust-constr; `tol` is SciPy's gtol and barrier_tol.
-
-    It is more where the equations' magnitude is so large that rounding alone leaves more.
-    """
+    """trust-constr; `tol` is SciPy's gtol and barrier_tol, or what rounding leaves."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import Bounds, NonlinearConstraint, minimize

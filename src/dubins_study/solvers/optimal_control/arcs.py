@@ -31,10 +31,9 @@ _POINTS = 6
 
 def mean_cosine(integrator: str) -> tuple[FloatArray, FloatArray]:
     """Points t in [0, 1] and weights of the quadrature that gives sinc(z) as a sum of cos(z t).
-
-    `exact` is Gauss and Legendre's rule with 12 points, six of them positive: exact to rounding
-    for |z| up to 3 pi / 2, a turn of 3 pi. `rk4`, the classical Runge-Kutta step of order 4, is
-    Simpson's rule, since the heading is linear along the arc.
+    `exact` is the rule of Gauss and Legendre with 12 points, exact to rounding up to a turn of 3
+    pi. `rk4`, the classical Runge-Kutta step, is Simpson's rule, since the heading is linear along
+    the arc.
     """
     if integrator == "rk4":
         return np.array((0.0, 1.0)), np.array((2.0, 1.0)) / 3
@@ -87,10 +86,9 @@ class Elements(NamedTuple):
 
 def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     """A path in body coordinates at unit radius as n elements, not all of them of length 0.
-
-    Elements with given shares (n,) of the whole length turn as the path does over their length.
-    Otherwise every arc is cut into equal parts, so many that the parts of all arcs turn by similar
-    angles; a path of more than n arcs becomes equally long elements.
+    Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
+    every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
+    long elements.
     """
     some = path.length > 0
     curvature, length = path.curvature[some], path.length[some]
@@ -141,10 +139,9 @@ RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)
 
 
 def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away.
-
-    On the mesh `equal` they are alike. On `graded` half of the steps share about a full circle's
-    length at the start, where the path turns, unless equal steps are shorter than that.
+    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away. On
+    `graded` half of the steps share about a full circle's length at the start, where the path
+    turns, unless equal steps are shorter than that.
     """
     turning, straight = (n + 1) // 2, n // 2
     share = _TURNING / (_TURNING + distance)
@@ -208,11 +205,10 @@ def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
 def corrected(
     controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
 ) -> tuple[Controls, float, int]:
-    """Change the controls as little as needed for the path to end at the target.
-
-    Newton's method on the two equations of the end point, in the turn rates and the length. The
-    shortest step that solves the linearised equations is taken; a rate that would leave its
-    bounds is set to the bound. Returns the controls, the miss (radii) and the number of rollouts.
+    """Change the controls as little as needed for the path to end at the target; also returns the
+    miss (radii) and the number of rollouts. Newton's method in the turn rates and the length: the
+    shortest step that solves the linearised equations, with rates that would leave their bounds set
+    to the bound.
     """
     lengths = shares * controls.length
     rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)
@@ -276,16 +272,13 @@ def miss(elements: Elements, target: FloatArray) -> float:
 def closed(
     elements: Elements, rates: Rates, target: FloatArray, equal: bool
 ) -> tuple[Elements, float, int]:
-    """Change the controls as little as needed for the path to end at the target.
+    """Change the controls as little as needed for the path to end at the target; also returns the
+    miss (radii) and the number of rollouts.
 
-    Newton's method on the two equations of the end point, in the rates and the lengths (only in
-    the whole length if all are `equal`). Every variable is measured in units of its distance from
-    its bounds, and the smallest step that solves the linearised equations is taken. So a variable
-    that the solver left at a bound stays there. The solver's point is stationary in the others:
-    to first order the length changes by no more than if the target had moved by the miss. Where no
-    variable is free, as on a turning circle, this does not arrive; the rates then change as needed.
-
-    Returns the elements, the miss (radii) and the number of rollouts.
+    Newton's method in the rates and the lengths (only in the whole length if all are `equal`), with
+    every variable in units of its distance from its bounds: what the solver left at a bound stays
+    there, and to first order the length changes by no more than if the target had moved by the
+    miss. Where no variable is free, as on a turning circle, the rates then change as needed.
     """
     # rounding of such coordinates leaves a miss of this size
     close = max(CLOSE, 8 * np.finfo(float).eps * float(np.abs(target).sum()))

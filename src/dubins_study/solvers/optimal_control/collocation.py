@@ -43,10 +43,8 @@ from dubins_study.study.path import FloatArray
 
 
 def asked(model: PyomoProgram, data: slice, engine: NlpCall, deadline: Deadline) -> Ask:
-    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times.
-
-    `data` are the places of the data among the variables; their bounds pin them. The result has
-    the model's variables in the caller's order and the duals of the rows that are wanted.
+    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times;
+    `data` are the places of the data, pinned by their bounds, among the variables.
     """
     import casadi as ca
 
@@ -140,10 +138,7 @@ def _sided(rate: float) -> float:
 def template(
     n: int, points: int, equal: bool, engine: str, tol: float, max_iter: int, by_executable: bool
 ) -> Template:
-    """The transcription into n elements of so many points each, compiled once per setting.
-
-    With `by_executable` Ipopt is the executable on PATH; the rest as in `Collocation`.
-    """
+    """The transcription into n elements of so many points each, compiled once per setting."""
     model, deadline = program(n, points, equal), Deadline()
     if engine == "ipopt":
         options = (("tol", tol), ("max_iter", max_iter), ("bound_relax_factor", 0.0))

@@ -115,13 +115,12 @@ class Segments:
 
 @lru_cache(maxsize=32)
 def expressions(n: int, signs: tuple[int, ...], equal: bool, integrator: str) -> Expressions:
-    """The program over n segments, with the target (2,) as its parameters; its variables are
+    """The program over n segments, with the target (2,) as its parameters.
 
-        for each of the signs 1 (left) and -1 (right) the segments' lengths of turning (n,),
-        their lengths of going straight (n,), the whole length (1,) if they are equally long,
-        and the pose (x, y, heading) at the start of each segment but the first.
-
-    The last two equations are those of the end point.
+    Its variables are, for each of the signs 1 (left) and -1 (right), the segments' lengths of
+    turning (n,); their lengths of going straight (n,); the whole length (1,) if they are equally
+    long; the pose (x, y, heading) at the start of each segment but the first. The last two
+    equations are those of the end point.
     """
     import casadi as ca
 

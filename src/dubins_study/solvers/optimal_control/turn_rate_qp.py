@@ -130,10 +130,8 @@ def _guesses(
     model: TurnRateModel, runs: list[Run[Controls]], presolve: bool
 ) -> Iterator[tuple[str, Controls]]:
     """Initial guesses in the order to be tried, and whose shape they have; `runs` as far as known.
-
-    The question's own guess comes first, then one guess shaped like each word: a turn to the
-    target's bearing and a straight, or two arcs. `LS` and `RS` end with the first guess that
-    succeeds.
+    The question's own guess comes first, then one shaped like each word. `LS` and `RS` end with the
+    first guess that succeeds.
     """
     question, ends = model.question, np.cumsum(model.shares)
     X, Y = model.target
@@ -157,9 +155,8 @@ def _guesses(
 
 
 def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
-    """Turn to the bearing of the target, then as far as the target is away.
-
-    `ends` (n,) are the shares of the length driven at the ends of the steps.
+    """Turn to the bearing of the target, then as far as the target is away; `ends` (n,) are the
+    shares of the length at the ends of the steps.
     """
     sign = 1.0 if word[0] == "L" else -1.0
     bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)
@@ -237,10 +234,7 @@ class Sequence:
         self.rates, self.solver, self.deadline = model.rates, solver, deadline
 
     def run(self, subproblem: str, guess: Controls) -> Run[Controls]:
-        """Solve from one initial guess. A failing engine is a claim, not an exception.
-
-        The run counts QPs as iterations and rollouts as evaluations.
-        """
+        """Solve from one initial guess; QPs count as iterations, rollouts as evaluations."""
         began = time.perf_counter()
         self.restored = False
         self.qp.forget()
@@ -339,10 +333,8 @@ class Sequence:
         return off <= max(_ARRIVED * self.now.length, CLOSE)
 
     def _raise_penalty(self) -> bool:
-        """Raise the penalty on missing the target; False if it is at its largest.
-
-        The penalty is exact only above the multipliers, which grow without bound where the second
-        arc of RL or LR nears pi (docs/derivation.md, section 9).
+        """Raise the penalty on missing the target; False if it is at its largest. It is exact only
+        above the multipliers, which have no bound where the second arc of RL or LR nears pi.
         """
         if self.penalty >= _LARGEST_PENALTY:
             return False

@@ -25,9 +25,8 @@ def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
 
 
 class Answer(NamedTuple):
-    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), objective.
-
-    `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
+    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), sum of the
+    slacks, objective; `solved` is False if the engine stopped at a limit.
     """
 
     z: FloatArray
@@ -105,11 +104,7 @@ class Template:
         self._compiled.memory.clear()
 
     def solve(self, seconds: float) -> Answer:
-        """Solve the QP for the parameters' present values, in about `seconds` at most.
-
-        Raises:
-            EngineError: if the engine fails, or returns no solution, though every QP has one.
-        """
+        """Solve the QP for the parameters' present values; an EngineError if there is no answer."""
         import cvxpy as cp
 
         problem = self.problem
@@ -130,12 +125,10 @@ class Template:
 class Compiled:
     """A cvxpy problem in its engine's own form, with the place of every parameter in it.
 
-    `problem.solve()` rebuilds the engine's matrices through sparse tensors for every new value:
-    1.2 ms at n = 50, six times what PIQP needs for the solve itself. Here the problem is
-    compiled for two sets of random values: an entry that differs is a parameter, and its value
-    tells which. After that, new values are written straight into the engine's arrays.
-
-    Every entry of the engine's data must be a constant, or a parameter or its negative.
+    `problem.solve()` takes 1.2 ms at n = 50 to rebuild the matrices for new values, six times what
+    PIQP needs for the solve itself. Here the problem is compiled for two sets of random values: an
+    entry that differs is a parameter, or its negative, and its value tells which. New values are
+    then written straight into the engine's arrays.
     """
 
     def __init__(self, problem: Any, parameters: list[Any], engine: str) -> None:
@@ -164,9 +157,8 @@ class Compiled:
         return self.problem.get_problem_data(engine, solver_opts={})
 
     def solve(self, options: dict[str, Any]) -> None:
-        """Solve for the present `values`; the answer is in the problem and its variables.
-
-        Fresh arrays every time, since the engines' interfaces compare them with the last ones.
+        """Solve for the present `values`; the answer is in the problem and its variables. The
+        arrays are fresh every time, since the engines' interfaces compare them with the last ones.
         """
         data = dict(self.frame)
         for key, (where, which, sign) in self.places.items():

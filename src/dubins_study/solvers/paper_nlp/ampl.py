@@ -1,7 +1,6 @@
-"""Solvers run as AMPL runs them: `solver stub -AMPL` reads stub.nl and writes stub.sol.
-
-The program gets a folder of its own to work in, nothing on its input, and a time limit that ends
-it and whatever it started. Nothing but the file that it leaves is read.
+"""Solvers run as AMPL runs them: `solver stub -AMPL` reads stub.nl and writes stub.sol. The program
+gets a folder of its own, nothing on its input, and a time limit that ends it and whatever it
+started. Nothing but the file that it leaves is read.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,17 +26,10 @@ _STUB = "model"
 _CLAIMS = (Claim.LOCAL, Claim.FEASIBLE, Claim.INFEASIBLE, Claim.FAILED, Claim.LIMIT, Claim.FAILED)
 
 
-class SolFile(NamedTuple):
-    """The content of a .sol file; either list may be empty."""
-
-    message: str
-    duals: list[float]
-    primals: list[float]
-    code: int
-
-
 def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> EngineResult:
     """The point that an executable on PATH reaches from `guess`, shape (3,)."""
+    from pyomo.common.errors import PyomoException
+    from pyomo.contrib.solver.solvers.asl_sol_reader import parse_asl_sol_file
     from pyomo.repn.plugins.nl_writer import NLWriter
 
     model = posed(case, guess)
@@ -54,19 +46,22 @@ def solve(case: Case, guess: FloatArray, seconds: float, executable: str) -> Eng
             lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
             return no_point(3, Claim.FAILED, status, lacking)
         try:
-            solution = read_sol(file.read_text(errors="replace"))
-        except ValueError as error:
-            return no_point(3, Claim.FAILED, status, f"{executable}'s .sol file: {error}")
+            with file.open(errors="replace") as stream:
+                solution = parse_asl_sol_file(stream)
+        except (PyomoException, ValueError, LookupError, AssertionError) as error:
+            message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
+            return no_point(3, Claim.FAILED, status, message)
     return _point(model, info, solution)
 
 
-def _point(model: Any, info: Any, solution: SolFile) -> EngineResult:
-    claim = _CLAIMS[solution.code // 100] if 0 <= solution.code < 600 else Claim.FAILED
-    status = f"solve_result_num {solution.code}"
+def _point(model: Any, info: Any, solution: Any) -> EngineResult:
+    code, message = solution.solve_code, " ".join(solution.message.split())
+    claim = _CLAIMS[code // 100] if 0 <= code < 600 else Claim.FAILED
+    status = f"solve_result_num {code}"
     if len(solution.primals) != len(info.variables):
         if claim is not Claim.INFEASIBLE:  # which needs no point
             claim = Claim.FAILED
-        return no_point(3, claim, status, solution.message)
+        return no_point(3, claim, status, message)
     values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
     z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
     duals = None
@@ -74,7 +69,7 @@ def _point(model: Any, info: Any, solution: SolFile) -> EngineResult:
         of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
         # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = -np.array([of_row[id(model.x_end)], of_row[id(model.y_end)]])
-    return EngineResult(z, claim, duals, None, None, status, solution.message)
+    return EngineResult(z, claim, duals, None, None, status, message)
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
@@ -83,34 +78,3 @@ def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
     if path is None:
         return 127  # as a shell says of a command that has gone
     return exit_code([FilePath(path).absolute(), _STUB, "-AMPL"], folder, seconds)
-
-
-def read_sol(text: str) -> SolFile:
-    """Read a .sol file (Gay, Hooking Your Solver to AMPL, 1997; suffixes are not read).
-
-    Raises:
-        ValueError: if the text is none.
-    """
-    head, options, rest = text.partition("\nOptions\n")
-    if not options:
-        raise ValueError("it has no line 'Options'")
-    lines = iter(rest.splitlines())
-    try:
-        given = int(next(lines))
-        # three options or more with a 3 in second place say that a tolerance follows the counts,
-        # and count it and themselves as two more
-        listed = [int(next(lines)) for _ in range(min(given, 2))]
-        tolerance = listed[1:] == [3]
-        for _ in range(given - len(listed) - 2 * tolerance):
-            next(lines)
-        _, duals, _, primals = (int(next(lines)) for _ in range(4))
-        if tolerance:
-            next(lines)
-        y = [float(next(lines)) for _ in range(duals)]
-        x = [float(next(lines)) for _ in range(primals)]
-    except StopIteration:
-        raise ValueError("it ends too soon") from None
-    last = next(lines, "").split()
-    if len(last) != 3 or last[0] != "objno":
-        raise ValueError("it has no line 'objno' with two numbers")
-    return SolFile(" ".join(head.split()), y, x, int(last[2]))

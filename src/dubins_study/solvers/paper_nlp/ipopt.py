@@ -1,7 +1,5 @@
-"""The paper's model written in Pyomo and solved by Ipopt, an interior-point method.
-
-Pyomo writes the NL file once: the target is two variables that each scenario fixes through their
-bounds. See `solvers.nlp_engines.pyomo_ipopt` for the ways to reach Ipopt.
+"""The paper's model written in Pyomo and solved by Ipopt. Pyomo writes the NL file once: the target
+is two variables that each scenario fixes through their bounds.
 """
 
 from __future__ import annotations
@@ -104,10 +102,7 @@ class Ipopt(LocalNlp):
 
 @lru_cache(maxsize=64)
 def _compiled(options: Options, units: str, executable: bool, watched: bool) -> Adapter:
-    """Ipopt on the paper's model, compiled once per setting.
-
-    A `watched` library looks at the time left after every iteration.
-    """
+    """Ipopt on the paper's model; a `watched` library looks at the time in every iteration."""
     model = pyomo_model(units)
     data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
     program = PyomoProgram(model, [*model.z.values(), *data], [model.x_end, model.y_end])

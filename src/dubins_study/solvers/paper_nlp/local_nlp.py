@@ -39,8 +39,7 @@ from dubins_study.study.words import BRANCHES, Claim
 
 
 class Case(NamedTuple):
-    """A subproblem of a question, with upper bounds of z, shape (3,), and its target, in radii.
-
+    """A subproblem of a question, with upper bounds of z, shape (3,), and its target, in radii;
     `unit` is the length of a radius in the unit in which the model is posed.
     """
 
@@ -64,10 +63,8 @@ class PosedQuestion(NamedTuple):
 
 
 class Attempts(NamedTuple):
-    """One subproblem, and the initial guesses to solve it from in turn.
-
-    They are computed one by one, since mostly the first one succeeds: `enough` says whether a
-    solution z, shape (3,), leaves no reason to solve from another one.
+    """One subproblem, and the initial guesses to solve it from in turn, computed one by one:
+    `enough` says whether a solution z, shape (3,), leaves no reason to solve from another one.
     """
 
     subproblem: Subproblem
@@ -157,10 +154,9 @@ def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
 
 
 def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
-    """The answer to a question: each subproblem attempted in turn, the best point chosen.
-
-    No attempt begins after `limit` seconds. If the target is the start, nothing is attempted: at
-    z = 0 no constraint qualification holds, so that no NLP method can certify this point.
+    """The answer to a question: each subproblem attempted in turn for `limit` seconds, the best
+    point chosen. If the target is the start, nothing is attempted: no constraint qualification
+    holds at z = 0.
     """
     return at_start(question) or choose(question, _runs(attempts, limit))
 
@@ -182,10 +178,8 @@ def _runs(attempts: list[Attempts], limit: float) -> list[Run[FloatArray]]:
 
 
 def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
-    """The answer to a question from the runs of all its subproblems and initial guesses.
-
-    It is the shortest point that the engine calls a solution. If there is none, it is the point
-    that ends nearest to the target, with the claim that all points share, or `failed`.
+    """The shortest point that the engine calls a solution. If there is none, the point that ends
+    nearest to the target, with the claim that all points share, or `failed`.
     """
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")

@@ -1,8 +1,6 @@
-"""The paper's model (4.12), shared by the NLP solvers: three lengths, two equations.
-
-A subproblem lives in body coordinates at unit radius. Its variables are z = (z1, z2, z3): a turn
-one way, a turn the other way, a straight (arcs in rad, straight in radii), all z >= 0. In the
-order LRS the first turn is to the left; the order RLS is the same model seen in a mirror.
+"""The paper's model (4.12) in body coordinates at unit radius. Its variables are z = (z1, z2, z3)
+>= 0: a turn one way, a turn the other way (rad), a straight (radii). In the order LRS the first
+turn is to the left; the order RLS is the same model seen in a mirror.
 """
 
 from __future__ import annotations
@@ -68,9 +66,8 @@ def formulation(model: str, order: str) -> str:
 def subproblems(
     question: Question, model: str, order: str, presolve: bool = False
 ) -> list[Subproblem]:
-    """The subproblems to solve for a question: its word, or for `best` those of the settings.
-
-    With `presolve` words that cannot exist are left out.
+    """The subproblems to solve for a question: its word, or for `best` those of the settings; with
+    `presolve` without the words that cannot exist.
     """
     joint = model == "joint" and question.branch == "best"
     chosen = ORDERS[order] if joint else words(question, presolve)
@@ -84,10 +81,8 @@ def target(scenario: Scenario, mirrored: bool) -> tuple[float, float]:
 
 
 def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[Any, Any]:
-    """The end of the model's path, in any interface's numbers or variables.
-
-    It turns left to z1, right to the final heading th, and goes straight for z3. `functions` has
-    the attributes `sin` and `cos`; z3 is in the unit of the radius R.
+    """The end of the model's path, in any interface's numbers or variables: left to z1, right to
+    the final heading th, straight for z3, in the unit of R. `functions` has `sin` and `cos`.
     """
     sin, cos = functions.sin, functions.cos
     x = R * (2 * sin(z1) - sin(th)) + z3 * cos(th)
@@ -95,10 +90,7 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
 
 
 def equations(z: FloatArray, X: float, Y: float) -> FloatArray:
-    """Left-hand sides of (4.10) and (4.11) with start (0, 0, 0) and b = 1; shape (3,) -> (2,).
-
-    Target minus end point, so a solution is a zero.
-    """
+    """Target minus end point: (4.10), (4.11) with start (0, 0, 0) and b = 1; (3,) -> (2,)."""
     z1, z2, z3 = z
     th = z1 - z2
     return np.array(

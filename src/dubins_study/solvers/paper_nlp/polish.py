@@ -29,10 +29,7 @@ _NEAR = 1e-3
 
 
 class Polished(NamedTuple):
-    """A word's lengths z, shape (3,), as in `solvers.paper_nlp.model`, and their miss in radii.
-
-    `meets` is whether the miss is no more than rounding.
-    """
+    """A word's lengths z, shape (3,), and their miss in radii, `meets` if it is only rounding."""
 
     z: FloatArray
     miss: float
@@ -44,10 +41,9 @@ def meet_target(
 ) -> tuple[str, Polished]:
     """A solver's point made to meet the target, and its word.
 
-    Where one arc leads to the target several words share it, all within the solver's tolerance,
-    and not each of them can be made to meet the target: if the solver's `word` cannot, the others
-    of the `words` are tried. z, shape (3,), is how far the point turns to the left and to the right
-    (rad), then goes straight.
+    Where one arc leads to the target several words share it, all within the solver's tolerance, and
+    not each can be made to meet it: if the solver's `word` cannot, the others are tried. z, shape
+    (3,), is how far the point turns to the left and to the right (rad), then goes straight.
     """
     X, Y = scenario.local()
     rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
@@ -64,11 +60,9 @@ def meet_target(
 
 
 def one_sided_only(question: Question, path: Path) -> str | None:
-    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
-
-    Such a path may go straight first and then turn, and so enter the turning circle, which no path
-    of the word does. Therefore the word is driven with the path's own turn and straight, moved
-    until they meet the target. If they miss it by more than the path, it is not of that word.
+    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one. It
+    may go straight first, and so enter the turning circle, which no path of the word does. So the
+    word is driven with the path's own turn and straight, moved until they meet the target.
     """
     scenario, word = question.scenario, question.branch
     if word not in ("LS", "RS"):
@@ -93,12 +87,10 @@ def one_sided_only(question: Question, path: Path) -> str | None:
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
-    """The point of a word near z whose end is nearest to the target, and its miss (radii).
-
-    Newton's step on the two equations of the word, or the shortest least squares step where
-    their derivative is singular, cut to the lengths that the word allows and halved until it
-    gains. z, shape (3,), is in the word's own order of turns; lengths that the word lacks are set
-    to zero. The target (X, Y) is in the word's frame (mirrored for `RL`), in radii.
+    """The point of a word near z whose end is nearest to the target (X, Y) in the word's frame
+    (mirrored for `RL`), and its miss (radii). Newton's step on the two equations, or the shortest
+    least squares step, cut to the lengths that the word allows and halved until it gains. z, shape
+    (3,), is in the word's own order of turns.
     """
     subproblem = SUBPROBLEMS[word]
     free = list(subproblem.free)

@@ -1,8 +1,5 @@
-"""Cases of the paper's model (4.12) as programs for NLP engines, in casadi's terms and in Pyomo's.
-
-A program for the engines of `solvers.nlp_engines` has the free lengths of its case alone:
-min z1 + z2 + z3 such that the two equations (`paper_nlp.model.equations`) are zero and
-0 <= z <= upper. KNITRO and AMPL's solvers read Pyomo's model.
+"""Cases of the paper's model (4.12) as programs for NLP engines, which have the free lengths alone,
+and in Pyomo's terms, which KNITRO and AMPL's solvers read.
 """
 
 from __future__ import annotations
@@ -31,9 +28,8 @@ from dubins_study.study.words import Claim
 
 
 def program(case: Case) -> Program:
-    """The program of a case; its variables are the free lengths in the case's unit, shape (n,).
-
-    The parameters are the target (X, Y), and the radius after it where the unit is not the radius.
+    """The program of a case. Its variables are the free lengths in the case's unit, shape (n,), its
+    parameters the target (X, Y), and the radius where the unit is another.
     """
     X, Y = case.target
     subproblem, unit = case.subproblem, case.unit
@@ -54,9 +50,8 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
 
 @cache
 def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
-    """Model (4.12) with only the `free` lengths of z, the others zero.
-
-    The radius is 1, or a parameter if `scaled`.
+    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`, else
+    1.
     """
 
     def write() -> Expressions:
@@ -127,10 +122,8 @@ def _full(z: FloatArray, free: list[int]) -> FloatArray:
 
 
 def pyomo_model(units: str = "radius") -> Any:
-    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
-
-    Lengths are in turning radii, or as in the paper in the scenario's unit, with the radius
-    R = 1 / b as one more variable to be fixed.
+    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed; in the
+    scenario's unit as in the paper, the radius R = 1 / b too.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
 

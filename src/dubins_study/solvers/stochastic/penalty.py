@@ -1,14 +1,8 @@
-"""`penalty`: the paper's model (4.12) as one function of its lengths, searched by sampling.
-
-The function and what its weight must be: `solvers.stochastic.penalty_function`. It is minimised in
-the order LRS and in the order RLS, in a box that holds every solution. The weight follows the
-classical penalty method (Nocedal and Wright 2006, Numerical Optimization, Framework 17.2): begin
-with a small one, under which the function is well conditioned, and while the least point misses the
-target, multiply it and search anew.
-
-No engine here checks a condition of optimality, and the function has no gradient where the path
-arrives: an engine stops because its sample has shrunk or its budget is spent. So the claim
-is `feasible`, of the length nothing is said, and that no path exists is never said.
+"""`penalty`: the paper's model (4.12) as one function of its lengths
+(`stochastic.penalty_function`), searched by sampling, in each order of turns. While the least point
+misses the target, its weight is multiplied and the search begun anew (Nocedal and Wright 2006,
+Numerical Optimization, Framework 17.2). No engine here checks a condition of optimality, so the
+claim is `feasible` at most, and that no path exists is never said.
 """
 
 from __future__ import annotations

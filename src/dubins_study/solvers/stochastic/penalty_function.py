@@ -83,12 +83,9 @@ class SearchEndError(Exception):
 
 
 class CountedFunction:
-    """A penalty function that counts its evaluations and keeps the best point.
-
-    What ends the search is raised out of the engine. So every engine stops at the same budget to
-    the evaluation, and none can return a worse point than it has seen.
-
-    `budget` is the largest number of evaluations, `until` when to stop (s, on `perf_counter`).
+    """A penalty function that counts its evaluations and keeps the best point. What ends the
+    search, `budget` evaluations or the time `until` (s, on `perf_counter`), is raised out of the
+    engine: every engine stops at the same budget, and none returns a worse point than it has seen.
     """
 
     def __init__(self, function: PenaltyFunction, budget: int, until: float) -> None:
