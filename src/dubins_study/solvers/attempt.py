@@ -130,22 +130,17 @@ def judged(
     method: Method = NOT_STATED,
 ) -> Answer:
     """A reply judged by the check and certified."""
-    path, scenario = reply.solution.path, question.scenario
-    return Answer(scenario=scenario, path=path, **_judged(spec, question, reply, allowed, method))
+    fields = _judged(spec, question, reply, allowed, method)
+    return Answer(scenario=question.scenario, path=reply.solution.path, **fields)
 
 
 def judged_row(
-    spec: str,
-    question: Question,
-    reply: Reply,
-    allowed: Tolerances = PROFILES["default"],
-    method: Method = NOT_STATED,
+    spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
 ) -> dict[str, Any]:
     """The row of the answer that `judged` returns, quicker than by way of the answer."""
-    path, scenario = reply.solution.path, question.scenario
     row = _judged(spec, question, reply, allowed, method)
-    row.update(zip(_SCENARIO, _scenario_numbers(scenario), strict=True))
-    row["curvatures"], row["lengths"] = controls(path)
+    row.update(zip(_SCENARIO, _scenario_numbers(question.scenario), strict=True))
+    row["curvatures"], row["lengths"] = controls(reply.solution.path)
     return row
 
 

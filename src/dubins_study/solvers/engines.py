@@ -1,4 +1,5 @@
 """Every optimisation library that a formulation is solved with: one table, by the names of specs.
+
 Nothing is imported until it is asked.
 """
 
@@ -22,34 +23,22 @@ from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SA
 class Engine(NamedTuple):
     """An optimisation library.
 
-    Args:
-        label: its name as its makers write it, which rows hold.
-        kind: of the problems that it reads; heads it in tables.
-        packages: those that must be installed. Whether a licence is too small or expired is seen
-            when a problem is solved, and is then the row's message: to ask for it here would load
-            every licensed library for a mere list of solvers.
-        place: `room.module:function` of its adapter; empty if one solver has it in its own code.
-        options: what the adapter is given beside a question's own numbers.
-        broken: why it answers no question here, though its packages are installed.
-        check: `room.module:function` that says this, or returns None.
-        versions: gives the version of the library that lies inside the package.
-        keeps_limit: whether a run ends at most a second after its seconds are up.
-        fixed_tol: the feasibility, if it is the engine's own whatever it is asked for.
-        evaluations: the budget of one search if none is given. Engines spend from 3 to 100
-            microseconds on one evaluation of their own accord, and so the budgets differ: the two
-            searches that a target outside the discs takes are over in about 0.15 s.
+    Whether a licence is too small or expired is seen when a problem is solved, and is then the
+    row's message: to ask for it here would load every licensed library for a mere list of solvers.
     """
 
-    label: str
-    kind: str
-    packages: tuple[str, ...]
-    place: str = ""
-    options: Mapping[str, Any] = MappingProxyType({})
-    broken: str | None = None
-    check: str = ""
-    versions: Callable[[], dict[str, str]] | None = None
-    keeps_limit: bool = True
-    fixed_tol: float | None = None
+    label: str  # its name as its makers write it, which rows hold
+    kind: str  # of the problems that it reads; heads it in tables
+    packages: tuple[str, ...]  # those that must be installed
+    place: str = ""  # `room.module:function` of its adapter; empty if one solver has it itself
+    options: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside a question's numbers
+    broken: str | None = None  # why it answers no question here, though its packages are installed
+    check: str = ""  # `room.module:function` that says this, or returns None
+    versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
+    keeps_limit: bool = True  # whether a run ends at most a second after its seconds are up
+    fixed_tol: float | None = None  # the feasibility, if it is the engine's own whatever is asked
+    # The budget of one search if none is given: the two searches that a target outside the discs
+    # takes are over in about 0.15 s.
     evaluations: int = 0
 
     def unavailable(self) -> str | None:

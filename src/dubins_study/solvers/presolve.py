@@ -1,5 +1,6 @@
-"""The presolve: what the geometry of a question says of its words before an engine sees them. A row
-that it answers says so, and proves nothing for the engine.
+"""The presolve: what the geometry of a question says of its words before an engine sees them.
+
+A row that it answers says so, and proves nothing for the engine.
 """
 
 from __future__ import annotations

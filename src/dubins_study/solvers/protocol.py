@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.solvers.setting_checks import check_settings
 from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths
 from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import Scenario
@@ -180,28 +181,16 @@ class FrameSolution:
     """The answers of a solver's `solve_frame(frame, branch)` to n scenarios, as arrays.
 
     The frame that the solver gets has passed `study.scenario.check_frame`; `branch` is one of the
-    solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
-
-    Args:
-        claim: one for all rows, or indices into `study.path.CLAIMS`, shape (n,).
-        paths: controls of n paths of at most two arcs, and which rows have one.
-        claimed_length: as the solver reports it (length unit), shape (n,); NaN where there is
-            none. None if there is none in any row.
-        lower_bound: proven bounds (length unit), shape (n,), or None.
-        native_status, message: the solver's status and message, one for all rows; there may be
-            n messages.
-
-    Raises:
-        TypeError: naming the field, its shape or type, and what was expected. It is raised inside
-            the solver that makes the solution, and so counts as that solver's failure.
+    solver's own. The caller times the call and judges the paths, as for `Solver.solve`. Values of
+    another shape or type are a TypeError.
     """
 
-    claim: Claim | ArrayLike
-    paths: Paths
-    claimed_length: FloatArray | None = None
-    lower_bound: FloatArray | None = None
+    claim: Claim | ArrayLike  # one for all rows, or indices into `study.path.CLAIMS`, shape (n,)
+    paths: Paths  # controls of n paths of at most two arcs, and which rows have one
+    claimed_length: FloatArray | None = None  # length unit, shape (n,); NaN where there is none
+    lower_bound: FloatArray | None = None  # proven (length unit), shape (n,)
     native_status: str = ""
-    message: str | Sequence[str] = ""
+    message: str | Sequence[str] = ""  # one for all rows, or n
 
     def __post_init__(self) -> None:
         paths = self.paths
@@ -265,6 +254,9 @@ class Solver:
     variants: ClassVar[tuple[str, ...]] = ()
     solve_frame: Callable[[pd.DataFrame, str], FrameSolution] | None = None
     presolve: bool = False
+
+    def __post_init__(self) -> None:
+        check_settings(self)
 
     @property
     def method(self) -> Method:

@@ -114,8 +114,9 @@ def unavailable(solver: Solver) -> str | None:
 
 
 def reported_versions(solver: Solver) -> dict[str, str]:
-    """Versions of the libraries inside a solver's packages. Asked in the process that solves, since
-    loading a library may take long or fail.
+    """Versions of the libraries inside a solver's packages.
+
+    Asked in the process that solves, since loading a library may take long or fail.
     """
     try:
         return {str(name): str(text) for name, text in dict(solver.library_versions()).items()}

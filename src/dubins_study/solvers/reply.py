@@ -39,8 +39,10 @@ def ask(
     limit: float = DEFAULT_LIMIT,
     raised: Callable[[BaseException], None] | None = None,
 ) -> Reply:
-    """Put a question to a solver, unless its presolve answers it, and time it. What a solver raises
-    is its reply; `raised` is called with the exception, which has its traceback.
+    """Put a question to a solver, unless its presolve answers it, and time it.
+
+    What a solver raises is its reply; `raised` is called with the exception, which has its
+    traceback.
     """
     reason = unavailable(solver)
     if reason is not None:

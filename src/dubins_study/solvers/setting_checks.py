@@ -1,12 +1,16 @@
-"""Checks that solvers share on their settings and packages. A refusal is a ValueError that names
-the setting, its value and what was expected.
+"""Settings of solvers with what they may be, and whether packages are installed.
+
+`n: int = whole(50, 2, 2000)` declares one; `Solver` refuses another value by a ValueError that
+names the setting, its value and what was expected.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from dataclasses import field, fields
+from typing import Any
 
 from dubins_study.study.values import did_you_mean
 
@@ -19,30 +23,55 @@ def missing_package(*names: str) -> str | None:
     return None
 
 
-def one_of(**settings: tuple[str, Collection[str]]) -> None:
-    """Refuse a setting that is not one of its choices."""
-    for name, (value, choices) in settings.items():
-        if value not in choices:
-            near = did_you_mean(value, choices)
-            raise ValueError(f"{name} is {value!r}; {near}expected one of: {', '.join(choices)}")
+def check_settings(solver: Any) -> None:
+    """Refuse a dataclass with a setting that is not what its declaration says."""
+    for setting in fields(solver):
+        value, complaint = getattr(solver, setting.name), setting.metadata.get(_COMPLAINT)
+        if complaint is not None and (text := complaint(value)):
+            raise ValueError(f"{setting.name} is {value!r}; {text}")
 
 
-def positive(**settings: float) -> None:
-    """Refuse a number that is not above zero, or not finite."""
-    for name, value in settings.items():
-        if not (value > 0 and math.isfinite(value)):
-            raise ValueError(f"{name} is {value}; expected a number above 0")
+_COMPLAINT = object()  # the key of what says why a value is refused
 
 
-def within(**settings: tuple[float, float, float]) -> None:
-    """Refuse a number outside its range; each setting is (value, least, most)."""
-    for name, (value, least, most) in settings.items():
-        if not least <= value <= most:  # NaN is not either
-            raise ValueError(f"{name} is {value}; expected a number from {least:g} to {most:g}")
+def _setting(default: Any, complaint: Callable[[Any], str | None]) -> Any:
+    return field(default=default, metadata={_COMPLAINT: complaint})
 
 
-def whole(**settings: tuple[object, int, int]) -> None:
-    """Refuse what is no whole number in a range; each setting is (value, least, most)."""
-    for name, (value, least, most) in settings.items():
-        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            raise ValueError(f"{name} is {value!r}; expected a whole number from {least} to {most}")
+def one_of(default: str, choices: Collection[str]) -> Any:
+    """A setting that is one of some texts."""
+
+    def complaint(value: Any) -> str | None:
+        if value in choices:
+            return None
+        return f"{did_you_mean(value, choices)}expected one of: {', '.join(choices)}"
+
+    return _setting(default, complaint)
+
+
+def positive(default: float) -> Any:
+    """A finite number above zero."""
+    return _setting(
+        default,
+        lambda value: None if 0 < value < math.inf else "expected a number above 0",
+    )
+
+
+def within(default: float, least: float, most: float, ends: bool = True) -> Any:
+    """A number in a range, with its ends or without."""
+
+    def complaint(value: Any) -> str | None:
+        inside = least <= value <= most and (ends or least < value < most)  # NaN is not
+        return None if inside else f"expected a number from {least:g} to {most:g}"
+
+    return _setting(default, complaint)
+
+
+def whole(default: int, least: int, most: int) -> Any:
+    """A whole number in a range."""
+
+    def complaint(value: Any) -> str | None:
+        right = isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+        return None if right else f"expected a whole number from {least} to {most}"
+
+    return _setting(default, complaint)

@@ -1,6 +1,7 @@
-"""The shortest path as a disjunction of words, solved to proven global optimality. Branch and bound
-proves that no path of any word is shorter than its bound; its point, which meets the target only to
-a tolerance, is polished.
+"""The shortest path as a disjunction of words, solved to proven global optimality.
+
+Branch and bound proves that no path of any word is shorter than its bound; its point, which meets
+the target only to a tolerance, is polished.
 """
 
 from __future__ import annotations
@@ -32,8 +33,6 @@ from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
-EMPHASES = ("lean", "default")
-
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
 
@@ -59,8 +58,9 @@ class Model(NamedTuple):
 
 
 class Run(NamedTuple):
-    """An engine's result, in radii, the tolerance it was asked for, and what it took. `word` and z
-    (left, right, straight) are None without a point.
+    """An engine's result, in radii, the tolerance it was asked for, and what it took.
+
+    `word` and z (left, right, straight) are None without a point.
     """
 
     result: ProvenResult
@@ -95,12 +95,14 @@ class Disjunctive(EngineSolver):
     `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
     """
 
-    engine: str = "scip"
-    transformation: str = "bigm"
+    engine: str = one_of("scip", MINLP_ENGINES)
+    transformation: str = one_of("bigm", TRANSFORMATIONS)
     quadrants: bool = True
-    gap: float = 1e-6
-    feastol: float = 1e-8
-    emphasis: str = "lean"
+    # what is closed to no more than a hundredth proves nothing
+    gap: float = within(1e-6, 1e-12, 1e-2)
+    # engines take up to 1e-3, and what they call infeasible is asked again at 100 times ours
+    feastol: float = within(1e-8, 1e-12, 1e-5)
+    emphasis: str = one_of("lean", ("lean", "default"))
     presolve: bool = False
 
     name: ClassVar[str] = "disjunctive"
@@ -115,16 +117,6 @@ class Disjunctive(EngineSolver):
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
     }
-
-    def __post_init__(self) -> None:
-        one_of(
-            engine=(self.engine, MINLP_ENGINES),
-            transformation=(self.transformation, TRANSFORMATIONS),
-            emphasis=(self.emphasis, EMPHASES),
-        )
-        # the engines take tolerances up to 1e-3, and what they call infeasible is asked again at
-        # 100 times ours; what is closed to no more than a hundredth proves nothing
-        within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-12, 1e-5))
 
     @property
     def method(self) -> Method:

@@ -43,9 +43,6 @@ from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.words import BRANCHES, Claim
 
-EMPHASES = ("default", "lean")
-HEADINGS = ("variable", "expression")
-
 
 class Model(NamedTuple):
     """A question, translated for `solve`."""
@@ -86,13 +83,13 @@ class GlobalNlp(EngineSolver):
     front of a turning circle a whole turn below it; the tolerance stands in every row.
     """
 
-    engine: str = "scip"
-    model: str = "joint"
-    order: str = "both"
-    heading: str = "variable"
-    gap: float = 1e-6
-    feastol: float = 1e-8
-    emphasis: str = "default"
+    engine: str = one_of("scip", MINLP_ENGINES)
+    model: str = one_of("joint", MODELS)
+    order: str = one_of("both", ORDERS)
+    heading: str = one_of("variable", ("variable", "expression"))
+    gap: float = within(1e-6, 1e-12, 1e-2)
+    feastol: float = within(1e-8, 1e-9, 1e-3)
+    emphasis: str = one_of("default", ("default", "lean"))
     polish: bool = True
     presolve: bool = False
 
@@ -108,16 +105,6 @@ class GlobalNlp(EngineSolver):
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
     }
-
-    def __post_init__(self) -> None:
-        one_of(
-            engine=(self.engine, MINLP_ENGINES),
-            model=(self.model, MODELS),
-            order=(self.order, ORDERS),
-            heading=(self.heading, HEADINGS),
-            emphasis=(self.emphasis, EMPHASES),
-        )
-        within(gap=(self.gap, 1e-12, 1e-2), feastol=(self.feastol, 1e-9, 1e-3))
 
     @property
     def method(self) -> Method:

@@ -1,9 +1,5 @@
-"""The shortest path as a generalised disjunctive program, and that as a mixed-integer program.
-
-A word's end point lies linearly in the sine and cosine of its arcs once it is looked at along the
-heading at which the first arc ends, so every disjunct is linear. What ties an arc to its sine and
-cosine is shared by all words: four more disjuncts for each arc, one a quadrant, so that the only
-nonlinear functions are a sine and a cosine between 0 and pi / 2, both concave and monotone there.
+"""The shortest path as a generalised disjunctive program (docs/formulations/disjunction.md), and
+that as a mixed-integer program.
 """
 
 from __future__ import annotations
@@ -23,29 +19,12 @@ _QUADRANTS = (0, 1, 2, 3)
 
 
 def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
-    """The shortest path among some words, in Pyomo.GDP, not transformed.
+    """The shortest path among some words to (X, Y) radii, in Pyomo.GDP, not transformed.
 
-    In body coordinates at unit radius, where the start is (0, 0) with heading 0: the least
-    z[1] + z[2] + z[3] such that exactly one word leads to the target. z[1] is how far the vehicle
-    turns to the left (rad), z[2] how far to the right (rad), z[3] how far it goes straight
-    (radii); c[i] and s[i] are the cosine and sine of z[i], which is q[i] past the beginning of
-    its quadrant.
-
-    An L arc of z[1] about the centre (0, 1) ends at (s[1], 1 - c[1]) with heading z[1]. Looked at
-    from there along that heading, and from the centre across it to the right, the target lies at
-
-        X c[1] + (Y - 1) s[1] = z[3]    X s[1] - (Y - 1) c[1] = 1           (word LS)
-        X c[1] + (Y - 1) s[1] = s[2]    X s[1] - (Y - 1) c[1] = 2 - c[2]    (word LR)
-
-    RS and RL are the same in a mirror: -Y for Y, and 1 and 2 change places. The length that a
-    word lacks is zero (the paper's Algorithm 1, step 3). The two equations are divided by the
-    target's distance where that exceeds a radius: a tolerance on them is then one on an angle.
-
-    (X, Y) is the target, forward and to the left, in radii. With `quadrants` sines and cosines are
-    of an angle up to pi / 2; else of the arcs themselves, up to 2 pi, and q, sin_q, cos_q and
-    quadrant are missing from the model. It has the constraints sine and cosine, the disjuncts
-    word[w] (constraints absent, along, across) in one_word and quadrant[i, k] (angle, cosine, sine)
-    in one_quadrant[i], and the objective length.
+    The least z[1] + z[2] + z[3] such that exactly one word leads to the target: how far the vehicle
+    turns to the left, to the right (rad), and goes straight (radii); c[i] and s[i] are the cosine
+    and sine of z[i], which is q[i] past the beginning of its quadrant. Without `quadrants` sines
+    and cosines are of the arcs themselves, up to 2 pi.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, RangeSet, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
@@ -130,8 +109,9 @@ class Translated(NamedTuple):
 
 
 def translated(model: Any) -> Translated:
-    """The program of a Pyomo model of equations, inequalities and one objective to minimise. Fixed
-    variables stay variables, with bounds that meet.
+    """The program of a Pyomo model of equations, inequalities and one objective to minimise.
+
+    Fixed variables stay variables, with bounds that meet.
     """
     from pyomo.core.expr.visitor import identify_variables
     from pyomo.environ import Constraint, Objective

@@ -163,10 +163,11 @@ class Legs(NamedTuple):
 
 
 def least_legs(heading: FloatArray, gap: FloatArray) -> Legs | None:
-    """The shortest legs along headings (m,) that bridge a gap (2,), in radii; None if none do. A
-    linear program in two equations has a solution with two legs, so every pair is tried. The duals
-    are the vector whose product with both legs' directions is 1: Pontryagin's condition on the
-    costates.
+    """The shortest legs along headings (m,) that bridge a gap (2,), in radii; None if none do.
+
+    A linear program in two equations has a solution with two legs, so every pair is tried. The
+    duals are the vector whose product with both legs' directions is 1: Pontryagin's condition on
+    the costates.
     """
     length = np.zeros(heading.size)
     bridged = np.hypot(*gap)

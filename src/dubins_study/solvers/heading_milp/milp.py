@@ -54,15 +54,11 @@ class Template:
                     sum_r across_jr s_jr = 0      of its turns to the target
                     sum_j z_j = 1,  z binary,  s >= 0
 
-    z_j is 1 if turning ends with step j. (The binary "step i is taken" is the sum of the z_j from i
-    on.) `along` and `across` are the legs' directions relative to the gap between the end of the
-    turns and the target, and s_jr are lengths in units of that gap. A pair of equations for every
-    choice makes the linear relaxation the convex hull of the choices, which one pair for all, with
-    legs bounded by a large multiple of z, would not (Balas 1985, Disjunctive programming and a
-    hierarchy of relaxations, SIAM J. Algebraic Discrete Methods 6).
-
-    The parameters toll (n,), slope, along and across (n m,) are attributes, arrays to be written
-    into.
+    `along` and `across` are the legs' directions relative to the gap between the end of the turns
+    and the target, and s_jr are lengths in units of that gap. A pair of equations for every choice
+    makes the linear relaxation the convex hull of the choices (Balas 1985, Disjunctive programming
+    and a hierarchy of relaxations, SIAM J. Algebraic Discrete Methods 6). The parameters toll (n,),
+    slope, along and across (n m,) are arrays to be written into.
     """
 
     toll: FloatArray

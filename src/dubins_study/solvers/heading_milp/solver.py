@@ -26,7 +26,7 @@ from dubins_study.solvers.heading_milp.milp import TOLERANCE, Stated, Template, 
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.words import Claim
 
@@ -127,10 +127,12 @@ class HeadingMilp(EngineSolver):
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
-    engine: str = "highs"
-    headings: int = 72
-    legs: int = 6
-    gap: float = 1e-6
+    engine: str = one_of("highs", _ENGINES)
+    # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with the
+    # square of the number of headings, to two gigabytes at the upper ends.
+    headings: int = whole(72, 12, 1000)
+    legs: int = whole(6, 1, 12)
+    gap: float = within(1e-6, 0, 1, ends=False)
     presolve: bool = False
 
     name: ClassVar[str] = "heading-milp"
@@ -147,14 +149,6 @@ class HeadingMilp(EngineSolver):
         "fast": {"headings": 48},
         "accurate": {"headings": 144},
     }
-
-    def __post_init__(self) -> None:
-        one_of(engine=(self.engine, _ENGINES))
-        # With steps above 30 degrees a CC path has hardly a first arc. cvxpy's memory grows with
-        # the square of the number of headings, to two gigabytes at the upper ends.
-        whole(headings=(self.headings, 12, 1000), legs=(self.legs, 1, 12))
-        if not 0 < self.gap < 1:
-            raise ValueError(f"gap is {self.gap!r}; expected a number from 0 to 1")
 
     @property
     def method(self) -> Method:
@@ -216,9 +210,10 @@ class HeadingMilp(EngineSolver):
 def _solved(
     case: Case, target: FloatArray, cutoff: float, gap: float, seconds: float
 ) -> Run[Choice]:
-    """The run of one MILP for a target (2,) in radii; longer paths than `cutoff` are ignored. The
-    objective is a path's length less the target's distance, so that a gap keeps its meaning however
-    far the target is.
+    """The run of one MILP for a target (2,) in radii; longer paths than `cutoff` are ignored.
+
+    The objective is a path's length less the target's distance, so that a gap keeps its meaning
+    however far the target is.
     """
     family, milp = case
     distance = math.hypot(*target)

@@ -1,20 +1,10 @@
 """`shooting`: the indirect method, Pontryagin's system (2.3)-(2.15) solved as equations.
 
-Three conditions that the paper omits are added: nu0 >= 0, (nu0, nu) not all zero, and
-nu3(tf) = 0 because the final heading is free (docs/derivation.md, section 9).
-
-Plain single shooting, which guesses the costates and steers by the sign of nu3, cannot work here.
-A path that ends straight has a singular arc: nu3 and its derivative vanish together at the switch.
-With any other costates, however near, nu3 crosses zero or turns back, and the vehicle never drives
-straight. Structured (multiple-phase) shooting works (Maurer 1976, Numerical solution of singular
-control problems using multiple shooting techniques, JOTA 18): a structure is assumed, bang-singular
-(LS, RS) or bang-bang (LR, RL), the switching time is an unknown beside the costates and the
-duration, and the conditions at the switch are equations. The pieces are integrated in closed form.
-Afterwards the sign of nu3 is checked, and a point that violates (2.14) is rejected. One arc or one
-straight is either structure with a piece of no length.
-
-An extremal is only a candidate: LS where RS is best satisfies all conditions. So the claim is
-`local`, and `best` is the shortest extremal that the initial guesses lead to.
+The system, its structures (Maurer 1976, Numerical solution of singular control problems using
+multiple shooting techniques, JOTA 18), and why plain single shooting cannot work:
+docs/formulations/pontryagin.md. The pieces are integrated in closed form. One arc or one straight
+is either structure with a piece of no length. An extremal is only a candidate, so the claim is
+`local`, and `best` is the shortest one that the guesses lead to.
 """
 
 from __future__ import annotations
@@ -40,7 +30,7 @@ from dubins_study.solvers.paper_nlp.initial_guesses import (
 from dubins_study.solvers.paper_nlp.local_nlp import Attempts, answer
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import one_of, positive
+from dubins_study.solvers.setting_checks import one_of, positive, whole
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import ROOTS, Claim
 
@@ -84,12 +74,12 @@ class Shooting(Solver):
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
-    initial_guess: str = "bearing"
-    seed: int = 0
-    count: int = 10
-    root: str = "hybr"
-    tol: float = 1e-9
-    max_evaluations: int = 200
+    initial_guess: str = one_of("bearing", INITIAL_GUESSES)
+    seed: int = whole(0, 0, 2**63)
+    count: int = positive(10)
+    root: str = one_of("hybr", names(ROOTS))
+    tol: float = positive(1e-9)
+    max_evaluations: int = positive(200)
     presolve: bool = False
 
     name: ClassVar[str] = "shooting"
@@ -101,12 +91,6 @@ class Shooting(Solver):
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
     }
-
-    def __post_init__(self) -> None:
-        one_of(initial_guess=(self.initial_guess, INITIAL_GUESSES), root=(self.root, names(ROOTS)))
-        positive(count=self.count, tol=self.tol, max_evaluations=self.max_evaluations)
-        if self.seed < 0:
-            raise ValueError(f"seed is {self.seed}; expected a whole number from 0 up")
 
     @property
     def method(self) -> Method:

@@ -39,8 +39,9 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """Bang-singular (CS) or bang-bang (CC) controls, and the target. The first of the turns is +1
-    or -1, the second 0 or the first's opposite.
+    """Bang-singular (CS) or bang-bang (CC) controls, and the target.
+
+    The first of the turns is +1 or -1, the second 0 or the first's opposite.
     """
 
     turns: tuple[float, float]
@@ -225,6 +226,7 @@ def examine(
     structure: Structure, v: FloatArray, conditions: Conditions
 ) -> tuple[Candidate, str | None]:
     """The candidate that a solution v, shape (6,), of `Structure.residual` gives, and its fault.
+
     Full turns are removed from arcs. A piece of no length may come out as a negative one or nearly
     a full turn, so the path without either piece is tried first.
     """

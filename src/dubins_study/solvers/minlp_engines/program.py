@@ -42,6 +42,7 @@ class Written(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class MixedProgram:
     """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
+
     `write` takes the engine's n variables, and where it keeps `sin`, `cos`, ...; functions of
     numbers are computed.
     """
@@ -67,8 +68,9 @@ class Settings(NamedTuple):
 
 
 class ProvenResult(NamedTuple):
-    """The end of one run; the claim is the engine's status, `optimal` within the gap. The bound is
-    minus infinity without one, infinity where it proves that there is no point.
+    """The end of one run; the claim is the engine's status, `optimal` within the gap.
+
+    The bound is minus infinity without one, infinity where it proves that there is no point.
     """
 
     x: FloatArray | None  # shape (n,)

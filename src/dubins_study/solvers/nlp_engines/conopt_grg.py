@@ -1,6 +1,7 @@
-"""CONOPT, a generalised reduced gradient method, by GAMS's package `conopt`. Its demo mode takes
-1000 variables and equations. Its tolerances cannot be set: 1e-7 of each equation and of the reduced
-gradient, both scaled.
+"""CONOPT, a generalised reduced gradient method, by GAMS's package `conopt`.
+
+Its demo mode takes 1000 variables and equations. Its tolerances cannot be set: 1e-7 of each
+equation and of the reduced gradient, both scaled.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""SNOPT and MINOS as GAMS runs them, from the wheels that its Python package installs. The demo
-licence in the wheels takes 1000 variables and equations, and expires five months after their
-release.
+"""SNOPT and MINOS as GAMS runs them, from the wheels that its Python package installs.
+
+The demo licence in the wheels takes 1000 variables and equations, and expires five months after
+their release.
 """
 
 from __future__ import annotations

@@ -37,8 +37,9 @@ Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
 
 
 def nlopt(tol: float, max_iter: int, algorithm: str, inner: str = "") -> NlpCall:
-    """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one. `tol` is
-    the violation of each equation, and the relative change of length and variables.
+    """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
+
+    `tol` is the violation of each equation, and the relative change of length and variables.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

@@ -1,6 +1,7 @@
-"""A nonlinear program with equations and bounds. A formulation writes it once in casadi's
-expressions with parameters; a question gives these, the bounds and an initial guess. Engines that
-want functions get compiled ones.
+"""A nonlinear program with equations and bounds.
+
+A formulation writes it once in casadi's expressions with parameters; a question gives these, the
+bounds and an initial guess. Engines that want functions get compiled ones.
 """
 
 from __future__ import annotations
@@ -111,9 +112,10 @@ class Program:
 
 
 class EngineResult(NamedTuple):
-    """The end of one run. x, shape (n,), is NaN where the engine returns no point. With the duals,
-    shape (m,), f + duals g is stationary in the free variables. Evaluations are those of the
-    equations (or of the objective, if more), not of derivatives.
+    """The end of one run. x, shape (n,), is NaN where the engine returns no point.
+
+    With the duals, shape (m,), f + duals g is stationary in the free variables. Evaluations are
+    those of the equations (or of the objective, if more), not of derivatives.
     """
 
     x: FloatArray

@@ -26,8 +26,9 @@ from dubins_study.study.words import Claim
 
 @dataclass
 class Deadline:
-    """When to stop (s, on `perf_counter`), set anew before every run. It must live as long as the
-    programs that it stops: casadi does not keep what it calls.
+    """When to stop (s, on `perf_counter`), set anew before every run.
+
+    It must live as long as the programs that it stops: casadi does not keep what it calls.
     """
 
     at: float = math.inf

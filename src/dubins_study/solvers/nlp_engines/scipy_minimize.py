@@ -1,6 +1,8 @@
-"""SciPy's SLSQP, COBYQA and trust-constr. The last has no test for infeasibility; here a run of it
-ends where the constraint violation is stationary, which is what Ipopt, too, calls locally
-infeasible, and where the violation does not fall any more.
+"""SciPy's SLSQP, COBYQA and trust-constr.
+
+The last has no test for infeasibility; here a run of it ends where the constraint violation is
+stationary, which is what Ipopt, too, calls locally infeasible, and where the violation does not
+fall any more.
 """
 
 from __future__ import annotations

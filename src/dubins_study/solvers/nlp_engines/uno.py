@@ -21,8 +21,9 @@ _LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
 
 
 def filtersqp(tol: float, max_iter: int) -> NlpCall:
-    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD. `tol` is the
-    violation of the equations, and the residual of stationarity.
+    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD.
+
+    `tol` is the violation of the equations, and the residual of stationarity.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

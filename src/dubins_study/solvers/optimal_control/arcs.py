@@ -1,17 +1,12 @@
 """Paths of n arcs: their end points, gradients, and the way back to a target.
 
-An arc of turn a and length h leads from the heading theta along its chord,
+An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. As sinc(z) is the
+mean of cos(z t) over 0 <= t <= 1, a quadrature replaces the quotient, which is undefined for a
+straight, by a sum of cosines that every engine can read.
 
-    h sinc(a/2) (cos(theta + a/2), sin(theta + a/2)),   sinc(z) = sin(z) / z.
-
-As sinc(z) is the mean of cos(z t) over 0 <= t <= 1, a quadrature replaces the quotient, which is
-undefined for a straight, by a sum of cosines that every engine can read.
-
-Everything in body coordinates in units of the turning radius. Step k drives the length
-h_k = w_k T, where the shares w_k sum to 1 and T is the whole length, and turns by
-a_k = theta_k - theta_{k-1} (theta_{-1} = 0), so its turn rate is u_k = a_k / h_k. Written in the
-headings theta instead of the rates, the end point's derivatives are local and |u_k| <= 1 is the
-linear |a_k| <= w_k T, exact for every T.
+Everything in body coordinates in units of the turning radius. Step k drives the share w_k of the
+whole length T, and turns by a_k = theta_k - theta_{k-1} (theta_{-1} = 0): written in the headings
+theta instead of the rates, the end point's derivatives are local and |a_k| <= w_k T is linear.
 """
 
 from __future__ import annotations
@@ -31,6 +26,7 @@ _POINTS = 6
 
 def mean_cosine(integrator: str) -> tuple[FloatArray, FloatArray]:
     """Points t in [0, 1] and weights of the quadrature that gives sinc(z) as a sum of cos(z t).
+
     `exact` is the rule of Gauss and Legendre with 12 points, exact to rounding up to a turn of 3
     pi. `rk4`, the classical Runge-Kutta step, is Simpson's rule, since the heading is linear along
     the arc.
@@ -86,6 +82,7 @@ class Elements(NamedTuple):
 
 def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     """A path in body coordinates at unit radius as n elements, not all of them of length 0.
+
     Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
     every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
     long elements.
@@ -139,8 +136,9 @@ RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)
 
 
 def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away. On
-    `graded` half of the steps share about a full circle's length at the start, where the path
+    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away.
+
+    On `graded` half of the steps share about a full circle's length at the start, where the path
     turns, unless equal steps are shorter than that.
     """
     turning, straight = (n + 1) // 2, n // 2

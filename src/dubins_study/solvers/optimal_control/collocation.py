@@ -1,17 +1,8 @@
 """`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program.
 
-Pyomo writes the model as an NL file, and casadi reads it. The data, variables that are fixed,
-become parameters, and each inequality an equation with a slack variable.
-
-In body coordinates at unit radius and speed. Element e lasts h_e and turns by a_e at a constant
-rate, so over its own time, tau from e - 1 to e,
-
-    x' = h_e cos(theta),   y' = h_e sin(theta),   theta' = a_e,   |a_e| <= h_e.
-
-The turn a_e stands in place of the rate u_e = a_e / h_e: the bound is then linear, the heading's
-equation too, and an element of no length leaves nothing undetermined. `pyomo.dae` collocates the
-states at Legendre-Gauss-Radau points, whose quadrature is exact for polynomials up to degree
-2 p - 2 for p points (Biegler 2010, Nonlinear Programming, ch. 10).
+The model: docs/formulations/collocation.md. Pyomo writes it as an NL file, and casadi reads it. The
+data, variables that are fixed, become parameters, and each inequality an equation with a slack
+variable.
 """
 
 from __future__ import annotations
@@ -223,8 +214,8 @@ class Collocation(Transcription):
             one.
     """
 
-    points: int = 5
-    via: str = "auto"
+    points: int = whole(5, 1, 10)  # more than ten Radau points are lost in rounding
+    via: str = one_of("auto", VIAS)
 
     name: ClassVar[str] = "collocation"
     formulation: ClassVar[str] = "Radau collocation"
@@ -234,12 +225,6 @@ class Collocation(Transcription):
         "fast": {"tol": 1e-7},
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
     }
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        # more than ten Radau points are lost in rounding
-        whole(points=(self.points, 1, 10))
-        one_of(via=(self.via, VIAS))
 
     def unavailable(self) -> str | None:
         if self.engine == "ipopt":

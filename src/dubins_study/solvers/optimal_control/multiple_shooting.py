@@ -20,7 +20,7 @@ from dubins_study.solvers.optimal_control.arcs import (
     chord,
 )
 from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
-from dubins_study.solvers.setting_checks import one_of
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
 
 
@@ -28,22 +28,15 @@ from dubins_study.study.path import FloatArray
 class MultipleShooting(Transcription):
     """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `Transcription`.
 
-    minimise    sum_k (l_k + r_k + s_k)
-    subject to  q_{k+1} = F(q_k, a_k, h_k),  q_0 = 0,  (x, y)(q_n) = (X, Y)
-                a_k = l_k - r_k,  h_k = l_k + r_k + s_k,  l_k, r_k, s_k >= 0
-
-    The pose q_k at the start of segment k is a variable, and F drives an arc of the turn a_k and
-    the length h_k (`arcs.chord`). The arc spends l_k turning left, r_k turning right and s_k going
-    straight, all at once: its turn rate a_k / h_k is whatever lies in [-1, 1], without an
-    inequality and with nothing undetermined where h_k = 0. Segments of the mesh `equal` have
-    h_k = T / n.
+    The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
+    the mesh `equal` have h_k = T / n.
 
     Args:
         integrator: of F: `exact`, or `rk4`: one classical Runge-Kutta step a segment.
     """
 
-    n: int = 4
-    integrator: str = "exact"
+    n: int = whole(4, 3, 1000)
+    integrator: str = one_of("exact", INTEGRATORS)
 
     name: ClassVar[str] = "multiple-shooting"
     formulation: ClassVar[str] = "multiple shooting"
@@ -53,10 +46,6 @@ class MultipleShooting(Transcription):
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
     }
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        one_of(integrator=(self.integrator, INTEGRATORS))
 
     @property
     def keeps_limit(self) -> bool:

@@ -34,7 +34,6 @@ from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.words import Claim
 
-MESHES = ("free", "equal")
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = (
@@ -97,34 +96,23 @@ class Transcription(EngineSolver):
         presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
     """
 
-    n: int = 5
-    engine: str = "ipopt"
-    mesh: str = "free"
-    initial_guess: str = "bearing"
-    seed: int = 0
-    count: int = 10
+    # Three elements hold every word: an arc of up to a full turn takes two free elements. A
+    # thousand take minutes.
+    n: int = whole(5, 3, 1000)
+    engine: str = one_of("ipopt", NLP_ENGINES)
+    mesh: str = one_of("free", ("free", "equal"))
+    initial_guess: str = one_of("bearing", INITIAL_GUESSES)
+    seed: int = whole(0, 0, 2**32)
+    count: int = whole(10, 1, 10**6)
     correct: bool = True
-    tol: float = 1e-9
-    max_iter: int = 200
+    tol: float = within(1e-9, 1e-14, 1e-2)
+    max_iter: int = whole(200, 1, 10**6)
     presolve: bool = False
 
     formulation: ClassVar[str]
-    meshes: ClassVar[tuple[str, ...]] = MESHES
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
     warm: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        # Three elements hold every word: an arc of up to a full turn takes two free elements. A
-        # thousand take minutes.
-        whole(n=(self.n, 3, 1000), max_iter=(self.max_iter, 1, 10**6))
-        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**6))
-        one_of(
-            engine=(self.engine, NLP_ENGINES),
-            mesh=(self.mesh, self.meshes),
-            initial_guess=(self.initial_guess, INITIAL_GUESSES),
-        )
-        within(tol=(self.tol, 1e-14, 1e-2))
 
     @property
     def method(self) -> Method:
@@ -337,8 +325,10 @@ def _given(question: Question) -> Iterator[Path]:
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Paths shaped like a word: two arcs, or a turn and a straight. The first turn faces the
-    target; the second is larger by half the apparent size of a turning circle there; others follow.
+    """Paths shaped like a word: two arcs, or a turn and a straight.
+
+    The first turn faces the target; the second is larger by half the apparent size of a turning
+    circle there; others follow.
     """
     sign = 1.0 if word[0] == "L" else -1.0
     if word[1] != "S":

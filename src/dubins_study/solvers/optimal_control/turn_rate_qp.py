@@ -32,7 +32,7 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.words import QP, Claim
 
@@ -66,11 +66,11 @@ class TurnRateQp(EngineSolver):
         presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
     """
 
-    n: int = 50
-    engine: str = "piqp"
-    mesh: str = "equal"
-    tolerance: float = 1e-7
-    max_qps: int = 60
+    n: int = whole(50, 2, 2000)  # the QPs are dense: a larger one takes gigabytes
+    engine: str = one_of("piqp", names(QP))
+    mesh: str = one_of("equal", SHARINGS)
+    tolerance: float = within(1e-7, 0, 1, ends=False)
+    max_qps: int = whole(60, 1, 10**6)
     presolve: bool = False
 
     name: ClassVar[str] = "turn-rate-qp"
@@ -81,13 +81,6 @@ class TurnRateQp(EngineSolver):
     summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
     # gaps near 1e-9 outside the discs and 2e-6 inside, for ten times the time
     profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
-
-    def __post_init__(self) -> None:
-        # the QPs are dense: a larger one takes gigabytes
-        whole(n=(self.n, 2, 2000), max_qps=(self.max_qps, 1, 10**6))
-        one_of(engine=(self.engine, names(QP)), mesh=(self.mesh, SHARINGS))
-        if not 0 < self.tolerance < 1:
-            raise ValueError(f"tolerance is {self.tolerance!r}; expected a number from 0 to 1")
 
     @property
     def method(self) -> Method:
@@ -130,6 +123,7 @@ def _guesses(
     model: TurnRateModel, runs: list[Run[Controls]], presolve: bool
 ) -> Iterator[tuple[str, Controls]]:
     """Initial guesses in the order to be tried, and whose shape they have; `runs` as far as known.
+
     The question's own guess comes first, then one shaped like each word. `LS` and `RS` end with the
     first guess that succeeds.
     """
@@ -333,8 +327,10 @@ class Sequence:
         return off <= max(_ARRIVED * self.now.length, CLOSE)
 
     def _raise_penalty(self) -> bool:
-        """Raise the penalty on missing the target; False if it is at its largest. It is exact only
-        above the multipliers, which have no bound where the second arc of RL or LR nears pi.
+        """Raise the penalty on missing the target; False if it is at its largest.
+
+        It is exact only above the multipliers, which have no bound where the second arc of RL or LR
+        nears pi.
         """
         if self.penalty >= _LARGEST_PENALTY:
             return False

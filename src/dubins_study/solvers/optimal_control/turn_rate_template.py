@@ -157,8 +157,10 @@ class Compiled:
         return self.problem.get_problem_data(engine, solver_opts={})
 
     def solve(self, options: dict[str, Any]) -> None:
-        """Solve for the present `values`; the answer is in the problem and its variables. The
-        arrays are fresh every time, since the engines' interfaces compare them with the last ones.
+        """Solve for the present `values`; the answer is in the problem and its variables.
+
+        The arrays are fresh every time, since the engines' interfaces compare them with the last
+        ones.
         """
         data = dict(self.frame)
         for key, (where, which, sign) in self.places.items():

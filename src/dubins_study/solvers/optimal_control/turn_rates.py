@@ -21,6 +21,7 @@ from dubins_study.solvers.optimal_control.arcs import (
     step_shares,
 )
 from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
 
 # radii; a shortest path is longer than the target's distance by less than two full turns
@@ -31,23 +32,19 @@ _DETOUR = 4 * math.pi
 class TurnRates(Transcription):
     """Problem (2.2) with n turn rates and the whole length; other settings: `Transcription`.
 
-    minimise    T
-    subject to  (x, y)(u_1 .. u_n, T) = (X, Y),   -1 <= u_k <= 1,  T >= 0
-
     Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the end
-    point's two equations are the only ones. `turn-rate-qp` solves the same problem as a sequence
-    of QPs. Steps so long that they could turn by more than half a circle get a smaller bound.
+    point's two equations are the only ones. Steps so long that they could turn by more than half a
+    circle get a smaller bound.
 
     Args:
         mesh: `equal` steps, or `graded` ones (`arcs.step_shares`).
     """
 
-    n: int = 50
-    mesh: str = "equal"
+    n: int = whole(50, 3, 1000)
+    mesh: str = one_of("equal", SHARINGS)
 
     name: ClassVar[str] = "turn-rates"
     formulation: ClassVar[str] = "turn rates"
-    meshes: ClassVar[tuple[str, ...]] = SHARINGS
     packages: ClassVar[tuple[str, ...]] = ("casadi",)
     summary: ClassVar[str] = "optimal control over n turn rates and the length, one program"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {

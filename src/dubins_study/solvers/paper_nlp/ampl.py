@@ -1,6 +1,7 @@
-"""Solvers run as AMPL runs them: `solver stub -AMPL` reads stub.nl and writes stub.sol. The program
-gets a folder of its own, nothing on its input, and a time limit that ends it and whatever it
-started. Nothing but the file that it leaves is read.
+"""Solvers run as AMPL runs them: `solver stub -AMPL` reads stub.nl and writes stub.sol.
+
+The program gets a folder of its own, nothing on its input, and a time limit that ends it and
+whatever it started. Nothing but the file that it leaves is read.
 """
 
 from __future__ import annotations

@@ -53,10 +53,9 @@ def initial_guesses(
 
     The question's own guess goes first, if that is a path of the subproblem's word. The kinds are
     `bearing` (turn towards the target and by half the radius' apparent size more, then go straight;
-    some turns to either side follow), `zero` (AMPL's default), `random` (`count` points: arcs
-    uniform in [0, 2 pi], straights up to twice the target's distance plus a turning circle's
-    diameter), and `given`: only the question's own guess, if it has one. `suffices` says when to
-    solve from no more of them.
+    some turns to either side follow), `zero` (AMPL's default), `random` (`count` points: arcs up to
+    a full turn, straights up to twice the target's distance plus 2), and `given`: only the
+    question's own guess.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:

@@ -1,5 +1,7 @@
-"""The paper's model written in Pyomo and solved by Ipopt. Pyomo writes the NL file once: the target
-is two variables that each scenario fixes through their bounds.
+"""The paper's model written in Pyomo and solved by Ipopt.
+
+Pyomo writes the NL file once: the target is two variables that each scenario fixes through their
+bounds.
 """
 
 from __future__ import annotations
@@ -28,7 +30,6 @@ from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import Scenario
 
 # A run of so many iterations, of some 30 microseconds each, needs no look at the time, which would
 # cost more than the iterations do.
@@ -50,12 +51,12 @@ class Ipopt(LocalNlp):
             one.
     """
 
-    tol: float = 1e-8
-    max_iter: int = 200
-    bound_relax: float = 0.0
-    mu_target: float = 0.0
-    units: str = "radius"
-    via: str = "auto"
+    tol: float = within(1e-8, 1e-14, 1e-2)
+    max_iter: int = positive(200)
+    bound_relax: float = within(0.0, 0, 1e-2)
+    mu_target: float = within(0.0, 0, 1)
+    units: str = one_of("radius", UNITS)
+    via: str = one_of("auto", VIAS)
 
     name: ClassVar[str] = "ipopt"
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
@@ -64,13 +65,6 @@ class Ipopt(LocalNlp):
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},
     }
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        one_of(via=(self.via, VIAS), units=(self.units, UNITS))
-        positive(max_iter=self.max_iter)
-        within(tol=(self.tol, 1e-14, 1e-2), bound_relax=(self.bound_relax, 0, 1e-2))
-        within(mu_target=(self.mu_target, 0, 1))
 
     @property
     def method(self) -> Method:
@@ -85,9 +79,6 @@ class Ipopt(LocalNlp):
     @property
     def keeps_limit(self) -> bool:
         return not by_executable(self.via)  # Pyomo lets it run
-
-    def unit(self, scenario: Scenario) -> float:
-        return scenario.radius if self.units == "scenario" else 1.0
 
     def adapter(self) -> Adapter:
         options = (

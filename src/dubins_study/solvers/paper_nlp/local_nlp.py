@@ -88,24 +88,17 @@ class LocalNlp(Solver):
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
-    model: str = "words"
-    order: str = "both"
-    initial_guess: str = "bearing"
-    seed: int = 0
-    count: int = 10
+    model: str = one_of("words", MODELS)
+    order: str = one_of("both", ORDERS)
+    initial_guess: str = one_of("bearing", INITIAL_GUESSES)
+    seed: int = whole(0, 0, 2**32)
+    count: int = whole(10, 1, 10**9)
     capped: bool = True
     presolve: bool = False
 
+    units = "radius"  # of the model's lengths (`UNITS`); some adapters make it a setting
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     warm: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        one_of(
-            model=(self.model, MODELS),
-            order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, INITIAL_GUESSES),
-        )
-        whole(seed=(self.seed, 0, 2**32), count=(self.count, 1, 10**9))
 
     @property
     def formulation(self) -> str:
@@ -115,12 +108,8 @@ class LocalNlp(Solver):
         """The function that solves one case from one initial guess."""
         raise NotImplementedError
 
-    def unit(self, scenario: Scenario) -> float:
-        """Length of a radius in the unit in which the model is posed."""
-        return 1.0
-
     def build(self, question: Question) -> PosedQuestion:
-        unit = self.unit(question.scenario)
+        unit = question.scenario.radius if self.units == "scenario" else 1.0
         cases = [
             Case(
                 subproblem,
@@ -178,8 +167,10 @@ def _runs(attempts: list[Attempts], limit: float) -> list[Run[FloatArray]]:
 
 
 def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
-    """The shortest point that the engine calls a solution. If there is none, the point that ends
-    nearest to the target, with the claim that all points share, or `failed`.
+    """The shortest point that the engine calls a solution.
+
+    If there is none, the point that ends nearest to the target, with the claim that all points
+    share, or `failed`.
     """
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")

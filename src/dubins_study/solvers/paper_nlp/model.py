@@ -1,6 +1,8 @@
-"""The paper's model (4.12) in body coordinates at unit radius. Its variables are z = (z1, z2, z3)
->= 0: a turn one way, a turn the other way (rad), a straight (radii). In the order LRS the first
-turn is to the left; the order RLS is the same model seen in a mirror.
+"""The paper's model (4.12) in body coordinates at unit radius.
+
+Its variables are z = (z1, z2, z3) >= 0: a turn one way, a turn the other way (rad), a straight
+(radii). In the order LRS the first turn is to the left; the order RLS is the same model seen in a
+mirror.
 """
 
 from __future__ import annotations

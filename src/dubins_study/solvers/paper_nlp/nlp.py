@@ -56,8 +56,8 @@ class Nlp(LocalNlp, _Named):
         max_iter: largest number of iterations of an engine of the table.
     """
 
-    tol: float = 1e-9
-    max_iter: int = 200
+    tol: float = within(1e-9, 1e-14, 1e-2)
+    max_iter: int = positive(200)
 
     name: ClassVar[str] = "nlp"
     packages: ClassVar[tuple[str, ...]] = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
@@ -72,8 +72,6 @@ class Nlp(LocalNlp, _Named):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive(max_iter=self.max_iter)
-        within(tol=(self.tol, 1e-14, 1e-2))
         if not _EXECUTABLE.fullmatch(self.engine):
             raise ValueError(
                 f"engine is {self.engine!r}; expected one of {', '.join(_ENGINES)}, or "

@@ -60,9 +60,10 @@ def meet_target(
 
 
 def one_sided_only(question: Question, path: Path) -> str | None:
-    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one. It
-    may go straight first, and so enter the turning circle, which no path of the word does. So the
-    word is driven with the path's own turn and straight, moved until they meet the target.
+    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
+
+    It may go straight first, and so enter the turning circle, which no path of the word does. So
+    the word is driven with the path's own turn and straight, moved until they meet the target.
     """
     scenario, word = question.scenario, question.branch
     if word not in ("LS", "RS"):

@@ -28,12 +28,14 @@ from dubins_study.study.words import Claim
 
 
 def program(case: Case) -> Program:
-    """The program of a case. Its variables are the free lengths in the case's unit, shape (n,), its
-    parameters the target (X, Y), and the radius where the unit is another.
+    """The program of a case.
+
+    Its variables are the free lengths in the case's unit, shape (n,), its parameters the target (X,
+    Y), and the radius where the unit is another.
     """
     X, Y = case.target
     subproblem, unit = case.subproblem, case.unit
-    upper, lower = case.upper[subproblem.mask], _zeros(len(subproblem.free))
+    upper, lower = case.upper[subproblem.mask], np.zeros(len(subproblem.free))
     if unit == 1.0:
         posed = expressions(subproblem.free), np.array((X, Y)), lower, upper
         return Program(*posed, _written_in_radii(case), math.hypot(X, Y))
@@ -71,7 +73,7 @@ def _written_in_radii(case: Case) -> Functions:
     """The functions written by hand, for the unit of one radius."""
     X, Y = case.target
     free = list(case.subproblem.free)
-    ones = _ones(len(free))
+    ones = np.ones(len(free))
     return Functions(
         np.sum,
         lambda z: ones,
@@ -79,16 +81,6 @@ def _written_in_radii(case: Case) -> Functions:
         lambda z: jacobian(_full(z, free))[:, free],
         lambda z, weights: hessian(_full(z, free), weights)[_block(case.subproblem.free)],
     )
-
-
-@cache
-def _zeros(n: int) -> FloatArray:
-    return np.zeros(n)
-
-
-@cache
-def _ones(n: int) -> FloatArray:
-    return np.ones(n)
 
 
 @cache  # to make it takes as long as three evaluations
@@ -187,8 +179,9 @@ def _licensed() -> bool:
 
 
 def _licence_in_sight() -> bool:
-    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager
-    User's Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds, most of them Pyomo's import."""
+    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager User's
+    Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds.
+    """
     if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
         return True
     places = FilePath.home(), FilePath.home() / ".ziena", FilePath.cwd()

@@ -12,7 +12,6 @@ from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
-from dubins_study.study.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -28,9 +27,9 @@ class Slsqp(LocalNlp):
             `ftol` is then in that unit too.
     """
 
-    ftol: float = 1e-10
-    maxiter: int = 40
-    units: str = "radius"
+    ftol: float = within(1e-10, 1e-16, 1e-2)
+    maxiter: int = positive(40)
+    units: str = one_of("radius", UNITS)
 
     name: ClassVar[str] = "slsqp"
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
@@ -40,12 +39,6 @@ class Slsqp(LocalNlp):
         "accurate": {"ftol": 1e-14},
     }
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        one_of(units=(self.units, UNITS))
-        positive(maxiter=self.maxiter)
-        within(ftol=(self.ftol, 1e-16, 1e-2))
-
     @property
     def method(self) -> Method:
         return Method(self.formulation, "SLSQP", self.initial_guess, self.ftol)
@@ -53,9 +46,6 @@ class Slsqp(LocalNlp):
     @property
     def keeps_limit(self) -> bool:
         return True
-
-    def unit(self, scenario: Scenario) -> float:
-        return scenario.radius if self.units == "scenario" else 1.0
 
     def adapter(self) -> Adapter:
         return partial(solve, engine=scipy_minimize.slsqp(self.ftol, self.maxiter))

@@ -40,13 +40,10 @@ from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
 _ENGINES = names(SAMPLING, DERIVATIVE_FREE)
-_GUESSES = ("bearing", "zero", "random")
 _GROWTH = 4.0
 # radii: a point that misses by more has stopped short of the target, which a larger weight cures;
 # one that misses by less is the target's, as exactly as the engine got
 _SHORT = 1e-2
-_MOST_EVALUATIONS = 10**6  # DIRECT takes memory for all of them at once, some seconds for more
-_MOST = 10**9
 
 
 class Model(NamedTuple):
@@ -76,15 +73,16 @@ class Penalty(EngineSolver):
         presolve: whether a word as branch that cannot exist is answered without a search.
     """
 
-    engine: str = "differential-evolution"
-    order: str = "both"
-    weight: float = 2.0
-    rounds: int = 4
-    evaluations: int = 0
+    engine: str = one_of("differential-evolution", _ENGINES)
+    order: str = one_of("both", ORDERS)
+    weight: float = within(2.0, 1e-3, 1e9)
+    rounds: int = whole(4, 1, 9)
+    # DIRECT takes memory for all of them at once, some seconds for more
+    evaluations: int = whole(0, 0, 10**6)
     polish: bool = True
-    initial_guess: str = "bearing"
-    count: int = 10
-    seed: int = 0
+    initial_guess: str = one_of("bearing", ("bearing", "zero", "random"))
+    count: int = whole(10, 1, 10**9)
+    seed: int = whole(0, 0, 10**9)
     presolve: bool = False
 
     name: ClassVar[str] = "penalty"
@@ -99,18 +97,7 @@ class Penalty(EngineSolver):
     }
 
     def __post_init__(self) -> None:
-        one_of(
-            engine=(self.engine, _ENGINES),
-            order=(self.order, ORDERS),
-            initial_guess=(self.initial_guess, _GUESSES),
-        )
-        whole(
-            rounds=(self.rounds, 1, 9),
-            evaluations=(self.evaluations, 0, _MOST_EVALUATIONS),
-            count=(self.count, 1, _MOST),
-            seed=(self.seed, 0, _MOST),
-        )
-        within(weight=(self.weight, 1e-3, 1e9))
+        super().__post_init__()
         if self.initial_guess != "bearing" and not self._guided:
             raise ValueError(
                 f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "

@@ -1,29 +1,9 @@
-"""The paper's model (4.12) without its equations: length plus a weight times the miss.
+"""The paper's model (4.12) without its equations: length plus a weight times the miss, and engines.
 
-phi(z) = z1 + z2 + z3 + weight * |T - E(z)|,    0 <= z1, z2 <= 2 pi,   0 <= z3 <= |T| + 3
-
-where E(z) is the end of the word (docs/derivation.md, eq. 7) and T the target, in radii. It is
-the exact penalty function of the Euclidean norm (Nocedal and Wright 2006, Numerical Optimization,
-section 15.4): not smooth where the path arrives, and least there, if the weight is large enough.
-
-*How large, locally.* If z solves (4.12) with multipliers m, phi has a local minimum at z for every
-weight above |m|, the dual norm. docs/derivation.md, section 9, gives m: the unit vector of the
-final heading for a path that ends straight, |m| = 1, and |m| = 1 / |cos(a2 / 2)| for CC whose
-second arc turns by a2, which has no bound as a2 falls to pi (at (0, 2), the far side of the disc).
-
-*How large, globally.* Let V(E) be the shortest length to E. The least phi of all z that end at E is
-V(E) + weight |T - E|. So phi is least at the shortest path to T exactly if
-
-    weight >= (V(T) - V(E)) / |T - E|     for all E.
-
-V jumps, by up to 2 pi, across the front half of each turning circle (section 6 there) and at the
-start. No weight is enough for all targets: inside a disc, at a distance c from the front of its
-circle, it must be about 2 pi / c, or a path that stops short of the target has the least phi. The
-same holds for targets behind the vehicle at a distance c from the start.
-
-*Why the box holds every solution.* Full turns are never part of a shortest path (section 7 there).
-The straight is a tangent of the second turn's circle, whose centre is within 3 of the start, so
-its length is at most the target's distance from that centre, at most |T| + 3.
+The model, and how large its weight must be: docs/formulations/penalty.md. Why the box 0 <= z1, z2
+<= 2 pi, 0 <= z3 <= |T| + 3 holds every solution: full turns are never part of a shortest path
+(docs/derivation.md, section 7), and the straight is a tangent of the second turn's circle, whose
+centre is within 3 of the start.
 """
 
 from __future__ import annotations
@@ -83,9 +63,11 @@ class SearchEndError(Exception):
 
 
 class CountedFunction:
-    """A penalty function that counts its evaluations and keeps the best point. What ends the
-    search, `budget` evaluations or the time `until` (s, on `perf_counter`), is raised out of the
-    engine: every engine stops at the same budget, and none returns a worse point than it has seen.
+    """A penalty function that counts its evaluations and keeps the best point.
+
+    What ends the search, `budget` evaluations or the time `until` (s, on `perf_counter`), is raised
+    out of the engine: every engine stops at the same budget, and none returns a worse point than it
+    has seen.
     """
 
     def __init__(self, function: PenaltyFunction, budget: int, until: float) -> None:
