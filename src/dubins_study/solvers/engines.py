@@ -112,9 +112,16 @@ def _gams(label: str, solver: str) -> Engine:
     return Engine(label, NLP, packages, place, {"solver": solver}, check=check)
 
 
-def _search(label: str, function: str, evaluations: int, kind: str = SAMPLING) -> Engine:
+def _search(label: str, function: str, evaluations: int) -> Engine:
     place = f"stochastic.penalty_function:{function}"
-    return Engine(label, kind, ("scipy",), place, evaluations=evaluations)
+    return Engine(label, SAMPLING, ("scipy",), place, evaluations=evaluations)
+
+
+def _minimizer(method: str, steps: str, values: str) -> Engine:
+    """One that ends by itself long before the budget."""
+    options = {"method": method, "steps": steps, "values": values}
+    place = "stochastic.penalty_function:minimize"
+    return Engine(method, DERIVATIVE_FREE, ("scipy",), place, options, evaluations=3000)
 
 
 ENGINES = {
@@ -179,9 +186,8 @@ ENGINES = {
     "cma-es": Engine(
         "CMA-ES", SAMPLING, ("cma",), "stochastic.penalty_function:cma_es", evaluations=1000
     ),
-    # these end by themselves long before
-    "nelder-mead": _search("Nelder-Mead", "nelder_mead", 3000, DERIVATIVE_FREE),
-    "powell": _search("Powell", "powell", 3000, DERIVATIVE_FREE),
+    "nelder-mead": _minimizer("Nelder-Mead", "xatol", "fatol"),
+    "powell": _minimizer("Powell", "xtol", "ftol"),
     "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",)),
     "lm": Engine("MINPACK lm", ROOTS, ("scipy",)),
     "piqp": Engine("PIQP", QP, ("cvxpy", "piqp")),

@@ -177,23 +177,13 @@ def direct(task: Task) -> str:
     return str(direct(task.function, task.bounds, **limits).message)
 
 
-def nelder_mead(task: Task) -> str:
-    """The simplex of Nelder and Mead, cut to the box."""
-    return _minimize(task, "Nelder-Mead", {"xatol": _EXACT, "fatol": _EXACT})
-
-
-def powell(task: Task) -> str:
-    """Powell's search along conjugate directions."""
-    return _minimize(task, "Powell", {"xtol": _EXACT, "ftol": _EXACT})
-
-
-def _minimize(task: Task, method: str, options: dict[str, float]) -> str:
+def minimize(task: Task, method: str, steps: str, values: str) -> str:
+    """A method of `scipy.optimize.minimize` within the box; what it calls its two tolerances."""
     from scipy.optimize import minimize
 
-    limits: dict[str, Any] = dict.fromkeys(("maxiter", "maxfev"), task.function.budget)
-    result = minimize(
-        task.function, task.guess, method=method, bounds=task.bounds, options=options | limits
-    )
+    options: dict[str, Any] = dict.fromkeys(("maxiter", "maxfev"), task.function.budget)
+    options |= {steps: _EXACT, values: _EXACT}
+    result = minimize(task.function, task.guess, method=method, bounds=task.bounds, options=options)
     return str(result.message)
 
 
