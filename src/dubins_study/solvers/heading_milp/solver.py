@@ -64,7 +64,7 @@ _CLAIMS = {
 }
 
 
-class Template:
+class Template(Compiled):
     """The MILP for n choices with m legs each:
 
         minimise    sum_j toll_j z_j + sum_jr slope_jr s_jr
@@ -97,10 +97,8 @@ class Template:
             each_choice @ cp.multiply(p["across"], s) == 0,
         ]
         objective = cp.Minimize(p["toll"] @ self.z + p["slope"] @ s)
-        self.problem = cp.Problem(objective, [*bridged, cp.sum(self.z) == 1])
-        self._compiled = Compiled(self.problem, list(p.values()), "HIGHS")
-        for name, view in zip(p, self._compiled.views, strict=True):
-            setattr(self, name, view)
+        problem = cp.Problem(objective, [*bridged, cp.sum(self.z) == 1])
+        super().__init__(problem, list(p.values()), "HIGHS")
 
     def solve(self, gap: float, cutoff: float, seconds: float) -> ProvenResult:
         """Solve the MILP for the parameters' present values, to a relative gap; points with an
@@ -109,10 +107,10 @@ class Template:
         """
         import cvxpy as cp
 
-        self._compiled.memory.clear()  # or an answer would depend on the previous question
+        self.forget()
         options = {"mip_rel_gap": gap, "objective_bound": cutoff, "time_limit": seconds}
         try:
-            self._compiled.solve(_OPTIONS | options)
+            self.solve_compiled(_OPTIONS | options)
         except cp.error.SolverError as error:
             return ProvenResult(None, Claim.FAILED, -math.inf, 0, 0, str(error), "")
         info, status = self.problem.solver_stats.extra_stats, str(self.problem.status)

@@ -24,6 +24,69 @@ def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
     return {"threads": 1, "time_limit": seconds, "qp_iteration_limit": 20 * n + 200}
 
 
+class Compiled:
+    """A cvxpy problem in its engine's own form, with the place of every parameter in it.
+
+    `problem.solve()` takes 1.2 ms at n = 50 to rebuild the matrices for new values, six times what
+    PIQP needs for the solve itself. Here the problem is compiled for two sets of random values: an
+    entry that differs is a parameter, or its negative, and its value tells which. New values are
+    then written straight into the engine's arrays. Each parameter is an attribute, an array to be
+    written into.
+    """
+
+    def __init__(self, problem: Any, parameters: list[Any], engine: str) -> None:
+        self.problem = problem
+        random = np.random.default_rng(1)
+        sizes = [parameter.size for parameter in parameters]
+        first, second = 1 + random.random((2, sum(sizes)))
+        old, *_ = self._data(parameters, first, engine)
+        new, self.chain, self.inverse = self._data(parameters, second, engine)
+        self.frame = new
+        self.places = {}
+        for key, array in new.items():
+            values, before = _numbers(array), _numbers(old.get(key))
+            if values is not None and before is not None:
+                self.places[key] = _places(before, values, first, second)
+        self.values = np.zeros(sum(sizes))
+        parts = np.split(self.values, np.cumsum(sizes)[:-1])
+        self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
+        for part, parameter in zip(parts, parameters, strict=True):
+            setattr(self, parameter.name(), part.reshape(parameter.shape))
+
+    def forget(self) -> None:
+        """Let the engine start cold, so that no answer depends on an earlier question."""
+        self.memory.clear()
+
+    def _data(self, parameters: list[Any], values: FloatArray, engine: str) -> Any:
+        done = 0
+        for parameter in parameters:
+            parameter.value = values[done : done + parameter.size].reshape(parameter.shape)
+            done += parameter.size
+        return self.problem.get_problem_data(engine, solver_opts={})
+
+    def solve_compiled(self, options: dict[str, Any]) -> None:
+        """Solve for the present `values`; the answer is in the problem and its variables.
+
+        The arrays are fresh every time, since the engines' interfaces compare them with the last
+        ones.
+        """
+        data = dict(self.frame)
+        for key, (where, which, sign) in self.places.items():
+            array = data[key].copy()
+            _numbers(array)[where] = sign * self.values[which]
+            data[key] = array
+        raw = self.chain.solver.solve_via_data(
+            data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
+        )
+        # OSQP catches Ctrl-C itself
+        if getattr(getattr(raw, "info", None), "status", None) == "interrupted":
+            raise KeyboardInterrupt
+        with warnings.catch_warnings():
+            # the caller judges an answer at the engine's limit
+            warnings.filterwarnings("ignore", "Solution may be inaccurate")
+            self.problem.unpack_results(raw, self.chain, self.inverse)
+
+
 class Answer(NamedTuple):
     """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), sum of the
     slacks, objective; `solved` is False if the engine stopped at a limit.
@@ -41,7 +104,7 @@ class EngineError(RuntimeError):
     """The QP engine gave no usable answer; the message is the engine's."""
 
 
-class Template:
+class Template(Compiled):
     """The QP for a number of steps and an engine.
 
     Lengths are in units of the present length, headings in units that the caller chooses:
@@ -94,14 +157,8 @@ class Template:
         ]
         bend = 0.5 * (p["c"] @ cp.square(self.z))
         objective = cp.sum(self.t) + bend + cp.sum(cp.multiply(p["penalty"], self.s))
-        self.problem = cp.Problem(cp.Minimize(objective), [self.end, *bounds])
-        self._compiled = Compiled(self.problem, list(p.values()), engine.upper())
-        for name, view in zip(p, self._compiled.views, strict=True):
-            setattr(self, name, view)
-
-    def forget(self) -> None:
-        """Let the engine start cold, so that no answer depends on an earlier question."""
-        self._compiled.memory.clear()
+        problem = cp.Problem(cp.Minimize(objective), [self.end, *bounds])
+        super().__init__(problem, list(p.values()), engine.upper())
 
     def solve(self, seconds: float) -> Answer:
         """Solve the QP for the parameters' present values; an EngineError if there is no answer."""
@@ -109,7 +166,7 @@ class Template:
 
         problem = self.problem
         try:
-            self._compiled.solve(_options(self.engine, self.n, seconds))
+            self.solve_compiled(_options(self.engine, self.n, seconds))
         except cp.error.SolverError as error:
             raise EngineError(str(error)) from error
         if self.z.value is None or problem.status not in cp.settings.SOLUTION_PRESENT:
@@ -120,63 +177,6 @@ class Template:
         if not (np.isfinite(value) and np.isfinite(self.end.dual_value).all()):
             raise EngineError(f"{problem.status}, with numbers that are not finite")
         return Answer(z, t, -self.end.dual_value, slack, value, problem.status == cp.OPTIMAL)
-
-
-class Compiled:
-    """A cvxpy problem in its engine's own form, with the place of every parameter in it.
-
-    `problem.solve()` takes 1.2 ms at n = 50 to rebuild the matrices for new values, six times what
-    PIQP needs for the solve itself. Here the problem is compiled for two sets of random values: an
-    entry that differs is a parameter, or its negative, and its value tells which. New values are
-    then written straight into the engine's arrays.
-    """
-
-    def __init__(self, problem: Any, parameters: list[Any], engine: str) -> None:
-        self.problem = problem
-        random = np.random.default_rng(1)
-        sizes = [parameter.size for parameter in parameters]
-        first, second = 1 + random.random((2, sum(sizes)))
-        old, *_ = self._data(parameters, first, engine)
-        new, self.chain, self.inverse = self._data(parameters, second, engine)
-        self.frame = new
-        self.places = {}
-        for key, array in new.items():
-            values, before = _numbers(array), _numbers(old.get(key))
-            if values is not None and before is not None:
-                self.places[key] = _places(before, values, first, second)
-        self.values = np.zeros(sum(sizes))
-        parts = np.split(self.values, np.cumsum(sizes)[:-1])
-        self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
-        self.views = [v.reshape(p.shape) for v, p in zip(parts, parameters, strict=True)]
-
-    def _data(self, parameters: list[Any], values: FloatArray, engine: str) -> Any:
-        done = 0
-        for parameter in parameters:
-            parameter.value = values[done : done + parameter.size].reshape(parameter.shape)
-            done += parameter.size
-        return self.problem.get_problem_data(engine, solver_opts={})
-
-    def solve(self, options: dict[str, Any]) -> None:
-        """Solve for the present `values`; the answer is in the problem and its variables.
-
-        The arrays are fresh every time, since the engines' interfaces compare them with the last
-        ones.
-        """
-        data = dict(self.frame)
-        for key, (where, which, sign) in self.places.items():
-            array = data[key].copy()
-            _numbers(array)[where] = sign * self.values[which]
-            data[key] = array
-        raw = self.chain.solver.solve_via_data(
-            data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
-        )
-        # OSQP catches Ctrl-C itself
-        if getattr(getattr(raw, "info", None), "status", None) == "interrupted":
-            raise KeyboardInterrupt
-        with warnings.catch_warnings():
-            # the caller judges an answer at the engine's limit
-            warnings.filterwarnings("ignore", "Solution may be inaccurate")
-            self.problem.unpack_results(raw, self.chain, self.inverse)
 
 
 def _numbers(array: Any) -> Any:
