@@ -36,10 +36,7 @@ class PenaltyFunction:
         for index, length in zip(self._free, free.tolist(), strict=True):
             z[index] = length
         z1, z2, z3 = z
-        th, (X, Y) = z1 - z2, self._target
-        cos, sin = math.cos(th), math.sin(th)
-        x = 2 * math.sin(z1) - sin + z3 * cos
-        y = 1 - 2 * math.cos(z1) + cos + z3 * sin
+        (X, Y), (x, y) = self._target, end_point(z1, z1 - z2, z3, math)
         return z1 + z2 + z3 + self._weight * math.hypot(X - x, Y - y)
 
     def at_each(self, free: FloatArray) -> FloatArray:
