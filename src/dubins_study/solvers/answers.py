@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from time import perf_counter
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from dubins_study.solvers.protocol import Question, Solution
@@ -14,6 +15,7 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 
 Point = TypeVar("Point")
+Guess = TypeVar("Guess")
 
 
 class Run(NamedTuple, Generic[Point]):
@@ -35,6 +37,27 @@ class Run(NamedTuple, Generic[Point]):
     @property
     def effort(self) -> Effort:
         return Effort(self.subproblem, 1, self.evaluations, self.seconds)
+
+
+class Attempts(NamedTuple, Generic[Guess, Point]):
+    """One subproblem, and the initial guesses to solve it from in turn, computed one by one."""
+
+    guesses: Iterable[Guess]
+    solve: Callable[[Guess, float], Run[Point]]  # until a time (s, on `perf_counter`)
+    enough: Callable[[Run[Point]], bool]  # whether a solution leaves no reason to try another guess
+
+
+def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
+    """The runs on all subproblems; none begins when the time is up."""
+    runs: list[Run[Point]] = []
+    for guesses, solve, enough in attempts:
+        for guess in guesses:
+            if perf_counter() > until:
+                return runs
+            runs.append(solve(guess, until))
+            if runs[-1].claim is Claim.LOCAL and enough(runs[-1]):
+                break
+    return runs
 
 
 def best_of(arrived: Sequence[Run[Point]], others: Iterable[Run[Point]]) -> Run[Point]:

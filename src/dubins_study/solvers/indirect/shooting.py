@@ -18,16 +18,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start
+from dubins_study.solvers.answers import at_start, tried
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Conditions, Structure, examine
 from dubins_study.solvers.nlp_engines.program import EngineResult, no_point
-from dubins_study.solvers.paper_nlp.initial_guesses import (
-    INITIAL_GUESSES,
-    initial_guesses,
-    suffices,
-)
-from dubins_study.solvers.paper_nlp.local_nlp import Attempts, answer
+from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
+from dubins_study.solvers.paper_nlp.local_nlp import attempts, choose
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, positive, whole
@@ -112,16 +108,18 @@ class Shooting(Solver):
         question = model.question
         if there := at_start(question, self.tol):
             return there
-        attempts = [
-            Attempts(
+        until, prescribed = perf_counter() + limit, question.branch in ("LR", "RL")
+        each = (
+            attempts(
+                question,
                 case.subproblem,
-                partial(self._from, case, question.branch in ("LR", "RL")),
+                self.initial_guess,
                 self._guesses(question, case),
-                partial(suffices, question, case.subproblem, self.initial_guess),
+                partial(self._from, case, prescribed),
             )
             for case in model.cases
-        ]
-        return answer(question, attempts, limit)
+        )
+        return choose(question, tried(each, until))
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
         """Initial guesses: durations (3,) in the order of `paper_nlp.model`, then costates (4,)."""

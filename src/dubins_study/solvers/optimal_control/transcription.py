@@ -5,13 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from time import perf_counter
 from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, best_of, costs, in_world, staying, total
+from dubins_study.solvers.answers import (
+    Attempts,
+    Run,
+    best_of,
+    costs,
+    in_world,
+    staying,
+    total,
+    tried,
+)
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
@@ -133,18 +143,16 @@ class Transcription(EngineSolver):
         question, place, rates, template = model
         if place.X == place.Y == 0:
             return staying(question)
-        runs: list[Run[Elements]] = []
         until = perf_counter() + limit
         shapes = words(question, self.presolve)
         kind = Kind(self.initial_guess, self.seed + question.repeat, self.count)
-        for trial in trials(question, place, shapes, self.n, template.shares, rates, kind):
-            for guess in trial.guesses:
-                if perf_counter() > until:
-                    return _answer(model, runs, in_time=False)
-                runs.append(self._run(model, guess, until))
-                if runs[-1].claim is Claim.LOCAL and not trial.every:
-                    break
-        return _answer(model, runs, in_time=perf_counter() <= until)
+        run = partial(self._run, model)
+        every = self.initial_guess == "random"
+        each = (
+            Attempts(guesses, run, lambda _: not every)
+            for guesses in trials(question, place, shapes, self.n, template.shares, rates, kind)
+        )
+        return _answer(model, tried(each, until), in_time=perf_counter() <= until)
 
     def _run(self, model: Model, guess: Guess, until: float) -> Run[Elements]:
         began, target = perf_counter(), model.target
@@ -233,13 +241,6 @@ class Guess(NamedTuple):
     elements: Elements
 
 
-class Trial(NamedTuple):
-    """Initial guesses to be tried in turn: all of them if `every`, else up to the first success."""
-
-    guesses: Iterator[Guess]
-    every: bool = False
-
-
 class Kind(NamedTuple):
     """Where a search begins: the settings `initial_guess`, `seed` and `count`."""
 
@@ -256,7 +257,7 @@ def trials(
     shares: FloatArray | None,
     rates: Rates,
     kind: Kind = Kind(),  # noqa: B008  (frozen)
-) -> Iterator[Trial]:
+) -> Iterator[Iterator[Guess]]:
     """Initial guesses for a question, of n elements that have `shares` (n,) of the length or are
     free.
 
@@ -268,33 +269,34 @@ def trials(
     """
     warm = [Guess("warm", cut(path, n, shares)) for path in _given(question)]
     if kind.name == "given" and warm:
-        yield Trial(iter(warm))
+        yield iter(warm)
         return
-    searches = {
-        "zero": lambda: [Trial(iter([Guess("zero", Elements(np.zeros(n), np.zeros(n)))]))],
-        "random": lambda: [Trial(_random(question, target, n, shares, rates, kind), every=True)],
-    }
-    cold = searches.get(kind.name, lambda: _words(question, target, shapes, n, shares))()
+    if kind.name == "zero":
+        cold = [iter([Guess("zero", Elements(np.zeros(n), np.zeros(n)))])]
+    elif kind.name == "random":
+        cold = [_random(question, target, n, shares, rates, kind)]
+    else:
+        cold = _words(question, target, shapes, n, shares)
     if question.branch == "best":
         if warm:
-            yield Trial(iter(warm))
+            yield iter(warm)
         yield from cold
         return
     (only,) = cold
-    yield Trial(chain(warm, only.guesses), only.every)
+    yield chain(warm, only)
 
 
 def _words(
     question: Question, target: Local, shapes: Sequence[str], n: int, shares: FloatArray | None
-) -> list[Trial]:
+) -> list[Iterator[Guess]]:
     def shaped(word: str) -> Iterator[Guess]:
         return (Guess(word, cut(path, n, shares)) for path in _shaped(word, target))
 
     if question.branch != "best":
-        return [Trial(shaped(question.branch))]
+        return [shaped(question.branch)]
     # the nearer side first
     words = ("LS", "RS", "RL", "LR") if target.Y >= 0 else ("RS", "LS", "LR", "RL")
-    return [Trial(shaped(word)) for word in words if word in shapes]
+    return [shaped(word) for word in words if word in shapes]
 
 
 def _random(

@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, at_start, best_of, costs, in_world
+from dubins_study.solvers.answers import Attempts, Run, at_start, best_of, costs, in_world, tried
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
@@ -60,17 +60,6 @@ class PosedQuestion(NamedTuple):
     question: Question
     cases: list[Case]
     adapter: Adapter
-
-
-class Attempts(NamedTuple):
-    """One subproblem, and the initial guesses to solve it from in turn, computed one by one:
-    `enough` says whether a solution z, shape (3,), leaves no reason to solve from another one.
-    """
-
-    subproblem: Subproblem
-    solve: Callable[[FloatArray, float], EngineResult]
-    guesses: Iterable[FloatArray]
-    enough: Callable[[FloatArray], bool]
 
 
 @dataclass(frozen=True)
@@ -123,17 +112,21 @@ class LocalNlp(Solver):
 
     def solve(self, model: PosedQuestion, limit: float) -> Solution:
         question, kind = model.question, self.initial_guess
-        seed = self.seed + question.repeat
-        attempts = [
-            Attempts(
+        # at z = 0 no constraint qualification holds, so that no NLP method can certify this point
+        if there := at_start(question):
+            return there
+        until, seed = perf_counter() + limit, self.seed + question.repeat
+        each = (
+            attempts(
+                question,
                 case.subproblem,
-                partial(model.adapter, case),
+                kind,
                 initial_guesses(question, case.subproblem, kind, seed, self.count),
-                partial(suffices, question, case.subproblem, kind),
+                partial(model.adapter, case),
             )
             for case in model.cases
-        ]
-        return answer(question, attempts, limit)
+        )
+        return choose(question, tried(each, until))
 
 
 @cache
@@ -142,28 +135,22 @@ def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
     return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
 
 
-def answer(question: Question, attempts: list[Attempts], limit: float) -> Solution:
-    """The answer to a question: each subproblem attempted in turn for `limit` seconds, the best
-    point chosen. If the target is the start, nothing is attempted: no constraint qualification
-    holds at z = 0.
-    """
-    return at_start(question) or choose(question, _runs(attempts, limit))
+def attempts(
+    question: Question,
+    subproblem: Subproblem,
+    kind: str,
+    guesses: Iterable[FloatArray],
+    solve: Callable[[FloatArray, float], EngineResult],
+) -> Attempts[FloatArray, FloatArray]:
+    """Runs of `solve` from the guesses of a kind, until one `suffices`; a point is z."""
 
+    def run(guess: FloatArray, until: float) -> Run[FloatArray]:
+        began = perf_counter()
+        result = solve(guess, until - began)
+        seconds, length = perf_counter() - began, float(result.x.sum())
+        return Run(subproblem.name, seconds, *result, length=length)
 
-def _runs(attempts: list[Attempts], limit: float) -> list[Run[FloatArray]]:
-    deadline = perf_counter() + limit
-    runs: list[Run[FloatArray]] = []
-    for subproblem, solve, guesses, enough in attempts:
-        for guess in guesses:
-            began = perf_counter()
-            if began > deadline:
-                return runs
-            result = solve(guess, deadline - began)
-            seconds, length = perf_counter() - began, float(result.x.sum())
-            runs.append(Run(subproblem.name, seconds, *result, length=length))
-            if result.claim is Claim.LOCAL and enough(result.x):
-                break
-    return runs
+    return Attempts(guesses, run, lambda run: suffices(question, subproblem, kind, run.point))
 
 
 def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
