@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start
+from dubins_study.solvers.answers import Run, at_start, summed
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.global_minlp.model import (
     TRANSFORMATIONS,
@@ -30,7 +30,6 @@ from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.path import FloatArray
-from dubins_study.study.rows.schema import Effort
 from dubins_study.study.words import Claim
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
@@ -57,17 +56,11 @@ class Model(NamedTuple):
     translated: Translated
 
 
-class Run(NamedTuple):
-    """An engine's result, in radii, the tolerance it was asked for, and what it took.
+class Point(NamedTuple):
+    """The word that an engine has chosen, and its lengths (left, right, straight), in radii."""
 
-    `word` and z (left, right, straight) are None without a point.
-    """
-
-    result: ProvenResult
-    word: str | None
-    z: FloatArray | None
-    feastol: float
-    effort: Effort
+    word: str
+    z: FloatArray
 
 
 @dataclass(frozen=True)
@@ -133,61 +126,68 @@ class Disjunctive(EngineSolver):
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit
-        runs = [self._run(model, self.feastol, limit)]
-        if runs[0].result.claim in (Claim.INFEASIBLE, Claim.FAILED):
+        feastol = self.feastol
+        runs = [self._run(model, feastol, limit)]
+        if runs[0].claim in (Claim.INFEASIBLE, Claim.FAILED):
             # A looser tolerance admits more: what is infeasible to it as well is so more surely,
             # and linear programs that the engine fails to solve are solved.
-            runs.append(self._run(model, _LOOSER * self.feastol, until - perf_counter()))
-        spent = Effort("all words", len(runs), None, sum(run.effort.seconds for run in runs))
-        return replace(self._answer(model, runs[-1]), efforts=(spent,), best_run=runs[-1].effort)
+            feastol *= _LOOSER
+            runs.append(self._run(model, feastol, until - perf_counter()))
+        solution = self._answer(model, runs[-1], feastol)
+        return replace(
+            solution,
+            efforts=summed(run.effort for run in runs),
+            best_run=runs[-1].effort,
+        )
 
-    def _run(self, model: Model, feastol: float, seconds: float) -> Run:
+    def _run(self, model: Model, feastol: float, seconds: float) -> Run[Point | None]:
         settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
         began = perf_counter()
-        result = ENGINES[self.engine].load()(settings)(model.translated.program, seconds)
-        effort = Effort("all words", 1, None, perf_counter() - began)
-        word = z = None
+        result: ProvenResult = ENGINES[self.engine].load()(settings)(
+            model.translated.program, seconds
+        )
+        seconds, point = perf_counter() - began, None
         if (x := result.x) is not None:
             place = model.translated.place
-            lengths = list(model.pyomo.z.values())
-            chosen = [model.pyomo.word[w].binary_indicator_var for w in model.words]
-            values = {id(variable): x[place[id(variable)]] for variable in (*lengths, *chosen)}
-            pairs = zip(model.words, chosen, strict=True)
-            word = max(pairs, key=lambda pair: values[id(pair[1])])[0]
-            z = np.array([values[id(length)] for length in lengths])
-        return Run(result, word, z, feastol, effort)
+            lengths = [x[place[id(length)]] for length in model.pyomo.z.values()]
+            chosen = [
+                x[place[id(model.pyomo.word[word].binary_indicator_var)]] for word in model.words
+            ]
+            point = Point(model.words[int(np.argmax(chosen))], np.array(lengths))
+        return result.run("all words", seconds, point)
 
-    def _answer(self, model: Model, run: Run) -> Solution:
-        question, scenario, result = model.question, model.question.scenario, run.result
+    def _answer(self, model: Model, run: Run[Point | None], feastol: float) -> Solution:
+        question, scenario = model.question, model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
-        bound = max(0.0, result.bound - run.feastol * (1 + abs(result.bound)))
+        bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
         provable = math.hypot(*scenario.local()) <= _PROVABLE
         known = Solution(
             # only `_claim` makes the claim that a path is optimal
-            Claim.FEASIBLE if result.claim is Claim.OPTIMAL else result.claim,
+            Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim,
             lower_bound=bound * scenario.radius if provable else None,
-            iterations=result.nodes,
-            native_status=result.status,
-            message=result.message,
+            iterations=run.iterations,
+            native_status=run.status,
+            message=run.message,
         )
-        if run.word is None or run.z is None:
+        if run.point is None:
             return _without_a_path(question, known)
-        word, polished = meet_target(scenario, model.words, run.word, run.z)
-        claim, message = self._claim(question, run, bound, polished)
+        word, polished = meet_target(scenario, model.words, *run.point)
+        stopped = run.claim is Claim.LIMIT
+        claim, message = self._claim(question, stopped, feastol, bound, polished)
         return replace(
             known,
             claim=claim,
             path=as_path(scenario, SUBPROBLEMS[word], polished.z),
-            claimed_length=float(run.z.sum()) * scenario.radius,
+            claimed_length=float(run.point.z.sum()) * scenario.radius,
             message=f"{word}: {message}",
         )
 
     def _claim(
-        self, question: Question, run: Run, bound: float, polished: Polished
+        self, question: Question, stopped: bool, feastol: float, bound: float, polished: Polished
     ) -> tuple[Claim, str]:
         """The claim for a polished path, and why; the engine's is for its own point only."""
         if not polished.meets:
-            close = polished.miss <= _SLACK * run.feastol
+            close = polished.miss <= _SLACK * feastol
             message = f"meets the target only to {polished.miss:.1e} radii"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
         length = float(polished.z.sum())
@@ -197,8 +197,7 @@ class Disjunctive(EngineSolver):
             return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
-        reached = run.result.claim is Claim.LIMIT
-        return (Claim.LIMIT if reached else Claim.FEASIBLE), message
+        return (Claim.LIMIT if stopped else Claim.FEASIBLE), message
 
 
 def _without_a_path(question: Question, known: Solution) -> Solution:

@@ -16,6 +16,7 @@ import numpy as np
 from dubins_study.solvers.answers import Run, at_start, costs
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
+    MinlpCall,
     MixedProgram,
     Row,
     Settings,
@@ -121,33 +122,21 @@ class GlobalNlp(EngineSolver):
         covers = self.model == "words" or self.order == "both" or model.question.branch != "best"
         if there := at_start(model.question):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
-        run = ENGINES[self.engine].load()(Settings(self.gap, self.feastol, self.emphasis == "lean"))
+        solve: MinlpCall = ENGINES[self.engine].load()(
+            Settings(self.gap, self.feastol, self.emphasis == "lean")
+        )
         runs: list[Run[FloatArray]] = []
         for subproblem, posed in model.programs:
             began = perf_counter()
             if began > deadline:
                 break
-            result = run(posed, deadline - began)
+            result = solve(posed, deadline - began)
             z, length = np.zeros(3), math.inf
             if result.x is not None:
                 free = list(subproblem.free)
                 z[free] = result.x[: len(free)]
                 length = float(z.sum())
-            runs.append(
-                Run(
-                    subproblem.name,
-                    perf_counter() - began,
-                    z,
-                    result.claim,
-                    None,
-                    result.nodes,
-                    None,
-                    result.status,
-                    result.message,
-                    length,
-                    bound=result.bound,
-                )
-            )
+            runs.append(result.run(subproblem.name, perf_counter() - began, z, length))
         return self._answer(model.question, runs, covers, len(runs) == len(model.programs))
 
     def _answer(

@@ -385,16 +385,9 @@ def _solved(
         legs = least_legs(family.heading[choice], gaps[:, choice])
     if legs is not None:
         length = float(family.length[choice] + legs.length.sum())
-    return Run(
-        family.name,
-        spent,
-        Choice(family, choice, legs),
-        result.claim,
-        legs and legs.duals,
-        result.iterations,
-        result.nodes,
-        result.status,
-        result.message,
-        length,
+    return result.run(family.name, spent, Choice(family, choice, legs), length)._replace(
+        duals=legs and legs.duals,
+        iterations=result.iterations,
+        evaluations=result.nodes,
         bound=distance + result.bound,
     )

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.solvers.answers import Point, Run
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -80,6 +81,14 @@ class ProvenResult(NamedTuple):
     iterations: int | None  # of linear programs
     status: str
     message: str
+
+    def run(
+        self, subproblem: str, seconds: float, point: Point, length: float = math.inf
+    ) -> Run[Point]:
+        """The result as a run on a subproblem; its nodes count as iterations."""
+        counts, texts = (self.nodes, None), (self.status, self.message)
+        result = self.claim, None, *counts, *texts
+        return Run(subproblem, seconds, point, *result, length, bound=self.bound)
 
 
 # (the program, the seconds left) -> the result
