@@ -38,9 +38,9 @@ _REPR_CHARS = 96  # of a line of an answer's repr
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Answer(Spent, Times, Certificate, Judgement, Reported):
-    """A judged and certified attempt; units as in `study.rows.schema`, None where there is no
-    value. The check computes what it can from the path's controls; the solver reports
-    `claimed_length`.
+    """A judged and certified attempt; units as in `study.rows.schema`.
+
+    The check computes what it can from the path's controls; the solver reports `claimed_length`.
     """
 
     scenario: Scenario
@@ -95,9 +95,7 @@ class QuestionError(DubinsStudyError, ValueError):
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
-    """Refuse an unknown branch or a time limit, which the caller calls `limit_name`, that is not a
-    positive number of seconds.
-    """
+    """Refuse an unknown branch, or a time limit that is not a positive number of seconds."""
     if not isinstance(branch, str) or branch not in BRANCHES:
         known = f"{did_you_mean(branch, BRANCHES)}choose one of: {', '.join(BRANCHES)}"
         raise QuestionError(f"no branch named {short(branch)}; {known}")

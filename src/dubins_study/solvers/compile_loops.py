@@ -1,6 +1,6 @@
-"""Compile every loop over rows now (`python -m dubins_study.solvers.compile_loops`), so that no
-later process waits for it. Numba keeps the machine code beside the modules, in NUMBA_CACHE_DIR or
-in the user's cache folder.
+"""Compile every loop over rows now, so that no later process waits for it.
+
+Numba keeps the machine code beside the modules, in NUMBA_CACHE_DIR or in the user's cache folder.
 """
 
 from __future__ import annotations

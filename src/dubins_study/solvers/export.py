@@ -1,5 +1,7 @@
-"""The models of this study as files for other people's solvers: (4.12) in the scenario's own
-coordinates and units, as in the paper, or the disjunctive model in body coordinates at unit radius.
+"""The models of this study as files for other people's solvers.
+
+(4.12) is in the scenario's own coordinates and units, the disjunctive model in body coordinates at
+unit radius.
 """
 
 from __future__ import annotations

@@ -41,9 +41,7 @@ def solve_frame(
     limit: float = DEFAULT_LIMIT,
     certified: bool = False,
 ) -> pd.DataFrame:
-    """Solve and judge every scenario of a frame in this process; see
-    `experiments.solve.solve_frame`.
-    """
+    """Solve and judge every scenario of a frame in this process."""
     check_request(branch, limit)
     allowed = tolerances(profile)
     backend = load(solver, profile)

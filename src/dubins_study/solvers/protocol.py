@@ -111,9 +111,7 @@ class Solution(Reported):
             raise TypeError(f"path has {arcs} arcs; expected at most {MAX_ARCS}")
 
     def copy(self) -> Solution:
-        """The solution made anew of plain values, its path too: a plug-in may have changed its own
-        since.
-        """
+        """The solution made anew of plain values: a plug-in may have changed its own since."""
         copy = Solution(**{name: getattr(self, name) for name in _PLAIN})
         if (path := copy.path) is not None:
             vars(copy)["path"] = Path(path.start, path.curvature, path.length)

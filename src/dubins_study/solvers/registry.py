@@ -125,9 +125,7 @@ def reported_versions(solver: Solver) -> dict[str, str]:
 
 
 def stated_method(solver: Solver) -> Method:
-    """A solver's formulation, engine and initial guess, or a SolverError if it states something
-    else.
-    """
+    """A solver's formulation, engine and initial guess, as far as it states them."""
     stated: Any = solver.method
     try:
         method = Method(*stated) if isinstance(stated, tuple) else None
@@ -150,9 +148,7 @@ def settings(solver: Solver) -> dict[str, Any]:
 
 
 def canonical(spec: str, profile: str = "default") -> str:
-    """The spec as rows write it: settings in the order of their declaration, without those that
-    have the profile's value.
-    """
+    """The spec as rows write it: settings in their order, without those that the profile has."""
     name, given = _parse(spec)
     kind = _kind(name)
     values = _convert(name, kind, given)

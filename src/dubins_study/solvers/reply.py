@@ -80,8 +80,9 @@ _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ b
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; one that raised where a time is impossible for a caller who waited that long,
-    since a library may replace the clock of the process that solves.
+    """The reply; one that raised where a time is impossible for a caller who waited that long.
+
+    A library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:

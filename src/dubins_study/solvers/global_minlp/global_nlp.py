@@ -1,5 +1,6 @@
-"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality: unlike
-`disjunctive`, which is stated as an engine likes it, the equations as they stand in the paper.
+"""The paper's model (4.12) with its sines and cosines, solved to proven global optimality.
+
+`disjunctive` is stated as an engine likes it; these are the equations as they stand in the paper.
 """
 
 from __future__ import annotations
@@ -217,9 +218,7 @@ def _path(question: Question, subproblem: Subproblem, z: FloatArray, polish: boo
 
 
 def _words(subproblem: Subproblem, z: FloatArray) -> tuple[str, ...]:
-    """The words that a point's lengths may stand for: an optimum of the joint model has two of the
-    three, so the word whose missing length is least goes first.
-    """
+    """The words that a point's lengths may stand for; first, whose missing length is least."""
     if len(subproblem.free) == 2:
         return (subproblem.name,)
     letters = subproblem.name

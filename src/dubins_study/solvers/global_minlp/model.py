@@ -1,6 +1,4 @@
-"""The shortest path as a generalised disjunctive program (docs/formulations/disjunction.md), and
-that as a mixed-integer program.
-"""
+"""The shortest path as a generalised disjunctive program (docs/formulations/disjunction.md)."""
 
 from __future__ import annotations
 
@@ -92,9 +90,7 @@ def _word(disjunct: Any, word: str, X: float, Y: float) -> None:
 
 
 def transformed(model: Any, transformation: str = "bigm") -> Any:
-    """The model as a mixed-integer nonlinear program, in place; every M and every disaggregated
-    bound follows from the variables' own bounds.
-    """
+    """The model as a mixed-integer nonlinear program, in place."""
     from pyomo.environ import TransformationFactory
 
     TransformationFactory(f"gdp.{transformation}").apply_to(model)

@@ -1,5 +1,6 @@
-"""The grids of `heading-milp` in body coordinates at unit radius: where turns may end, the end
-points, and the straight legs near the end of every turn, whose headings lie on a grid too.
+"""The grids of `heading-milp` in body coordinates at unit radius.
+
+They are where turns may end, and the headings of straight legs near the end of every turn.
 """
 
 from __future__ import annotations

@@ -101,9 +101,9 @@ class Template(Compiled):
         super().__init__(problem, list(p.values()), "HIGHS")
 
     def solve(self, gap: float, cutoff: float, seconds: float) -> ProvenResult:
-        """Solve the MILP for the parameters' present values, to a relative gap; points with an
-        objective above `cutoff` are ignored. The point's first n variables are z, the status is
-        cvxpy's word.
+        """Solve the MILP to a relative gap; points with an objective above `cutoff` are ignored.
+
+        The point's first n variables are z, the status is cvxpy's word.
         """
         import cvxpy as cp
 
@@ -187,8 +187,9 @@ class Choice(NamedTuple):
 def solution(
     question: Question, runs: list[Run[Choice]], complete: bool, grid: str, engine: str
 ) -> Solution:
-    """The shortest path of the MILPs that there was time for, `complete` if these are all, and the
-    claim that follows from theirs; `grid` and `engine` are for messages.
+    """The shortest path of the MILPs that there was time for, `complete` if these are all.
+
+    `grid` and `engine` are for messages.
     """
     scenario, R = question.scenario, question.scenario.radius
     counts = costs(runs)
@@ -343,8 +344,10 @@ class HeadingMilp(EngineSolver):
         )
 
     def _longest(self, distance: float) -> float:
-        """An upper bound (radii) on the shortest length: a full turn and a straight, which is
-        longer than the distance by a radius, and by 1 / cos(b / 2) between two headings b apart.
+        """An upper bound (radii) on the shortest length: a full turn and a straight.
+
+        The straight is longer than the distance by a radius, and by 1 / cos(b / 2) between two
+        headings b apart.
         """
         between = FULL_TURN / (self.headings * self.legs)
         return (distance + 3 * math.pi) / math.cos(between / 2)

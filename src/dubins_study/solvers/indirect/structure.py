@@ -1,5 +1,6 @@
-"""Pontryagin's system along two pieces of given controls, in body coordinates at unit radius and
-speed. The costates nu1 and nu2 are constant (2.4), (2.5); for a start at (0, 0, 0) equation (2.6)
+"""Pontryagin's system along two pieces of given controls, in body coordinates at unit radius.
+
+The costates nu1 and nu2 are constant (2.4), (2.5); for a start at (0, 0, 0) equation (2.6)
 integrates to nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t): all exact on every piece.
 """
 
@@ -249,8 +250,9 @@ def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
 
 
 def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
-    """The durations with one piece removed; its length beyond full turns is added to the other,
-    since near a piece of no length the end point depends on the sum alone to first order.
+    """The durations with one piece removed; its length beyond full turns is added to the other.
+
+    Near a piece of no length the end point depends on the sum alone to first order.
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):

@@ -27,9 +27,7 @@ _CLAIMS = {
 
 
 def maingo(settings: Settings) -> MinlpCall:
-    """MAiNGO with epsilonR, deltaEq and deltaIneq; its time limit counts whole seconds of the
-    processor.
-    """
+    """MAiNGO with epsilonR, deltaEq and deltaIneq."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         import maingopy

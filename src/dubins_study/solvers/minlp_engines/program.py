@@ -1,5 +1,7 @@
-"""A mixed-integer nonlinear program, written by a formulation with whatever variables and functions
-it is given, so that every engine gets it in expressions of its own interface.
+"""A mixed-integer nonlinear program, as every engine of this room takes it.
+
+A formulation writes it with whatever variables and functions it is given, so that an engine gets it
+in expressions of its own interface.
 """
 
 from __future__ import annotations

@@ -26,9 +26,7 @@ _descriptors = Lock()  # of two threads, each would save what the other has set
 
 @contextmanager
 def silent(*descriptors: int) -> Iterator[None]:
-    """Send these descriptors (1 for output, 2 for errors) to nowhere inside the `with` block; what
-    other threads write there in the meantime is lost as well.
-    """
+    """Send these descriptors, of all threads, to nowhere inside the `with` block."""
     with _descriptors, ExitStack() as restored:
         for descriptor in descriptors:
             with suppress(OSError):  # it may be closed
@@ -129,8 +127,7 @@ def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
 
 @lru_cache(maxsize=1)
 def _lean() -> tuple[tuple[str, Any], ...]:
-    """SCIP's parameters for branch and bound without heuristics, cutting planes, presolving and
-    propagation."""
+    """SCIP's parameters for branch and bound alone."""
     from pyscipopt import Model as Scip
     from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
 

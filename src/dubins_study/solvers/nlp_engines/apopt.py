@@ -1,6 +1,7 @@
-"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings, started
-as gekko starts it: in a folder of its own, on a model and options in APMonitor's language. It
-writes ten digits of a point.
+"""APOPT, an active-set SQP method, in the APMonitor program that the package gekko brings.
+
+It is started as gekko starts it: in a folder of its own, on a model and options in APMonitor's
+language. It writes ten digits of a point.
 """
 
 from __future__ import annotations
@@ -123,8 +124,9 @@ def _log(folder: FilePath, seconds: float) -> str | None:
 
 
 def _lift_data_limit() -> None:
-    """Let the program reserve gigabytes, of which it fills a few MB: within a worker's limit it
-    ends now and then with exit code 41, insufficient virtual memory.
+    """Let the program reserve gigabytes, of which it fills a few MB.
+
+    Within a worker's limit it ends now and then with exit code 41, insufficient virtual memory.
     """
     import resource
 

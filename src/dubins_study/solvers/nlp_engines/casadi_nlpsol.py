@@ -1,5 +1,6 @@
-"""The engines that casadi's wheel carries, all through its `nlpsol`, with their own defaults but
-for tolerance, iterations and silence.
+"""The engines that casadi's wheel carries, all through its `nlpsol`.
+
+They have their own defaults but for tolerance, iterations and silence.
 """
 
 from __future__ import annotations

@@ -51,8 +51,9 @@ class Rebuilt(NamedTuple):
 
 
 def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> Rebuilt:
-    """A program's objective and equations, at its parameters, in other variables x (n,) or numbers;
-    `functions` has attributes `sin`, `cos`, ...
+    """A program's objective and equations, at its parameters, in other variables x (n,).
+
+    `functions` has attributes `sin`, `cos`, ...; those of numbers are computed by `math`.
     """
     function = _function(program.expressions)
     objective, equations = carried_out(function, [x, program.p.tolist()], functions)

@@ -121,9 +121,7 @@ def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
 
 
 def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
-    """The program in GAMS's language; it writes the two status numbers, the number of minor
-    iterations, x and marginals.
-    """
+    """The program in GAMS's language, which writes status numbers, iterations, x and marginals."""
     text = algebra_text(program, _LANGUAGE)
     rows = [f"e{i + 1}" for i in range(len(text.equations))]
     bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
@@ -193,8 +191,9 @@ def exit_code(
     seconds: float,
     environment: Mapping[str, str] | None = None,
 ) -> int | None:
-    """The exit code of a program that works in the folder, reads and prints nothing; None if its
-    time was up, when it is killed and its children too.
+    """The exit code of a program that works in the folder, reads and prints nothing.
+
+    None if its time was up: it is killed, and its children too.
     """
     process = subprocess.Popen(
         command,

@@ -20,9 +20,10 @@ from dubins_study.study.words import Claim
 
 @dataclass(frozen=True, eq=False)
 class Expressions:
-    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols of shapes (n,) for
-    x, (k,) for p, (m,) for g. Engines keep what they compiled of an object, so a formulation keeps
-    it.
+    """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
+
+    Of shapes (n,) for x, (k,) for p, (m,) for g. Engines keep what they compiled of an object, so a
+    formulation keeps it.
     """
 
     x: Any
@@ -60,8 +61,9 @@ class Expressions:
 
 
 class DeferredExpressions(Expressions):
-    """Expressions that are written when an engine first reads them: one that calls functions which
-    a formulation has written by hand loads no casadi.
+    """Expressions that are written when an engine first reads them.
+
+    One that calls functions which a formulation has written by hand loads no casadi.
     """
 
     def __init__(self, write: Callable[[], Expressions]) -> None:
@@ -89,9 +91,10 @@ class Functions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """One question's program: values of p (k,), bounds of x (n,), maybe infinite, and functions
-    `written` by hand if these are quicker than casadi's. Some 1e-16 of `magnitude`, that of the
-    terms which the equations add up, is their rounding.
+    """One question's program: values of p (k,), and bounds of x (n,), maybe infinite.
+
+    `written` are functions written by hand, if these are quicker than casadi's. Some 1e-16 of
+    `magnitude`, that of the terms which the equations add up, is their rounding.
     """
 
     expressions: Expressions

@@ -1,6 +1,7 @@
-"""Ipopt on a Pyomo model that is compiled once and asked many times: data are variables that each
-question pins through their bounds, so one NL file serves all. An executable on PATH solves it, or
-the Ipopt library inside the casadi wheel.
+"""Ipopt on a Pyomo model that is compiled once and asked many times.
+
+Data are variables that each question pins through their bounds, so one NL file serves all. An
+executable on PATH solves it, or the Ipopt library inside the casadi wheel.
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ class Deadline:
     watches: list[Any] = field(default_factory=list)
 
     def watch(self, variables: int, rows: int) -> Any:
-        """The function that casadi calls after every iteration, at a cost of some 0.1 ms; Ipopt's
-        own time limits are fixed once compiled.
+        """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
+
+        Ipopt's own time limits are fixed once compiled.
         """
         import casadi
 
@@ -70,8 +72,10 @@ class Deadline:
 
 
 class PyomoProgram(NamedTuple):
-    """A Pyomo model with its variables in the caller's order (n of them) and the rows, equations
-    with right-hand side 0, whose duals are wanted (m of them)."""
+    """A Pyomo model with its variables (n of them) in the caller's order.
+
+    `rows` are the equations, with right-hand side 0, whose duals are wanted.
+    """
 
     model: Any
     variables: list[Any]

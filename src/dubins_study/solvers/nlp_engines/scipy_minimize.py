@@ -44,8 +44,9 @@ _LARGEST_FACTOR = 1e3
 
 
 def slsqp(tol: float, max_iter: int) -> NlpCall:
-    """SLSQP after Kraft; `tol` is SciPy's ftol, on the objective's change and the sum of
-    violations. It grows with the equations' magnitude, as rounding does.
+    """SLSQP after Kraft; `tol` is SciPy's ftol, on the objective's change and the violations' sum.
+
+    It grows with the equations' magnitude, as rounding does.
     """
     long_run = max_iter > _QUICK_ITERATIONS
 
@@ -78,8 +79,9 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
 
 
 def cobyqa(tol: float, max_iter: int) -> NlpCall:
-    """COBYQA of Ragonneau and Zhang, without derivatives; `tol` is the violation of each equation,
-    and the trust region's last radius.
+    """COBYQA of Ragonneau and Zhang, without derivatives.
+
+    `tol` is the violation of each equation, and the trust region's last radius.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

@@ -203,10 +203,11 @@ def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
 def corrected(
     controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
 ) -> tuple[Controls, float, int]:
-    """Change the controls as little as needed for the path to end at the target; also returns the
-    miss (radii) and the number of rollouts. Newton's method in the turn rates and the length: the
-    shortest step that solves the linearised equations, with rates that would leave their bounds set
-    to the bound.
+    """Change the controls as little as needed for the path to end at the target.
+
+    Newton's method in the turn rates and the length: the shortest step that solves the linearised
+    equations, with rates that would leave their bounds set to the bound. Also returns the miss
+    (radii) and the number of rollouts.
     """
     lengths = shares * controls.length
     rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)
@@ -270,13 +271,13 @@ def miss(elements: Elements, target: FloatArray) -> float:
 def closed(
     elements: Elements, rates: Rates, target: FloatArray, equal: bool
 ) -> tuple[Elements, float, int]:
-    """Change the controls as little as needed for the path to end at the target; also returns the
-    miss (radii) and the number of rollouts.
+    """Change the controls as little as needed for the path to end at the target.
 
     Newton's method in the rates and the lengths (only in the whole length if all are `equal`), with
     every variable in units of its distance from its bounds: what the solver left at a bound stays
     there, and to first order the length changes by no more than if the target had moved by the
-    miss. Where no variable is free, as on a turning circle, the rates then change as needed.
+    miss. Where no variable is free, as on a turning circle, the rates then change as needed. Also
+    returns the miss (radii) and the number of rollouts.
     """
     # rounding of such coordinates leaves a miss of this size
     close = max(CLOSE, 8 * np.finfo(float).eps * float(np.abs(target).sum()))

@@ -34,7 +34,8 @@ from dubins_study.study.path import FloatArray
 
 
 def asked(model: PyomoProgram, data: slice, engine: NlpCall, deadline: Deadline) -> Ask:
-    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times;
+    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times.
+
     `data` are the places of the data, pinned by their bounds, among the variables.
     """
     import casadi as ca

@@ -66,9 +66,7 @@ class Template(Protocol):
         """Shares of the whole length that the elements have, shape (n,); None if free."""
 
     def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
-        """Solve for a target (2,) in radii from a guess, whose elements have the shares, `until` a
-        time (s, on `perf_counter`).
-        """
+        """Solve for a target (2,) in radii from a guess until a time (s, on `perf_counter`)."""
 
 
 class Model(NamedTuple):
@@ -184,8 +182,9 @@ def _arrives(off: float, target: FloatArray) -> bool:
 
 
 def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
-    """The shortest run that arrives, or else the one that ends nearest to the target; of equally
-    short runs one that the engine calls a solution goes first.
+    """The shortest run that arrives, or else the one that ends nearest to the target.
+
+    Of equally short runs one that the engine calls a solution goes first.
     """
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
@@ -258,14 +257,14 @@ def trials(
     rates: Rates,
     kind: Kind = Kind(),  # noqa: B008  (frozen)
 ) -> Iterator[Iterator[Guess]]:
-    """Initial guesses for a question, of n elements that have `shares` (n,) of the length or are
-    free.
+    """Initial guesses, subproblem by subproblem, of n elements with `shares` (n,) of the length.
 
     The question's own path goes first if it can be driven: among the guesses of the word that is
     asked for, or alone if the branch is `best`. The others are shaped like each of the words
     `shapes` (kind `bearing`), or have no turn and no length (`zero`, AMPL's default), or are drawn
     at random within the `rates`, up to twice the target's distance, a turning circle's length and
-    its diameter long. Kind `given` has the question's own path only, if there is one.
+    its diameter long. Kind `given` has the question's own path only, if there is one. Without
+    shares the elements' lengths are free.
     """
     warm = [Guess("warm", cut(path, n, shares)) for path in _given(question)]
     if kind.name == "given" and warm:

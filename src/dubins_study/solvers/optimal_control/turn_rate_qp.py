@@ -149,8 +149,9 @@ def _guesses(
 
 
 def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
-    """Turn to the bearing of the target, then as far as the target is away; `ends` (n,) are the
-    shares of the length at the ends of the steps.
+    """Turn to the bearing of the target, then as far as the target is away.
+
+    `ends` (n,) are the shares of the length at the ends of the steps.
     """
     sign = 1.0 if word[0] == "L" else -1.0
     bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)

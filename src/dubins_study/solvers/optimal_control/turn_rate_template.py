@@ -88,8 +88,9 @@ class Compiled:
 
 
 class Answer(NamedTuple):
-    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), sum of the
-    slacks, objective; `solved` is False if the engine stopped at a limit.
+    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), objective.
+
+    `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
     """
 
     z: FloatArray

@@ -92,8 +92,9 @@ class Steps:
 
 @lru_cache(maxsize=32)
 def expressions(n: int) -> Expressions:
-    """The program over the turn rates (n,) and the whole length; its parameters are the target (2,)
-    and the steps' shares (n,) of the length.
+    """The program over the turn rates (n,) and the whole length.
+
+    Its parameters are the target (2,) and the steps' shares (n,) of the length.
     """
     import casadi as ca
 

@@ -78,9 +78,11 @@ def initial_guesses(
 
 
 def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
-    """Whether a solution z, shape (3,), of a subproblem leaves no reason to try another guess: LS
-    and RS have one below a full turn; of the two of LR and RL only the one with the long second arc
-    can be optimal, but where the branch asks for the word, either may be the shorter.
+    """Whether a solution z, shape (3,), of a subproblem leaves no reason to try another guess.
+
+    LS and RS have one solution below a full turn; of the two of LR and RL only the one with the
+    long second arc can be optimal, but where the branch asks for the word, either may be the
+    shorter.
     """
     if kind == "random":
         return False

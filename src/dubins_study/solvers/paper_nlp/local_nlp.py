@@ -39,7 +39,8 @@ from dubins_study.study.words import BRANCHES, Claim
 
 
 class Case(NamedTuple):
-    """A subproblem of a question, with upper bounds of z, shape (3,), and its target, in radii;
+    """A subproblem of a question, with upper bounds of z, shape (3,), and its target, in radii.
+
     `unit` is the length of a radius in the unit in which the model is posed.
     """
 

@@ -68,9 +68,7 @@ def formulation(model: str, order: str) -> str:
 def subproblems(
     question: Question, model: str, order: str, presolve: bool = False
 ) -> list[Subproblem]:
-    """The subproblems to solve for a question: its word, or for `best` those of the settings; with
-    `presolve` without the words that cannot exist.
-    """
+    """The subproblems to solve for a question: its word, or for `best` those of the settings."""
     joint = model == "joint" and question.branch == "best"
     chosen = ORDERS[order] if joint else words(question, presolve)
     return [SUBPROBLEMS[name] for name in chosen]
@@ -83,8 +81,9 @@ def target(scenario: Scenario, mirrored: bool) -> tuple[float, float]:
 
 
 def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[Any, Any]:
-    """The end of the model's path, in any interface's numbers or variables: left to z1, right to
-    the final heading th, straight for z3, in the unit of R. `functions` has `sin` and `cos`.
+    """The end of the model's path: left to z1, right to the final heading th, straight for z3.
+
+    In any interface's numbers or variables; `functions` has `sin` and `cos`.
     """
     sin, cos = functions.sin, functions.cos
     x = R * (2 * sin(z1) - sin(th)) + z3 * cos(th)

@@ -88,10 +88,11 @@ def one_sided_only(question: Question, path: Path) -> str | None:
 
 
 def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
-    """The point of a word near z whose end is nearest to the target (X, Y) in the word's frame
-    (mirrored for `RL`), and its miss (radii). Newton's step on the two equations, or the shortest
-    least squares step, cut to the lengths that the word allows and halved until it gains. z, shape
-    (3,), is in the word's own order of turns.
+    """The point of a word near z whose end is nearest to the target, and its miss (radii).
+
+    Newton's step on the two equations, or the shortest least squares step, cut to the lengths that
+    the word allows and halved until it gains. z, shape (3,), is in the word's own order of turns,
+    the target (X, Y) in the word's frame (mirrored for `RL`).
     """
     subproblem = SUBPROBLEMS[word]
     free = list(subproblem.free)

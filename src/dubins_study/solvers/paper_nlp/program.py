@@ -1,5 +1,6 @@
-"""Cases of the paper's model (4.12) as programs for NLP engines, which have the free lengths alone,
-and in Pyomo's terms, which KNITRO and AMPL's solvers read.
+"""Cases of the paper's model (4.12) as programs for NLP engines, and in Pyomo's terms.
+
+The programs have the free lengths alone; KNITRO and AMPL's solvers read Pyomo's model.
 """
 
 from __future__ import annotations
@@ -52,9 +53,7 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
 
 @cache
 def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
-    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`, else
-    1.
-    """
+    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`."""
 
     def write() -> Expressions:
         import casadi
@@ -114,8 +113,9 @@ def _full(z: FloatArray, free: list[int]) -> FloatArray:
 
 
 def pyomo_model(units: str = "radius") -> Any:
-    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed; in the
-    scenario's unit as in the paper, the radius R = 1 / b too.
+    """Model (4.12) in Pyomo: z[1..3] >= 0 and the target as variables X, Y to be fixed.
+
+    In the scenario's unit, as in the paper, the radius R = 1 / b is one more.
     """
     from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
 
@@ -179,8 +179,9 @@ def _licensed() -> bool:
 
 
 def _licence_in_sight() -> bool:
-    """Whether there is anything that KNITRO may read a licence from (Artelys License Manager User's
-    Manual, 2.2 and 3.6); to ask KNITRO itself takes seconds.
+    """Whether there is anything that KNITRO may read a licence from.
+
+    To ask KNITRO itself takes seconds (Artelys License Manager User's Manual, 2.2 and 3.6).
     """
     if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
         return True

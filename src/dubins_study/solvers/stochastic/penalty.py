@@ -1,8 +1,8 @@
-"""`penalty`: the paper's model (4.12) as one function of its lengths
-(`stochastic.penalty_function`), searched by sampling, in each order of turns. While the least point
-misses the target, its weight is multiplied and the search begun anew (Nocedal and Wright 2006,
-Numerical Optimization, Framework 17.2). No engine here checks a condition of optimality, so the
-claim is `feasible` at most, and that no path exists is never said.
+"""`penalty`: the paper's model (4.12) as one function of its lengths, searched by sampling.
+
+While the least point misses the target, the miss's weight is multiplied and the search begun anew
+(Nocedal and Wright 2006, Numerical Optimization, Framework 17.2). No engine here checks a condition
+of optimality, so the claim is `feasible` at most, and that no path exists is never said.
 """
 
 from __future__ import annotations
