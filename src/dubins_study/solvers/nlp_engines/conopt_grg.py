@@ -119,13 +119,7 @@ def _classes() -> tuple[type, type]:
             return (self._curvature(x, u) @ np.array(dx)).tolist()  # type: ignore[no-any-return]
 
         def _curvature(self, x: Any, u: Any) -> FloatArray:
-            """Second derivative of the rows' sum, each times its weight in u."""
-            point, weights = np.array(x), np.array(u)
-            curved = self.functions.hessian(point, weights[:-1])
-            if weights[-1] != 1.0:
-                objective = self.functions.hessian(point, np.zeros(self.m))
-                curved = curved + (weights[-1] - 1.0) * objective
-            return curved
+            return self.functions.curvature(np.array(x), u[-1], np.array(u[:-1]))
 
     class Messages(conopt.MessageHandler):  # type: ignore[misc]
         """Keeps the last of CONOPT's statements, which begin with two stars; prints none."""

@@ -88,6 +88,13 @@ class Functions(NamedTuple):
     jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
     hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
 
+    def curvature(self, x: FloatArray, objective: float, weights: FloatArray) -> FloatArray:
+        """Second derivative of f times `objective` and g times `weights` (m,); shape (n, n)."""
+        curved = self.hessian(x, weights)
+        if objective == 1.0:
+            return curved
+        return curved + (objective - 1.0) * self.hessian(x, np.zeros(weights.size))
+
 
 @dataclass(frozen=True, eq=False)
 class Program:

@@ -76,10 +76,8 @@ def _model(program: Program, guess: FloatArray) -> Any:
         values[:] = functions.jacobian(np.asarray(x)).ravel()
 
     def hessian(x: Any, weight: float, multipliers: Any, values: Any) -> None:
-        x = np.asarray(x)
-        curved = functions.hessian(x, np.asarray(multipliers))
-        if weight != 1.0:  # 0 while Uno looks for a feasible point
-            curved = curved - (1.0 - weight) * functions.hessian(x, np.zeros(m))
+        # the weight is 0 while Uno looks for a feasible point
+        curved = functions.curvature(np.asarray(x), weight, np.asarray(multipliers))
         values[:] = curved[rows, columns]
 
     model = unopy.Model("NLP", n, program.lower, program.upper, unopy.ZERO_BASED_INDEXING)
