@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.harness import Measurement, absent, sized
-from dubins_study.report.explorer.standalone import write_standalone
+from dubins_study.report.page.explorer import write_explorer
 
 FloatArray = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def measure() -> Iterable[Measurement]:
         yield absent("a drag in the explorer", "needs chromium on PATH")
         return
     with tempfile.TemporaryDirectory() as folder:
-        address = write_standalone(Path(folder) / "explorer.html").as_uri()
+        address = write_explorer(Path(folder) / "explorer.html").as_uri()
         for name, repeats in drags(address, program):
             moves = len(repeats[0].painted)
             least = np.min([times.painted for times in repeats], axis=0).max()

@@ -7,7 +7,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
-from dubins_study.report.explorer.standalone import write_standalone
+from dubins_study.report.page.explorer import write_explorer
 
 # docs/problem.md shows it in a frame and links to it
 _FILE = "explorer-page.html"
@@ -16,7 +16,7 @@ _FILE = "explorer-page.html"
 def write(app: Sphinx, error: Exception | None) -> None:
     """Write it into the site, once all pages are there."""
     if error is None and app.builder.format == "html":
-        write_standalone(Path(app.outdir) / _FILE)
+        write_explorer(Path(app.outdir) / _FILE)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import benchmark_numbers
 import command_line
-import drawings
 import package_tables
 import paper_tables
 import toml_reference
@@ -24,7 +23,6 @@ SOURCES = (
     | toml_reference.SOURCES
     | command_line.SOURCES
     | benchmark_numbers.SOURCES
-    | drawings.SOURCES
     | paper_tables.SOURCES
 )
 

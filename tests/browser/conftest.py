@@ -14,7 +14,7 @@ from browser_tab import DESK, Tab
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from dubins_study import render
-from dubins_study.report.explorer.standalone import write_standalone
+from dubins_study.report.page.explorer import write_explorer
 from tests.unit.report.topic_page import without_pdf_files
 
 
@@ -70,7 +70,7 @@ def new_tab(chromium: Browser) -> Iterator[Any]:
 @pytest.fixture(scope="session")
 def explorer_address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The explorer's own page."""
-    return write_standalone(tmp_path_factory.mktemp("explorer") / "explorer.html").as_uri()
+    return write_explorer(tmp_path_factory.mktemp("explorer") / "explorer.html").as_uri()
 
 
 @pytest.fixture

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from cases import EDGES, PAPER, placed
 from hard_cases import hard_frame
 
+from dubins_study.report.page.environment import scripts
 from dubins_study.study.angle import parse_angle
 from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import enclose
@@ -20,8 +20,6 @@ from dubins_study.study.closed_form.shortest import as_path, margin, region_of, 
 from dubins_study.study.path import Path as Driven
 from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
 
-ROOT = Path(__file__).parents[2]
-SCRIPTS = ROOT / "src/dubins_study/report/page/templates/scripts"
 BRANCHES = ("LS", "RS", "LR", "RL")
 FIELDS = NUMBERS[:-1]  # the speed is no part of the question
 
@@ -57,8 +55,8 @@ def all_cases() -> list[Scenario]:
 def in_page(new_tab):
     """`in_page(body, scenarios)`: what the script's `body`, a function of one scenario, returns."""
     page = new_tab()
-    for name in ("dubins", "dubins-certificate"):
-        page.add_script_tag(path=SCRIPTS / f"{name}.js")
+    for script in scripts(("tolerances", "dubins", "dubins-certificate")):
+        page.add_script_tag(content=script)
 
     def answers(body: str, cases: list[Scenario]) -> list:
         rows = [{name: getattr(case, name) for name in FIELDS} for case in cases]
@@ -211,8 +209,8 @@ def test_a_polyline_stays_on_the_path_which_arrives(in_page):
 def test_bad_input_is_refused_by_name(new_tab):
     """A scenario that cannot be names the field and the value."""
     page = new_tab()
-    for name in ("dubins", "dubins-certificate"):
-        page.add_script_tag(path=SCRIPTS / f"{name}.js")
+    for script in scripts(("tolerances", "dubins", "dubins-certificate")):
+        page.add_script_tag(content=script)
     good = {"x": 0, "y": 0, "heading": parse_angle("120deg"), "target_x": 1, "target_y": 2}
     for change, text in (
         ({"radius": 0}, "radius is 0; expected a number above 0"),

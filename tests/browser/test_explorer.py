@@ -8,7 +8,7 @@ import pytest
 from browser_tab import agrees, scenario_in
 
 from dubins_study import Scenario
-from dubins_study.report.explorer.fragment import PRESETS
+from dubins_study.report.page.explorer import PRESETS
 from dubins_study.study.angle import parse_angle
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import region_of, shortest

@@ -9,7 +9,7 @@ import pytest
 from browser_tab import DESK, PHONE, agrees, centre, scenario_in
 
 from dubins_study import Scenario
-from dubins_study.report.explorer.fragment import PRESETS
+from dubins_study.report.page.explorer import PRESETS
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
 

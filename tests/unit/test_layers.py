@@ -114,11 +114,9 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.paper"),
     ),
-    "report.explorer": ("study.*", "report.data", "report.paper", "report.elements"),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.interactive", "report.paper", "report.topics.*"),
-        "report.explorer",
     ),
     "report.two_runs": (
         *("study.*", "report.data", "report.statistics"),

@@ -6,18 +6,21 @@ import base64
 import math
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from dubins_study.report.elements.content import Section
-from dubins_study.report.explorer.fragment import FIELDS, PRESETS, fragment
-from dubins_study.report.explorer.section import explorer_section
-from dubins_study.report.explorer.standalone import SCRIPTS as STANDALONE_SCRIPTS
-from dubins_study.report.explorer.standalone import scripts, standalone, write_standalone
-from dubins_study.report.page.environment import SCRIPTS
+from dubins_study.report.page.environment import EXPLORER_SCRIPTS, TEMPLATES, scripts
+from dubins_study.report.page.explorer import FIELDS, PRESETS, explorer_section, write_explorer
 from dubins_study.report.paper.printed import PROBLEMS
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.path import Path as Driven
+from dubins_study.study.scenario import Pose, Scenario
+
+ROOT = Path(__file__).parents[3]
+NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
 class Elements(HTMLParser):
@@ -58,13 +61,21 @@ def test_the_examples_are_scenarios_and_the_paper_s_are_the_paper_s():
         assert shown.heading == pytest.approx(printed.heading * math.pi, rel=4e-16)
 
 
-def test_the_fragment_holds_every_hook_of_its_scripts():
+@pytest.fixture
+def explorer():
+    """The explorer as the report shows it."""
+    section = explorer_section(None)  # type: ignore[arg-type]  # the same for all results
+    (widget,) = section.blocks
+    return widget.body
+
+
+def test_the_explorer_holds_every_hook_of_its_scripts(explorer):
     """What the scripts ask for by selector, they find; every control has a name."""
-    page = parsed(fragment())
+    page = parsed(explorer)
     classes = {name for _, a in page.elements for name in (a.get("class") or "").split()}
     hooks = {key for _, a in page.elements for key in a if key.startswith("data-")}
 
-    text = "\n".join(scripts())
+    text = "\n".join(scripts(EXPLORER_SCRIPTS))
     asked = set(re.findall(r'querySelector(?:All)?\("\.([\w-]+)"\)', text))
     assert {"explorer-stage", "explorer-sweep"} == asked & classes == asked
     wanted = set(re.findall(r'querySelector(?:All)?\("\w*\[(data-\w+)', text))
@@ -74,9 +85,9 @@ def test_the_fragment_holds_every_hook_of_its_scripts():
     assert inputs == [name for name, _ in FIELDS]
 
 
-def test_without_scripts_there_are_two_drawings_with_a_text():
+def test_without_scripts_there_are_two_drawings_with_a_text(explorer):
     """Embedded as images, so that their styles and ids stay their own."""
-    images = [a for tag, a in parsed(fragment()).elements if tag == "img"]
+    images = [a for tag, a in parsed(explorer).elements if tag == "img"]
 
     assert len(images) == 2
     for image in images:
@@ -87,10 +98,10 @@ def test_without_scripts_there_are_two_drawings_with_a_text():
         assert (image["width"], image["height"]) == (root.get("width"), root.get("height"))
 
 
-def test_the_page_of_its_own_asks_for_nothing(tmp_path):
-    text = write_standalone(tmp_path / "explorer.html").read_text(encoding="utf-8")
+def test_the_page_of_its_own_asks_for_nothing(tmp_path, explorer):
+    text = write_explorer(tmp_path / "explorer.html").read_text(encoding="utf-8")
 
-    assert text == standalone()
+    assert explorer in text
     for _, attributes in parsed(text).elements:
         for name in ("src", "href"):
             assert (attributes.get(name) or "data:").startswith(("data:", "#"))
@@ -98,16 +109,49 @@ def test_the_page_of_its_own_asks_for_nothing(tmp_path):
     assert len(text) < 120_000
 
 
-def test_the_report_runs_the_same_scripts_in_the_same_order():
-    names = [name for name in SCRIPTS if name.startswith(("dubins", "svg", "explorer"))]
+PROBLEM = Scenario(0, 0, "70deg", 3.7, -0.15, 1)
+BESIDE = [Scenario(0, 0, 0, r * math.sin(0.9), 1 - r * math.cos(0.9)) for r in (0.95, 1.05)]
+BEHIND = Driven(Pose(0, 0, 0), [1.0, 0.0], [4.0, 3.4]).end
 
-    assert names == list(STANDALONE_SCRIPTS)
-    assert len(scripts()) == len(names) == 9
+
+@pytest.mark.parametrize(
+    ("drawing", "scenario", "branch", "text"),
+    [
+        (TEMPLATES / "problem.svg", PROBLEM, "RS", "right, then straight: {:.2f} R, shortest<"),
+        (TEMPLATES / "problem.svg", PROBLEM, "LS", "left, then straight: {:.2f} R<"),
+        (ROOT / "docs/img/jump.svg", BESIDE[0], "RL", "just inside: RL, {:.2f} R<"),
+        (ROOT / "docs/img/jump.svg", BESIDE[1], "LS", "just outside: LS, {:.2f} R<"),
+        (ROOT / "docs/img/cut.svg", Scenario(0, 0, 0, *BEHIND[:2]), "LS", "LS: {:.2f} R<"),
+        (ROOT / "docs/img/cut.svg", Scenario(0, 0, 0, *BEHIND[:2]), "RS", "RS: {:.2f} R<"),
+    ],
+)
+def test_a_length_in_a_drawing_is_the_closed_form_s(drawing, scenario, branch, text):
+    optimum = shortest(scenario, branch)
+
+    assert optimum is not None
+    assert text.format(optimum.total) in drawing.read_text(encoding="utf-8")
+
+
+def test_the_map_shows_an_example_of_each_word():
+    """The targets' dots lie where their paths end and in the region of their word."""
+    root = ElementTree.parse(TEMPLATES / "words.svg").getroot()
+    thin = [e for e in root if e.tag.endswith("path") and "thin" in e.get("class", "")]
+    dots = [e for e in root if e.get("class") == "target"]
+
+    assert len(thin) == len(dots) == 4
+    words = set()
+    for path, dot in zip(thin, dots, strict=True):
+        x, y = (float(dot.get(name, "nan")) for name in ("cx", "cy"))
+        end = list(map(float, NUMBER.findall(path.get("d", ""))))[-2:]
+        assert end == pytest.approx([x, y], abs=0.02)
+        best = shortest(Scenario(target_x=x / 100 - 3.6, target_y=2.45 - y / 100))
+        assert best is not None
+        words.add(best.word)
+        assert path.get("class", "").startswith("left" if best.word[0] == "L" else "right")
+    assert words == {"LS", "RS", "RL", "LR"}
 
 
 def test_a_printed_document_has_no_explorer():
     """Nor any other section of which scripts alone show something."""
-    section = explorer_section(None)  # type: ignore[arg-type]  # the same for all results
-
-    assert not section.printed
+    assert not explorer_section(None).printed  # type: ignore[arg-type]
     assert Section("k", "T", "Text.", ()).printed

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, StrEnum, auto
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -127,8 +127,6 @@ class Widget:
     # HTML that says enough without scripts. It must hold no text from outside that is not escaped;
     # `markupsafe.Markup.format` escapes.
     body: Markup
-    # name -> value of JSON; the page embeds it as `data-NAME`
-    data: Mapping[str, Any] = field(default_factory=dict)
     # name -> bytes, embedded as `data-NAME-gz`: compressed by gzip, in base64
     packed: Mapping[str, bytes] = field(default_factory=dict)
 

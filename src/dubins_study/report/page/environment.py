@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -25,21 +25,29 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.page.glossary import Glossed
 from dubins_study.report.page.markup import markdown, to_markdown
+from dubins_study.study.check.certificate import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
+from dubins_study.study.check.extremal import ABNORMAL
+from dubins_study.study.check.two_arcs import NO_LENGTH, NO_TURN
+from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 FRONT_PAGE, PAPER_PAGE = "index.html", "paper.html"
-_PACKAGE = "dubins_study.report.page"
-# `base` is the explorer's own page's too; what is printed has the last word.
+TEMPLATES = files("dubins_study.report.page") / "templates"
+# What is printed has the last word.
 STYLES = (
     *("styles/base", "style", "styles/tables", "styles/attempts", "styles/drawer"),
     *("styles/explorer", "styles/print"),
 )
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
-    *("dubins", "dubins-certificate", "svg", "page", "tables"),
+    *("tolerances", "dubins", "dubins-certificate", "svg", "page", "tables"),
     *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
     *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
     *("explorer-scene", "explorer-handles", "explorer-answers", "explorer-sweep"),
     *("explorer-copies", "explorer"),
+)
+EXPLORER_STYLES = ("styles/base", "styles/explorer")
+EXPLORER_SCRIPTS = tuple(
+    name for name in SCRIPTS if name.startswith(("tolerances", "dubins", "svg", "explorer"))
 )
 
 
@@ -78,40 +86,42 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     return Markup.escape(text if named else f"{text} (not on this page)")
 
 
-def as_json(value: Any) -> Markup:
-    """A value as JSON that no text in it can end the script element of."""
-    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
-
-
 def packed(content: bytes) -> str:
     """Bytes as gzip in base64; the same bytes give the same text."""
     return base64.b64encode(gzip.compress(content, compresslevel=9, mtime=0)).decode("ascii")
 
 
-def scripts() -> list[Markup]:
-    """The texts of the page's scripts, in the order in which they run."""
-    return _texts("scripts", [f"{name}.js" for name in SCRIPTS])
+def scripts(names: Sequence[str] = SCRIPTS) -> list[Markup]:
+    """The texts of scripts, in the order in which they run."""
+    return [
+        _tolerances() if name == "tolerances" else _text(f"scripts/{name}.js") for name in names
+    ]
+
+
+def _tolerances() -> Markup:
+    """The check's tolerances, which the certificates of the page's paths use too."""
+    values = {
+        **{"ARRIVES": ARRIVES, "DRIVEN": DRIVEN, "NO_TURN": NO_TURN, "NO_LENGTH": NO_LENGTH},
+        **{"PMP_TOLERANCE": PMP_TOLERANCE, "PMP_ROUNDING": PMP_ROUNDING},
+        **{"CUT_TOLERANCE": CUT_TOLERANCE, "ABNORMAL": ABNORMAL},
+    }
+    return Markup(f'"use strict";\nwindow.tolerances = {json.dumps(values)};\n')
 
 
 def styles() -> Markup:
     """The page's style, in the order in which rules win; the figures' hues come first."""
-    return Markup("\n").join([_hues(), *_texts("", [f"{name}.css" for name in STYLES])])
-
-
-def _hues() -> Markup:
-    """The variables of the figures' hues, light, dark, and light again in print."""
     light, dark = (f":root {{ {style.css_values(mode)} }}" for mode in ("light", "dark"))
-    return Markup(
-        f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
-    )
+    hues = f"{light}\n@media (prefers-color-scheme: dark) {{ {dark} }}\n@media print {{ {light} }}"
+    return Markup("\n").join([Markup(hues), stylesheets(STYLES)])
 
 
-def _texts(folder: str, names: Sequence[str]) -> list[Markup]:
-    """The texts of those of these files that the templates' folder holds."""
-    place = files(_PACKAGE).joinpath("templates", folder)
-    present = [file for name in names if (file := place / name).is_file()]
-    return [Markup(file.read_text(encoding="utf-8")) for file in present]
+def stylesheets(names: Sequence[str]) -> Markup:
+    """The texts of style sheets, in the order in which rules win."""
+    return Markup("\n").join(_text(f"{name}.css") for name in names)
+
+
+def _text(name: str) -> Markup:
+    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
 
 
 class Folded(NamedTuple):
@@ -146,7 +156,7 @@ def summary(block: Table | Picture) -> str:
 def environment() -> Environment:
     """Autoescape is on for HTML; Markdown escapes through its own filter."""
     made = Environment(
-        loader=PackageLoader(_PACKAGE, "templates"),
+        loader=PackageLoader("dubins_study.report.page", "templates"),
         autoescape=lambda name: name is not None and name.endswith(".html.j2"),
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -154,7 +164,7 @@ def environment() -> Environment:
     )
     made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
     made.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
-    made.filters |= {"as_json": as_json, "choice": choice, "linked": linked, "packed": packed}
+    made.filters |= {"choice": choice, "linked": linked, "packed": packed}
     made.tests |= {
         "picture": lambda block: isinstance(block, Picture),
         "table": lambda block: isinstance(block, Table),

@@ -18,7 +18,7 @@ _MODULES = (
     "topics.findings",
     "topics.decision",
     "topics.matrix",
-    "explorer.section",
+    "page.explorer",
     # the comparison in detail
     "topics.caution",
     "topics.summary",

@@ -5,10 +5,12 @@
 // The formulas of study/check/two_arcs.py (docs/derivation.md, sections 9 and 10), for `segments` in
 // radii (for an arc: rad). tests/browser/test_dubins_script.py compares both.
 window.dubins.certificate = (() => {
-  const EPS = Number.EPSILON, FULL_TURN = 2 * Math.PI;
+  const FULL_TURN = 2 * Math.PI;
   const RATE = {L: 1, S: 0, R: -1}; // curvature times radius
-  const NO_TURN = 1e-6; // rad or radii: a piece that is shorter is left out of a certificate
-  const PMP_TOLERANCE = 1e-7, PMP_ROUNDING = 16 * EPS, CUT_TOLERANCE = 1e-9;
+  // Those of the check. A piece that is shorter than NO_LENGTH (radii) and turns by less than
+  // NO_TURN (rad) is left out of a certificate.
+  const {ARRIVES, DRIVEN, NO_TURN, NO_LENGTH} = window.tolerances;
+  const {PMP_TOLERANCE, PMP_ROUNDING, CUT_TOLERANCE, ABNORMAL} = window.tolerances;
 
   // Pontryagin's conditions and the cut for a word S, C, CS or CC at full rate (derivation,
   // sections 9 and 10): {verdict, extremal, residual, hamiltonian, sign_margin, costate_x,
@@ -23,7 +25,7 @@ window.dubins.certificate = (() => {
     }
     const measured = costates(...pieces[0], ...(pieces[1] || [0, 0]));
     const {nu0, rho, phi, hamiltonian, sign_margin, cut_margin} = measured;
-    const abnormal = nu0 < 1e-9, size = abnormal ? rho : rho / nu0;
+    const abnormal = nu0 < ABNORMAL, size = abnormal ? rho : rho / nu0;
     const cos = Math.cos(heading), sin = Math.sin(heading);
     const along = Math.cos(phi), across = Math.sin(phi);
     const residual = Math.max(hamiltonian, -sign_margin);
@@ -40,11 +42,11 @@ window.dubins.certificate = (() => {
   }
 
   // The pieces [rate, length in radii] without one that is next to nothing, if the path then ends
-  // where it did to within 1e-6 radii (study/check/two_arcs.py, word_of).
+  // where it did to within ARRIVES radii (study/check/two_arcs.py, word_of).
   function mattering(pieces) {
     if (pieces.length < 2) return pieces;
     const [[rate1, first], [rate2, second]] = pieces, total = first + second;
-    const short = NO_TURN * Math.min(1, total), allowed = 1e-6 + 32 * EPS * total;
+    const short = NO_LENGTH * Math.min(1, total), allowed = ARRIVES + DRIVEN * total;
     const turned = Math.abs(rate1) * first;
     if (first <= short && turned <= NO_TURN && first + turned * second <= allowed) return [[rate2, second]];
     return second <= short && second <= allowed ? [[rate1, first]] : pieces;

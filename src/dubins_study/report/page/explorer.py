@@ -1,0 +1,104 @@
+"""The explorer: every word's path to a target that the reader drags; a section and a page."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path as FilePath
+from typing import NamedTuple
+
+from markupsafe import Markup
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.content import General, Place, Section, Topic, Widget
+from dubins_study.report.page.environment import (
+    EXPLORER_SCRIPTS,
+    EXPLORER_STYLES,
+    TEMPLATES,
+    environment,
+    scripts,
+    stylesheets,
+)
+from dubins_study.report.paper.printed import PROBLEMS, Problem
+from dubins_study.study.words import BRANCHES
+
+
+class Preset(NamedTuple):
+    """An example that a button shows."""
+
+    name: str  # the button's text
+    text: str  # x, y, heading, target x, target y and radius as the page's address has them
+    title: str  # what there is to see
+
+
+def _printed(problem: Problem) -> Preset:
+    number = problem.position.removeprefix("problem ")
+    radius = f", R = {problem.radius}" if number == "5" else ""
+    x, y = problem.target
+    text = f"0,0,{int(problem.heading * 180)}deg,{x},{y},{problem.radius}"
+    return Preset(f"Problem {number}{radius}", text, f"The paper's test problem {number}{radius}")
+
+
+# One of each of the paper's five problems, then where the shortest path changes its kind. Just
+# outside and just inside are 0.001 R from the left circle at the arc angle 0.3, where the length
+# jumps by 6.235 R.
+PRESETS = (
+    *(_printed(PROBLEMS[f"problem {number}"]) for number in (1, 2, 3, 4)),
+    _printed(PROBLEMS["problem 5, R=25"]),
+    Preset("Straight behind", "0,0,0deg,-2,0,1", "The only tie of two different paths: LS and RS"),
+    Preset("Inside a disc", "0,0,0deg,0,1,1", "At the left circle's centre: RL, which turns away"),
+    Preset("Just outside", "0,0,0deg,0.2958,0.0437,1", "0.001 R outside the left circle: LS"),
+    Preset("Just inside", "0,0,0deg,0.2952,0.0456,1", "0.001 R inside the left circle: RL"),
+)
+FIELDS = (
+    ("target_x", "target x"),
+    ("target_y", "target y"),
+    ("heading", "heading, deg"),
+    ("radius", "radius R"),
+    ("x", "start x"),
+    ("y", "start y"),
+)
+COPIES = (("command", "Command line"), ("python", "Python"), ("link", "Link to this scenario"))
+
+
+def _explorer() -> Markup:
+    """The explorer's HTML; `dubins.js` and the scripts `explorer*.js` bring it to life."""
+    template = environment().get_template("explorer.html.j2")
+    # drawings as addresses, so that their styles stay their own
+    drawings = {
+        name: base64.b64encode((TEMPLATES / f"{name}.svg").read_bytes()).decode("ascii")
+        for name in ("problem", "words")
+    }
+    branches = [branch for branch in BRANCHES if branch != "best"]
+    text = template.render(
+        presets=PRESETS, fields=FIELDS, copies=COPIES, branches=branches, drawings=drawings
+    )
+    return Markup(text)
+
+
+def explorer_section(results: Results) -> Section:
+    """Every word's path to a target that the reader chooses; the same for all results."""
+    caption = (
+        "Map: the shortest word of every target; the length jumps across the heavy half circles. "
+        "Bold: the shortest path; thin: other words'. Tab reaches the handles; arrow keys move "
+        "them, + and − change the radius. Certificates: of Pontryagin's conditions and the cut; "
+        "clear of its cut, an extremal is shortest."
+    )
+    lead = "Drag the target across a turning circle to see the shortest path jump to another word."
+    widget = Widget("explorer", caption, _explorer())
+    return Section("explorer", "Explore the problem", "", (widget,), lead)
+
+
+TOPIC = Topic("the explorer", explorer_section, General.EVERY, place=Place.FRONT)
+
+
+def write_explorer(file: FilePath) -> FilePath:
+    """Write the explorer as a page of its own, which opens offline; returns the file."""
+    page = environment().get_template("explorer-page.html.j2")
+    text = page.render(
+        title="Explore the shortest bounded-curvature path to a point",
+        style=stylesheets(EXPLORER_STYLES),
+        explorer=_explorer(),
+        scripts=scripts(EXPLORER_SCRIPTS),
+    )
+    file.write_text(text, encoding="utf-8", newline="\n")
+    return file
