@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
+import duckdb
+import numpy as np
 import pandas as pd
+import pyarrow as pa
 
-from dubins_study.report.data.selection import Database
 from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 # The closed form; its rows fill the maps of the plane.
@@ -28,8 +30,27 @@ QUANTILES = (0.5, 0.9, 0.99, 1.0)
 _BINS, _LEAST_GAP = 200, 1e-16
 
 
+class Database:
+    """Attempts as DuckDB's table `attempts`; its column `place` numbers the rows."""
+
+    def __init__(self, rows: pa.Table) -> None:
+        self._answers: dict[tuple[str, str], pd.DataFrame] = {}
+        self._connection = duckdb.connect(config={"threads": 1})
+        self._connection.register("given", rows.append_column("place", [np.arange(len(rows))]))
+        self._connection.execute("CREATE TABLE attempts AS SELECT * FROM given")
+        self._connection.unregister("given")
+
+    def frame(self, query: str, parameters: Sequence[Any] = ()) -> pd.DataFrame:
+        """The result of a query; that of a repeated query is cached."""
+        key = query, repr(parameters)
+        if key not in self._answers:
+            result = self._connection.sql(query, params=list(parameters))
+            self._answers[key] = result.to_arrow_table().to_pandas()
+        return self._answers[key]
+
+
 class Attempts:
-    """The attempts of some experiments, without duplicates: the view `attempts` of a database."""
+    """The attempts of some experiments, without duplicates, in a database."""
 
     def __init__(self, database: Database, experiments: Collection[str]) -> None:
         self._database = database

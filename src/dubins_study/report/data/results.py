@@ -5,38 +5,25 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.report.data.attempts import Attempts
-from dubins_study.report.data.selection import Database, RowCounts, Source, select_attempts
+from dubins_study.report.data.attempts import Attempts, Database
+from dubins_study.report.data.selection import RowCounts, select_attempts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest, read_manifest
-from dubins_study.study.rows.parts import (
-    PARTS,
-    ResultsError,
-    part_files,
-    printable_batches,
-    read_footer,
-)
+from dubins_study.study.rows.parts import PARTS, ResultsError, part_files, printable_batches
+from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose
 
 _CONTROLS = ["curvatures", "lengths"]
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 _COLUMNS = [*_SCALARS, *_CONTROLS]
-
-
-class NoRowsError(ResultsError):
-    """A results folder whose run has written no row so far."""
-
-    def __init__(self, folder: FilePath, message: str) -> None:
-        super().__init__(f"{folder} has no rows: {message}")
-        self.folder = folder
+_NO_ROWS = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS]).empty_table()
 
 
 @dataclass(frozen=True)
@@ -139,63 +126,57 @@ def load(folders: Iterable[str | FilePath]) -> Results:
     Raises:
         ResultsError: naming the folder and what is wrong with it.
     """
-    paths = [FilePath(folder) for folder in folders]
-    if not paths:
-        raise ResultsError("no results folder given; expected at least one")
-    manifests = [read_manifest(path, printable=True) for path in paths]
-    sources = [_source(*each) for each in zip(paths, manifests, strict=True)]
-    files = [part.file for source in sources for part in source.parts]
-    database = Database(_checked_rows(files))
-    counts = select_attempts(database, sources)
-    for path, rows in zip(paths, counts, strict=True):
-        if not rows.current:
-            raise ResultsError(f"{path} has no rows but of earlier code: run it again")
-    attempts = Attempts(database, {source.experiment for source in sources})
-    columns = ", ".join(f'"{name}"' for name in ("experiment", "answerable", *_COLUMNS))
-    table = database.table(f"SELECT {columns} FROM attempts ORDER BY part, place")
-    return Results(
-        folders=tuple(map(Folder, manifests, counts)),
-        attempts=attempts,
-        rows=table.drop_columns(_CONTROLS).to_pandas(),
-        controls=table.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
-        solvers=tuple(attempts.values("solver")),
-        methods=methods(attempts),
-    )
+    stored = _read(folders)
+    for each in stored:
+        if not len(each.rows):
+            raise ResultsError(f"{each.folder} has no rows: expected Parquet files in {PARTS}")
+    return _joined(stored)
 
 
 def load_with_rows(
     folders: Iterable[str | FilePath],
 ) -> tuple[Results | None, tuple[Folder, ...]]:
     """As `load`, with the folders that hold no rows set apart; no results if none has rows."""
-    left = [FilePath(folder) for folder in folders]
-    empty: list[Folder] = []
-    while left or not empty:
-        try:
-            return load(left), tuple(empty)
-        except NoRowsError as error:
-            left.remove(error.folder)
-            manifest = read_manifest(error.folder, printable=True)
-            empty.append(Folder(manifest, RowCounts(0, 0, 0, 0)))
-    return None, tuple(empty)
+    stored = _read(folders)
+    full = [each for each in stored if len(each.rows)]
+    empty = tuple(Folder(each.manifest, RowCounts()) for each in stored if not len(each.rows))
+    return (_joined(full) if full else None), empty
 
 
-def _source(folder: FilePath, manifest: Manifest) -> Source:
-    parts = [read_footer(file) for file in part_files(folder)]
-    if not parts:
-        raise NoRowsError(folder, f"expected Parquet files in {folder / PARTS}")
-    if not sum(part.rows for part in parts):
-        raise NoRowsError(folder, "its parts are empty")
-    digests, tolerance = manifest.code_digests, manifest.gap_tolerance
-    return Source(manifest.experiment.name, digests, tolerance, parts)
+class _Stored(NamedTuple):
+    """A results folder as it was read: its manifest, and its rows, checked."""
+
+    folder: FilePath
+    manifest: Manifest
+    rows: pa.Table
 
 
-def _checked_rows(files: Sequence[FilePath]) -> pa.Table:
-    """The rows of all parts, checked; with part (the file's number) and place (the row's in it)."""
-    tables = []
-    for number, file in enumerate(files):
-        part = pa.concat_tables(printable_batches(file, _COLUMNS))
-        places = {"part": np.full(len(part), number), "place": np.arange(len(part))}
-        for name, values in places.items():
-            part = part.append_column(name, pa.array(values))
-        tables.append(part)
-    return pa.concat_tables(tables)
+def _read(folders: Iterable[str | FilePath]) -> list[_Stored]:
+    paths = [FilePath(folder) for folder in folders]
+    if not paths:
+        raise ResultsError("no results folder given; expected at least one")
+    manifests = [read_manifest(path, printable=True) for path in paths]
+    return [_Stored(p, m, _rows(p)) for p, m in zip(paths, manifests, strict=True)]
+
+
+def _rows(folder: FilePath) -> pa.Table:
+    files = part_files(folder)
+    batches = [batch for file in files for batch in printable_batches(file, _COLUMNS)]
+    return pa.concat_tables([_NO_ROWS, *batches])
+
+
+def _joined(stored: Sequence[_Stored]) -> Results:
+    manifests = [each.manifest for each in stored]
+    rows, counts = select_attempts([each.rows for each in stored], manifests)
+    for each, count in zip(stored, counts, strict=True):
+        if not count.current:
+            raise ResultsError(f"{each.folder} has no rows but of earlier code: run it again")
+    attempts = Attempts(Database(rows), {m.experiment.name for m in manifests})
+    return Results(
+        folders=tuple(map(Folder, manifests, counts)),
+        attempts=attempts,
+        rows=rows.select(["experiment", "answerable", *_SCALARS]).to_pandas(),
+        controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
+        solvers=tuple(attempts.values("solver")),
+        methods=methods(attempts),
+    )

@@ -39,18 +39,17 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
     repeats = 1 + max(attempts.values("repeat"), default=0)
     columns = [*TEXTS, *SCENARIO, *MEASURED, *FLAGS, "repeat", "curvatures", "lengths"]
     rows = attempts.frame(
-        f""", spread AS (SELECT unnest(min_by({_ADDRESS}, {_ORDER}, {share}), recursive := true)
-            {_STRATA}),
+        f""", spread AS (SELECT unnest(min_by(place, {_ORDER}, {share})) AS place {_STRATA}),
         candidates AS (
-            SELECT unnest(max_by({_ADDRESS}, {_BADNESS}, {WORST * repeats}), recursive := true)
+            SELECT unnest(max_by(place, {_BADNESS}, {WORST * repeats})) AS place
             FROM chosen GROUP BY solver),
         picked AS MATERIALIZED (
-            SELECT part, place, bool_or(is_spread) AS spread, bool_or(NOT is_spread) AS candidate
+            SELECT place, bool_or(is_spread) AS spread, bool_or(NOT is_spread) AS candidate
             FROM (SELECT *, true AS is_spread FROM spread
                 UNION ALL SELECT *, false AS is_spread FROM candidates)
-            GROUP BY part, place)
+            GROUP BY place)
         SELECT {", ".join(columns)}, {_LEVEL} AS level, {_SIZE} AS size, spread, candidate
-        FROM chosen JOIN picked USING (part, place)
+        FROM chosen JOIN picked USING (place)
         ORDER BY solver, scenario_id, branch, experiment, initial_guess, profile, repeat"""
     )
     rows = rows.assign(worst=_ranks(rows))
@@ -79,7 +78,6 @@ _LEVEL = f"""CASE WHEN false_claim THEN 4 WHEN verdict = 'longer' THEN 3
     WHEN verdict = 'misses' THEN 2 WHEN verdict IN {(*SUCCESSES, PRESOLVED)} THEN 0 ELSE 1 END"""
 _SIZE = """greatest(coalesce(gap, 0.0), coalesce(miss / radius, 0.0),
     coalesce(curvature_excess, 0.0))"""
-_ADDRESS = "{'part': part, 'place': place}"
 _ORDER = "{'a': scenario_id, 'b': branch, 'c': experiment, 'd': initial_guess, 'e': profile}"
 _BADNESS = f"{{'a': {_LEVEL}, 'b': {_SIZE}, 'c': scenario_id, 'd': branch, 'e': -repeat}}"
 _STRATA = "FROM chosen WHERE repeat = 0 GROUP BY solver, region, verdict"
