@@ -59,8 +59,6 @@ def _record(comparison: Comparison) -> dict[str, Any]:
 
 
 def _text(comparison: Comparison) -> str:
-    from dubins_study.report.two_runs.comparison import with_verdicts
-
     def ratio(row: Any) -> str:
         low, high = row["time_ratio_low"], row["time_ratio_high"]
         return "" if low != low else f"{row['time_ratio']:.3g} ({low:.3g} to {high:.3g})"
@@ -76,7 +74,7 @@ def _text(comparison: Comparison) -> str:
             str(row["gained"]),
             ratio(row),
         ]
-        for row in with_verdicts(comparison).to_dict("records")
+        for row in comparison.with_verdicts().to_dict("records")
     ]
     speed = comparison.speed
     machine = (

@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from dubins_study import Claim, DubinsStudyError, Scenario, compare
 from dubins_study.cli.app import app
-from dubins_study.report.two_runs.comparison import with_verdicts
 from tests.unit.report.results_folder import attempt
 
 SCENARIOS = [Scenario(0, 0, 0.1, 4 + k, 3 - k, 1, label=f"scenario {k}") for k in range(12)]
@@ -185,9 +184,9 @@ def test_a_solver_that_is_right_in_fewer_repeats_is_worse(results):
     assert of(there)["right_p"] == pytest.approx(stats.binomtest(0, 12).pvalue, rel=1e-12)
     assert there.regressions["kind"].tolist() == ["right less often"]
     assert there.regressions["new"][0] == "right in 33.3 %"
-    assert with_verdicts(there)["verdict"].tolist() == ["worse: right less often"]
+    assert there.with_verdicts()["verdict"].tolist() == ["worse: right less often"]
     assert not back.regressed
-    assert with_verdicts(back)["verdict"].tolist() == ["better: right more often"]
+    assert back.with_verdicts()["verdict"].tolist() == ["better: right more often"]
 
 
 def test_what_only_one_run_was_asked_is_counted_apart(results):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,16 +15,17 @@ from dubins_study.report.statistics.intervals import (
     bootstrap,
     geometric_means,
     holm,
+    medians,
     sign_test,
     wilcoxon_test,
 )
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.report.two_runs.circumstances import MachineSpeed
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.tolerances import ARRIVES
 
 _PAIR = ["solver", "scenario_id", "branch", "initial_guess"]
-# What names a question to a reader, and what asks it again.
-_PLACE = ["label", "x", "y", "heading", "target_x", "target_y", "radius", "speed"]
+_SHARED = [*COLUMNS, "answerable"]
 SIDES = ("base", "new")
 
 
@@ -34,14 +36,10 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
     each of `SIDES` right (share of the repeats that the check accepts), false (whether any repeat
     has a false claim or bound), gap (median of the repeats that arrive) and time (median, s).
     """
-    sided = zip(SIDES, (base, new), strict=True)
-    sides = [_questions(results).add_suffix(f"_{side}") for side, results in sided]
-    joined = sides[0].join(sides[1], how="inner")
-    shared = [*_PLACE, "answerable"]
-    plain = joined.rename(columns={f"{name}_new": name for name in shared})
-    dropped = [f"{name}_base" for name in shared]
-    frame = plain.drop(columns=dropped).reset_index()
-    return frame.sort_values(_PAIR, ignore_index=True)
+    old = _questions(base).drop(columns=_SHARED).add_suffix("_base")
+    measured = {name: f"{name}_new" for name in ("right", "false", "gap", "time")}
+    joined = old.join(_questions(new).rename(columns=measured), how="inner")
+    return joined.reset_index().sort_values(_PAIR, ignore_index=True)
 
 
 def unpaired(base: Results, new: Results) -> pd.DataFrame:
@@ -55,32 +53,73 @@ def unpaired(base: Results, new: Results) -> pd.DataFrame:
     return frame[frame.sum(axis=1) > 0].rename_axis("solver").reset_index()
 
 
-def unanswered(results: Results) -> pd.DataFrame:
-    """solver, cells (asked), rows (there) where a run is not finished, or lost rows."""
-    rows = results.attempts.frame("SELECT solver, count(*) AS rows FROM chosen GROUP BY solver")
-    known = dict(zip(rows["solver"], rows["rows"], strict=True))
-    entries = results.folders[0].manifest.solvers
-    lines = [
-        (spec, entry.cells, int(known.get(spec, 0)))
-        for spec, entry in entries.items()
-        if known.get(spec, 0) < entry.cells
-    ]
-    return pd.DataFrame(lines, columns=["solver", "cells", "rows"])
-
-
 def _questions(results: Results) -> pd.DataFrame:
     rows = results.rows
     false = rows["false_claim"].eq(True) | rows["false_bound"].eq(True)
-    attempts = rows[[*_PAIR, *_PLACE, "answerable", "gap"]].assign(
+    attempts = rows[[*_PAIR, *_SHARED, "gap"]].assign(
         right=success(rows).fillna(False).astype(float),
         false=false.fillna(False).astype(bool),
         time=rows["wall_s"],
     )
-    grouped = attempts.groupby(_PAIR, observed=True)
-    shares = {"right": ("right", "mean"), "false": ("false", "any")}
-    medians = {"gap": ("gap", "median"), "time": ("time", "median")}
-    first = {name: (name, "first") for name in (*_PLACE, "answerable")}
-    return grouped.agg(**shares, **medians, **first)
+    how = dict.fromkeys(_SHARED, "first") | {"right": "mean", "false": "any"}
+    return attempts.groupby(_PAIR, observed=True).agg(how | {"gap": "median", "time": "median"})
+
+
+class MachineSpeed(NamedTuple):
+    """How many times as long the same work took in the new run; 2: a machine half as fast.
+
+    `ratio`, the range from `low` to `high` that it may have, and `evidence`: what says so.
+    """
+
+    ratio: float
+    low: float
+    high: float
+    evidence: str
+
+
+_FEWEST = 5  # probes of a run: the median of fewer has no interval worth the name
+
+
+def unchanged_solvers(base: Results, new: Results) -> list[str]:
+    """The solvers whose code, settings and packages are the same in both runs."""
+    before, after = (results.folders[0].manifest.code_digests for results in (base, new))
+    return [spec for spec, digest in before.items() if after.get(spec) == digest]
+
+
+def machine_speed(
+    base: Results, new: Results, pairs: pd.DataFrame, unchanged: Collection[str]
+) -> MachineSpeed | None:
+    """The machine's speed, from solvers that cannot have changed, else from calibration probes.
+
+    A solver of the same code took as many times as long as its machine did: the geometric mean of
+    their ratios, and the range of their intervals, since a load slows some work more than other.
+    The probe, a short piece of work that is timed every two seconds, notices less of a load; it
+    stands in where no solver is unchanged: the medians' ratio, the ends of their 95 % intervals
+    divided crosswise. None if no solver is unchanged and a run has fewer than five probes.
+    """
+    timed = pairs[pairs["solver"].isin(unchanged)].groupby("solver", observed=True)
+    ratios = np.array([_ratio(_timed(rows)) for _, rows in timed]).reshape(-1, 3)
+    known = ratios[(np.isfinite(ratios) & (ratios > 0)).all(axis=1)]
+    if len(known):
+        mean = float(np.exp(np.log(known[:, 0]).mean()))
+        low, high = float(known[:, 1].min()), float(known[:, 2].max())
+        plural = "" if len(known) == 1 else "s"
+        return MachineSpeed(mean, low, high, f"{len(known)} solver{plural} of the same code")
+    took = [_probe_seconds(results) for results in (base, new)]
+    if min(map(len, took)) < _FEWEST:
+        return None
+    before, after = (bootstrap(pd.DataFrame({"probe": each}), medians).iloc[0] for each in took)
+    return MachineSpeed(
+        float(after["estimate"] / before["estimate"]),
+        float(after["low"] / before["high"]),
+        float(after["high"] / before["low"]),
+        f"{len(took[0])} and {len(took[1])} calibration probes",
+    )
+
+
+def _probe_seconds(results: Results) -> list[float]:
+    runs = [run for folder in results.folders for run in folder.manifest.runs]
+    return [probe.took for run in runs for probe in run.probes]
 
 
 # A path that arrives may miss its target by this many radii, so its length is known to as much of
@@ -111,29 +150,16 @@ def solver_changes(
         time_p: of Wilcoxon's test of these ratios, NaN if the machine's speed is not known;
         same_code. NaN where there is nothing to compare, also for the times of unchanged solvers.
     """
-    solvers = solver_order(pairs["solver"].unique().tolist())
     lines: list[dict[str, object]] = []
-    for solver in solvers:
+    for solver in solver_order(pairs["solver"].unique().tolist()):
         rows, same = pairs[pairs["solver"] == solver], solver in unchanged
+        line = {"solver": solver, "same_code": same}
         lines.append(
-            {"solver": solver, "same_code": same}
-            | _success(rows)
-            | _accuracy(rows)
-            | _times(rows, None if same else speed)
+            line | _success(rows) | _accuracy(rows) | _times(rows, None if same else speed)
         )
     frame = pd.DataFrame(lines)
     tests = [name for name in frame.columns if name.endswith("_p")]
     return frame.assign(**{name: holm(frame[name]) for name in tests})
-
-
-def time_ratios(pairs: pd.DataFrame) -> pd.DataFrame:
-    """Indexed by solver: time in the new run by that in the base, as measured, with its interval.
-
-    Columns estimate, low, high: of geometric means over the questions that are right in both runs.
-    """
-    groups = pairs.groupby("solver", observed=True)
-    ratios = {str(solver): _ratio(_timed(rows)) for solver, rows in groups}
-    return pd.DataFrame(ratios).T
 
 
 def lost(pairs: pd.DataFrame) -> pd.Series[bool]:
@@ -161,26 +187,21 @@ def _right_in_both(pairs: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _success(pairs: pd.DataFrame) -> dict[str, object]:
-    asked = pairs[pairs["answerable"]]
-    without = pairs[~pairs["answerable"]]
+    asked, without = pairs[pairs["answerable"]], pairs[~pairs["answerable"]]
     wrong = [1 - asked[f"right_{side}"].to_numpy() for side in SIDES]
     change = pd.DataFrame({"change": wrong[0] - wrong[1]}, index=asked["scenario_id"])
-    interval = bootstrap(change, averages).iloc[0]
-    shares = {f"right_{side}": asked[f"right_{side}"].mean() for side in SIDES}
-    ends = dict(zip(ENDS, interval[["estimate", "low", "high"]], strict=True))
-    return (
-        {"questions": len(asked)}
-        | shares
-        | {f"right_change{end}": value for end, value in ends.items()}
-        | {
-            "lost": int(lost(asked).sum()),
-            "gained": int((asked["right_base"].eq(0) & asked["right_new"].eq(1)).sum()),
-            "right_p": _p(sign_test(wrong[1], wrong[0])),
-            "denials": len(without),
-            "denials_lost": int(lost(without).sum()),
-            "false_new": int(newly_false(pairs).sum()),
-        }
-    )
+    interval = bootstrap(change, averages).iloc[0][["estimate", "low", "high"]]
+    return {
+        "questions": len(asked),
+        **{f"right_{side}": asked[f"right_{side}"].mean() for side in SIDES},
+        **{f"right_change{end}": value for end, value in zip(ENDS, interval, strict=True)},
+        "lost": int(lost(asked).sum()),
+        "gained": int((asked["right_base"].eq(0) & asked["right_new"].eq(1)).sum()),
+        "right_p": _p(sign_test(wrong[1], wrong[0])),
+        "denials": len(without),
+        "denials_lost": int(lost(without).sum()),
+        "false_new": int(newly_false(pairs).sum()),
+    }
 
 
 def _accuracy(pairs: pd.DataFrame) -> dict[str, object]:
@@ -199,9 +220,10 @@ def _timed(pairs: pd.DataFrame) -> pd.DataFrame:
     return times.set_axis(both["scenario_id"].to_numpy(), axis=0)
 
 
-def _ratio(times: pd.DataFrame) -> pd.Series[float]:
+def _ratio(times: pd.DataFrame) -> FloatArray:
+    """Time in the new run by that in the base, as measured: geometric mean, low, high."""
     ratios = bootstrap(times, geometric_means(0.0), "base")
-    return pd.Series(ratios.loc["new"], dtype=np.float64)[["estimate", "low", "high"]]
+    return ratios.loc["new", ["estimate", "low", "high"]].to_numpy(np.float64)
 
 
 def _times(pairs: pd.DataFrame, speed: MachineSpeed | None) -> dict[str, object]:
@@ -209,14 +231,13 @@ def _times(pairs: pd.DataFrame, speed: MachineSpeed | None) -> dict[str, object]
     means = np.exp(np.log(times).mean())
     # crosswise: the slower the machine may have been, the faster the solver
     machine = (1.0, 1.0, 1.0) if speed is None else (speed.ratio, speed.high, speed.low)
-    ratio = _ratio(times).to_numpy(np.float64) / machine
     # tested against the machine's own change, so that a slower machine is no slower solver
     test = wilcoxon_test(times["new"].to_numpy(), times["base"].to_numpy() * machine[0])
     return {
         "timed": len(times),
         "time_base": float(means["base"]),
         "time_new": float(means["new"]),
-        **dict(zip((f"time_ratio{end}" for end in ENDS), ratio, strict=True)),
+        **dict(zip((f"time_ratio{end}" for end in ENDS), _ratio(times) / machine, strict=True)),
         "time_p": float("nan") if speed is None else _p(test),
     }
 

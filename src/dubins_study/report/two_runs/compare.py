@@ -1,23 +1,48 @@
-"""`compare`: two runs, solver by solver, with what became worse and a page of it."""
+"""`compare`: two runs, solver by solver, with what became worse, and a page of it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path as FilePath
 
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, load
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
+from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
+from dubins_study.report.elements.style import (
+    BLUE,
+    INK,
+    MUTED,
+    VERMILION,
+    WIDE,
+    duration,
+    log_axis,
+    new_figure,
+    only_grid,
+    plain_log_axis,
+)
 from dubins_study.report.page.render import Head, write_page
 from dubins_study.report.two_runs.changes import (
+    GAP_FLOOR,
+    WORSE_GAP,
+    machine_speed,
     pairs,
     solver_changes,
-    time_ratios,
-    unanswered,
+    unchanged_solvers,
     unpaired,
 )
-from dubins_study.report.two_runs.circumstances import differences, machine_speed, unchanged_solvers
-from dubins_study.report.two_runs.comparison import Comparison, regressions
-from dubins_study.report.two_runs.section import sections
+from dubins_study.report.two_runs.comparison import (
+    Comparison,
+    differences,
+    regressions,
+    unanswered,
+)
 
 SLOWER = 1.1
 
@@ -56,13 +81,13 @@ def compare(
             "experiment, or of experiments that overlap"
         )
     unchanged = unchanged_solvers(before, after)
-    speed = machine_speed(before, after, time_ratios(paired), unchanged)
+    speed = machine_speed(before, after, paired, unchanged)
     changes = solver_changes(paired, speed, unchanged)
     comparison = Comparison(
         changes,
         regressions(paired, changes, unanswered(after), slower),
         unpaired(before, after),
-        differences(before, after),
+        differences(before.folders[0].manifest, after.folders[0].manifest),
         speed,
         slower,
     )
@@ -72,7 +97,7 @@ def compare(
     was, is_now = _described(FilePath(base), folders[0]), _described(FilePath(new), folders[1])
     asked = f"What became better or worse in the new run, {is_now}, than in the base, {was}?"
     head = Head("Two runs compared", asked)
-    page = write_page(out, lambda: sections(paired, comparison), folders, head)
+    page = write_page(out, lambda: _sections(paired, comparison), folders, head)
     return replace(comparison, page=page)
 
 
@@ -81,3 +106,252 @@ def _described(place: FilePath, folder: Folder) -> str:
     commit = str(manifest.git.get("commit") or "")[:10]
     parts = [f"experiment {folder.name}", manifest.created or "", commit and f"commit {commit}"]
     return f"{place.name or place} ({', '.join(filter(None, parts))})"
+
+
+_LEAD = "A difference here may explain a change above."
+_REGRESSIONS = (
+    Column("kind", "what", kind="text"),
+    SOLVER,
+    *columns(kind="text", scenario="scenario", branch="branch", base="base", new="new"),
+    Column("command", "asks it again", kind="code"),
+)
+
+
+def _sections(pairs: pd.DataFrame, comparison: Comparison) -> list[Section]:
+    """The page's sections: what became worse, every solver, times, and what else differs."""
+    return [
+        _regressions(comparison),
+        _solvers(comparison),
+        _times(pairs, comparison),
+        _else(comparison),
+    ]
+
+
+def _regressions(comparison: Comparison) -> Section:
+    frame = comparison.regressions
+    kinds = frame["kind"].value_counts(sort=False)
+    what = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
+    text = (
+        f"{some(len(frame), 'regression')}: {what}."
+        if len(frame)
+        else "Nothing became worse: no right answer was lost, no false claim is new, no answer is "
+        "less accurate, and no solver is surely right less often, or slower."
+    )
+    caption = (
+        "No longer right (or denied): in every repeat of the base, in none of the new run. Less "
+        f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often, "
+        "slower: the interval of the change lies below 0, of the time ratio above "
+        f"{comparison.slower:g}, and the test agrees. Not answered: cells without a row."
+    )
+    blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
+    lead = (
+        "Each line is a question that the base answered better, with the command that asks it."
+        if len(frame)
+        else "No line here: no question was answered better by the base."
+    )
+    return Section("regressions", "What became worse", text, blocks, lead)
+
+
+def _solvers(comparison: Comparison) -> Section:
+    frame = comparison.with_verdicts()
+    frame = with_interval_texts(frame, right_change=_points, time_ratio=digits(3))
+    success = (
+        SOLVER,
+        Column("verdict", "verdict", kind="text"),
+        *columns(count, questions="questions"),
+        *columns(share, right_base="right, base", right_new="right, new"),
+        Column("right_change_text", "change, points", kind="cell"),
+        *columns(digits(2), right_p="p"),
+        *columns(count, lost="lost", gained="gained", false_new="new false claims"),
+        *columns(count, denials_lost="no longer denied"),
+    )
+    accuracy = (
+        SOLVER,
+        *columns(digits(2), gap_base="largest gap, base", gap_new="largest gap, new"),
+        *columns(count, gap_worse="less accurate"),
+        *columns(digits(2), gap_p="p of gaps"),
+        *columns(count, timed="timed"),
+        *columns(seconds, time_base="time, base", time_new="time, new"),
+        Column("time_ratio_text", "time ratio", kind="cell"),
+        *columns(digits(2), time_p="p of times"),
+    )
+    bad = marks(frame, "lost", "false_new", "denials_lost", "gap_worse")
+    tables = (
+        Table(
+            "compared",
+            "Questions that both runs were asked and that have a path. The change of the share "
+            "that is right has its 95 % bootstrap interval over scenarios; p is of the exact sign "
+            "test, with Holm's correction over the solvers.",
+            frame,
+            success,
+            bad,
+            interval_keys("right_change"),
+        ),
+        Table(
+            "compared-times",
+            "Questions that are right in both runs: the largest gap, and geometric means of times; "
+            "their ratio is new by base, with its 95 % interval. p: of the sign test of gaps and "
+            "of Wilcoxon's test of times, with Holm's correction.",
+            frame,
+            accuracy,
+            bad,
+            interval_keys("time_ratio"),
+        ),
+    )
+    text = sentences(f"{some(len(frame), 'solver')} in both runs.", _unpaired(comparison))
+    lead = "Read the column verdict first; what is worse is marked."
+    return Section("compared", "Solver by solver", text, (changes_picture(frame), *tables), lead)
+
+
+def _unpaired(comparison: Comparison) -> str:
+    frame = comparison.unpaired
+    if frame.empty:
+        return "Both were asked the same questions."
+    lines = [
+        f"only the {side} run was asked {some(number, 'question')} of "
+        f"{some(int((frame[key] > 0).sum()), 'solver')}"
+        for key, side in (("only_base", "base"), ("only_new", "new"))
+        if (number := int(frame[key].sum()))
+    ]
+    return f"Not compared: {'; '.join(lines)}."
+
+
+def _points(value: float) -> str:
+    text = digits(3)(100 * value)
+    return f"+{text}" if value > 0 else text
+
+
+def _times(pairs: pd.DataFrame, comparison: Comparison) -> Section:
+    speed = comparison.speed
+    text = (
+        "Nothing says how fast the machines were (no solver of the same code, too few calibration "
+        "probes): the ratios are as measured, and no solver is called slower."
+        if speed is None
+        else "The same work took "
+        f"{with_interval(digits(3), speed.ratio, speed.low, speed.high)} times as long in the new "
+        f"run, by {speed.evidence}. Ratios of solvers whose code changed are divided by that, "
+        "their intervals crosswise; those of the same code are as measured: the machine's doing."
+    )
+    lead = "Dots above the dashed line took longer than the machine explains."
+    block = times_picture(pairs, comparison)
+    return Section("times", "Times, question by question", text, (block,) if block else (), lead)
+
+
+def _else(comparison: Comparison) -> Section:
+    frame = comparison.differences
+    shown = (
+        *columns(kind="text", what="what", base="base", new="new"),
+        *columns(count, solvers="solvers"),
+    )
+    if frame.empty:
+        text = "The manifests hold the same machine, limits, packages and code."
+        return Section("differences", "What else differs", text, (), _LEAD)
+    caption = "From the manifests; solvers: how many of those in both runs it is about."
+    text = f"{some(len(frame), 'difference')} in the manifests."
+    table = Table("differences", caption, frame, shown)
+    return Section("differences", "What else differs", text, (table,), _LEAD)
+
+
+# More solvers than these have no line of their own: those that changed most are drawn.
+_MOST = 24
+_LINE, _MARGINS = 0.22, 1.0  # inches
+_WIDE_RANGE = 5  # ratios of times that differ by more need a logarithmic axis
+_LONGEST = 48  # characters of a name
+
+
+def changes_picture(frame: pd.DataFrame) -> Picture:
+    """Change of success and ratio of times, one line per solver, with intervals."""
+    change = frame["right_change"].abs().fillna(0) * 100 + np.log(frame["time_ratio"]).abs().fillna(
+        0
+    )
+    drawn = frame.loc[change.sort_values(ascending=False, kind="stable").index[:_MOST]].sort_index()
+    left_out = len(frame) - len(drawn)
+    caption = (
+        "Left: change of the share of right answers, in percentage points; right: time of the new "
+        "run by the base's, with 95 % intervals. Triangles: an interval that does not meet the "
+        "vertical line, of a solver whose code changed."
+        + (f" The {left_out} solvers that changed least are not drawn." if left_out else "")
+    )
+    figure = new_figure(WIDE, min(7.0, _MARGINS + _LINE * len(drawn)))
+    change_ax, ratio_ax = figure.subplots(1, 2, sharey=True)
+    _plot_intervals(change_ax, drawn, "right_change", 100.0, 0.0)
+    _plot_intervals(ratio_ax, drawn, "time_ratio", 1.0, 1.0)
+    change_ax.set(xlabel="change of right answers, percentage points")
+    ratio_ax.set(xlabel="time, new / base")
+    if drawn["time_ratio"].max() > _WIDE_RANGE * drawn["time_ratio"].min():
+        ratio_ax.set_xscale("log")
+        plain_log_axis(ratio_ax.xaxis)
+    names = [str(solver)[:_LONGEST] for solver in drawn["solver"]]
+    change_ax.set_yticks(np.arange(len(drawn))[::-1], names, fontsize=7)
+    change_ax.set_ylim(-0.6, len(drawn) - 0.4)
+    alt = "change of success and ratio of times, one line per solver"
+    return Picture("changes", caption, figure, alt)
+
+
+def _plot_intervals(
+    ax: Axes, frame: pd.DataFrame, key: str, scale: float, unchanged: float
+) -> None:
+    """One line per solver; an interval beyond `unchanged` is coloured and has another marker.
+
+    More right answers are better, more time is worse.
+    """
+    middle, low, high = ((frame[f"{key}{end}"] * scale).to_numpy() for end in ("", "_low", "_high"))
+    below, above = high < unchanged, low > unchanged
+    worse, better = (below, above) if key == "right_change" else (above, below)
+    if key == "time_ratio":  # what became of the same code is the machine's doing
+        changed = ~frame["same_code"].to_numpy(bool)
+        worse, better = worse & changed, better & changed
+    places = np.arange(len(frame))[::-1]
+    looks = ((worse, VERMILION, "v"), (better, BLUE, "^"), (~(worse | better), MUTED, "o"))
+    for chosen, colour, marker in looks:
+        ax.hlines(places[chosen], low[chosen], high[chosen], colors=colour, linewidth=1.6)
+        ax.scatter(middle[chosen], places[chosen], c=colour, marker=marker, s=20, zorder=3)
+    ax.axvline(unchanged, color=INK, linewidth=0.8)
+    only_grid(ax, "x")
+
+
+def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None:
+    """Every question's time in the new run against the base; None if none was timed in both."""
+    both = pairs[pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
+    if both.empty:
+        return None
+    slower = comparison.regressions.query("kind == 'slower'")["solver"]
+    caption = (
+        "Each dot is a question of one solver: its time in the new run against the base's. "
+        "Solid: equally long; dashed: what the machine explains. Triangles: a slower solver."
+    )
+    return picture(
+        "times-pairs",
+        _plot_times,
+        both,
+        set(slower),
+        1.0 if comparison.speed is None else comparison.speed.ratio,
+        caption=caption,
+        alt="times of questions in two runs",
+        height=4.5,
+        width=WIDE,
+    )
+
+
+def _plot_times(ax: Axes, both: pd.DataFrame, slower: set[str], machine: float) -> None:
+    apart = both["solver"].isin(slower)
+    looks = ((~apart, MUTED, "o", 0.35), (apart, VERMILION, "^", 0.7))
+    for flag, colour, marker, alpha in looks:
+        ax.scatter(
+            both.loc[flag, "time_base"],
+            both.loc[flag, "time_new"],
+            c=colour,
+            marker=marker,
+            alpha=alpha,
+            s=8,
+            linewidths=0,
+            rasterized=True,
+        )
+    ends = np.array(
+        [both[["time_base", "time_new"]].min().min(), both[["time_base", "time_new"]].max().max()]
+    )
+    ax.plot(ends, ends, color=INK, linewidth=0.8)
+    ax.plot(ends, ends * machine, color=INK, linewidth=0.8, linestyle="--")
+    ax.set(xscale="log", yscale="log", xlabel="time in the base", ylabel="time in the new run")
+    for axis in (ax.xaxis, ax.yaxis):
+        log_axis(axis, duration)

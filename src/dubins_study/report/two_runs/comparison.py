@@ -1,17 +1,28 @@
-"""What a comparison of two runs says: what became worse, and a verdict for each solver."""
+"""What a comparison of two runs says: what is worse, a verdict for each solver, what differs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
 import pandas as pd
 
 from dubins_study.report.data.command import solve_command
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import digits, seconds, share
-from dubins_study.report.two_runs.changes import ENDS, SIDES, less_accurate, lost, newly_false
-from dubins_study.report.two_runs.circumstances import MachineSpeed
+from dubins_study.report.two_runs.changes import (
+    ENDS,
+    SIDES,
+    MachineSpeed,
+    less_accurate,
+    lost,
+    newly_false,
+)
+from dubins_study.study.rows.manifest import Manifest
+
+# A change of times, or of the share of right answers, is as sure as the tests of the page.
+ALPHA = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +31,10 @@ class Comparison:
 
     Args:
         solvers: one row per solver; columns of `report.two_runs.changes.solver_changes`.
-        regressions: what became worse, with the scenario and the command that repeats it; columns
-            of `regressions` below.
+        regressions: what became worse: kind (`no longer right`, `no longer denied`, `false claim`,
+            `less accurate`, `right less often`, `slower`, `not answered`), solver, scenario (its
+            label, or its target), branch, base and new (as text), and the command that asks the
+            question again. The last three kinds are of all questions of a solver: without scenario.
         unpaired: solver, and how many questions only one of the runs was asked.
         differences: what, base, new: what else the runs differ in.
         speed: of the new run's machine by the base's; None if nothing says it.
@@ -42,50 +55,48 @@ class Comparison:
         """Whether anything became worse."""
         return not self.regressions.empty
 
+    def with_verdicts(self) -> pd.DataFrame:
+        """`solvers` with a column verdict: what is worse, else what is better."""
+        worse = self.regressions.groupby("solver")["kind"].unique()
+        verdicts = [
+            "worse: " + ", ".join(worse[row["solver"]])
+            if row["solver"] in worse.index
+            else _better(row, self.slower)
+            for _, row in self.solvers.iterrows()
+        ]
+        return self.solvers.assign(verdict=verdicts)
 
-# A time regression is as sure as the tests of the page.
-ALPHA = 0.05
 
-_SAYS = ("scenario", "branch", "base", "new", "command")
+def unanswered(results: Results) -> pd.DataFrame:
+    """solver, cells (asked), rows (there) where a run is not finished, or lost rows."""
+    known = results.rows["solver"].value_counts()
+    lines = [
+        (spec, entry.cells, int(known.get(spec, 0)))
+        for spec, entry in results.folders[0].manifest.solvers.items()
+        if known.get(spec, 0) < entry.cells
+    ]
+    return pd.DataFrame(lines, columns=["solver", "cells", "rows"])
 
 
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """What became worse, in the order of the kinds; of the new run the cells without an answer.
-
-    Columns kind (`no longer right`, `no longer denied`, `false claim`, `less accurate`, `right less
-    often`, `slower`, `not answered`), solver, scenario (its label, or its target), branch, base and
-    new (as text), and the command that asks the question again. The last three kinds are of all
-    questions of a solver: without scenario.
-    """
+    """What became worse, in the order of the kinds; of the new run the cells without an answer."""
     worse = {kind: pairs[chosen(pairs)] for kind, (chosen, _, _) in _OF_QUESTIONS.items()}
-    if len(changes):
-        worse["right less often"] = changes[right_less_often(changes)]
-        worse["slower"] = changes[slower_solvers(changes, slower)]
+    # Seen in repeats too: a question that is right in one of three was right in all.
+    less_often = changes["right_change_high"].lt(0) & changes["right_p"].lt(ALPHA)
+    worse["right less often"] = changes[less_often]
+    # Where the machine's speed is not known, `time_p` is NaN and no solver is called slower.
+    took_longer = changes["time_ratio_low"].gt(slower) & changes["time_p"].lt(ALPHA)
+    worse["slower"] = changes[took_longer]
     worse["not answered"] = unanswered
     lines = [
         (kind, row["solver"], *_line(kind, row))
         for kind, rows in worse.items()
         for _, row in rows.iterrows()
     ]
-    return pd.DataFrame(lines, columns=["kind", "solver", *_SAYS])
-
-
-def slower_solvers(changes: pd.DataFrame, slower: float) -> pd.Series[bool]:
-    """Whether each solver's time ratio lies above the bound, interval and all, and the test agrees.
-
-    Where the machine's speed is not known, `time_p` is NaN and no solver is called slower.
-    """
-    return changes["time_ratio_low"].gt(slower) & changes["time_p"].lt(ALPHA)
-
-
-def right_less_often(changes: pd.DataFrame) -> pd.Series[bool]:
-    """Whether a solver's share of right answers fell, by its interval and by the paired test.
-
-    That is seen in repeats too: a question that is right in one of three was right in all.
-    """
-    return changes["right_change_high"].lt(0) & changes["right_p"].lt(ALPHA)
+    columns = ["kind", "solver", "scenario", "branch", "base", "new", "command"]
+    return pd.DataFrame(lines, columns=columns)
 
 
 def _gap(value: float) -> str:
@@ -96,9 +107,10 @@ def _right(value: float) -> str:
     return f"right in {share(value)} of the repeats"
 
 
-_Text = Callable[[float], str]
 # kind -> the questions, the column and how its values are shown
-_OF_QUESTIONS: dict[str, tuple[Callable[[pd.DataFrame], pd.Series[bool]], str, _Text]] = {
+_OF_QUESTIONS: dict[
+    str, tuple[Callable[[pd.DataFrame], pd.Series[bool]], str, Callable[[float], str]]
+] = {
     "no longer right": (lambda pairs: lost(pairs) & pairs["answerable"], "right", _right),
     "no longer denied": (lambda pairs: lost(pairs) & ~pairs["answerable"], "right", _right),
     "false claim": (newly_false, "false", lambda value: "a false claim" if value else "none"),
@@ -107,7 +119,7 @@ _OF_QUESTIONS: dict[str, tuple[Callable[[pd.DataFrame], pd.Series[bool]], str, _
 
 
 def _line(kind: str, row: pd.Series) -> tuple[str, ...]:
-    """The columns `_SAYS` of a regression."""
+    """The columns of a regression behind its kind and solver."""
     if kind in _OF_QUESTIONS:
         _, column, show = _OF_QUESTIONS[kind]
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
@@ -124,24 +136,6 @@ def _line(kind: str, row: pd.Series) -> tuple[str, ...]:
     return "", "", "", f"{row['rows']} of the {row['cells']} cells asked", ""
 
 
-NO_CHANGE, SAME_CODE = "no change", "same code"
-
-
-def with_verdicts(comparison: Comparison) -> pd.DataFrame:
-    """`comparison.solvers` with a column verdict: what is worse, else what is better."""
-    worse = comparison.regressions.groupby("solver")["kind"].agg(
-        lambda kinds: list(dict.fromkeys(kinds))
-    )
-    frame = comparison.solvers
-    verdicts = [
-        "worse: " + ", ".join(worse[row["solver"]])
-        if row["solver"] in worse.index
-        else _better(row, comparison.slower)
-        for _, row in frame.iterrows()
-    ]
-    return frame.assign(verdict=verdicts)
-
-
 def _better(row: pd.Series, slower: float) -> str:
     """A solver is faster, and right more often, by the mirror images of what makes it worse."""
     better = {
@@ -152,4 +146,56 @@ def _better(row: pd.Series, slower: float) -> str:
     texts = [text for text, applies in better.items() if applies]
     if texts:
         return "better: " + ", ".join(texts)
-    return SAME_CODE if row["same_code"] else NO_CHANGE
+    return "same code" if row["same_code"] else "no change"
+
+
+def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
+    """What two manifests do not share: what, base, new (as text), and solvers.
+
+    `solvers` is how many of the solvers in both runs it is about; NaN if it is about the run.
+    """
+    lines = [*_of_runs(base, new), *_of_solvers(base, new)]
+    return pd.DataFrame(lines, columns=["what", "base", "new", "solvers"])
+
+
+_Line = tuple[str, str, str, float]
+
+
+def _of_runs(base: Manifest, new: Manifest) -> Iterator[_Line]:
+    plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
+    before, after = (
+        {name.replace("_", " "): getattr(each, name) for name in plain}
+        | {f"machine: {key}": value for key, value in each.machine.items()}
+        | {f"version of {key}": value for key, value in each.versions.items()}
+        | {"git commit": each.git.get("commit")}
+        | {"jobs": ", ".join(map(str, sorted({run.jobs for run in each.runs})))}
+        for each in (base, new)
+    )
+    for what in dict.fromkeys([*before, *after]):
+        if before.get(what) != after.get(what):
+            yield what, _text(before.get(what)), _text(after.get(what)), float("nan")
+
+
+def _of_solvers(base: Manifest, new: Manifest) -> Iterator[_Line]:
+    """Packages with their versions, one line each; code and settings, one line for all solvers."""
+    both = [spec for spec in base.solvers if spec in new.solvers]
+    changed: dict[tuple[str, str, str], int] = {}
+    for spec in both:
+        before, after = base.solvers[spec], new.solvers[spec]
+        values = {
+            f"package {name}": (before.packages.get(name), after.packages.get(name))
+            for name in dict.fromkeys([*before.packages, *after.packages])
+        } | {f"settings of {spec}": (before.settings, after.settings)}
+        for what, (old, newer) in values.items():
+            if old != newer:
+                line = (what, _text(old), _text(newer))
+                changed[line] = changed.get(line, 0) + 1
+    for line, number in changed.items():
+        yield *line, float(number)
+    code = sum(base.solvers[spec].code_digest != new.solvers[spec].code_digest for spec in both)
+    if code:
+        yield "code of solvers, settings or packages", "one digest", "another", float(code)
+
+
+def _text(value: object) -> str:
+    return "–" if value is None or value == "" else str(value)
