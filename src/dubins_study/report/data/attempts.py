@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import duckdb
-import numpy as np
 import pandas as pd
 import pyarrow as pa
 
@@ -36,7 +35,7 @@ class Database:
     def __init__(self, rows: pa.Table) -> None:
         self._answers: dict[tuple[str, str], pd.DataFrame] = {}
         self._connection = duckdb.connect(config={"threads": 1})
-        self._connection.register("given", rows.append_column("place", [np.arange(len(rows))]))
+        self._connection.register("given", rows.append_column("place", pa.array(range(len(rows)))))
         self._connection.execute("CREATE TABLE attempts AS SELECT * FROM given")
         self._connection.unregister("given")
 
