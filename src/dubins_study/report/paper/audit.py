@@ -17,19 +17,19 @@ from flint import arb, ctx
 from dubins_study.report.paper import audit_rules as rules
 from dubins_study.report.paper.audit_claims import algorithm, statements
 from dubins_study.report.paper.exact import (
+    NIL,
     WORKING,
-    Number,
-    Pieces,
     ball,
     biased,
+    decide,
     distance,
     half_unit,
     ipopt_barrier,
-    number,
     offset,
     pieces,
     places_of,
     rounded,
+    text,
 )
 from dubins_study.report.paper.printed import (
     CORRECT,
@@ -47,7 +47,6 @@ from dubins_study.study.scenario import Scenario
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
 _AGREES = 1e-13  # relative to max(length, radius); about a hundred roundings of a double
-_ARRIVES = Fraction(1, 10**60)  # length unit; far below the 40 digits that are kept
 
 
 def audit() -> Record:
@@ -77,65 +76,56 @@ def audit() -> Record:
     return parts | {"summary": _summary(parts)}
 
 
-def _exact(problem: Problem, word: str) -> tuple[Pieces, list[Number]]:
-    """z1, z2, z3 of a word as balls, and z1, z2, z3, f as numbers; asserts that it arrives."""
+def _exact(problem: Problem, word: str) -> list[arb]:
+    """z1, z2, z3 and f of a word; asserts that it arrives."""
     z = pieces(problem, word)
-    assert z is not None, f"{problem.label} has no {word}"
     for side in offset(problem, z):
-        assert number(side).below(_ARRIVES), f"{problem.label}, {word} does not arrive"
-    return z, _with_total(z)
-
-
-def _with_total(z: Pieces) -> list[Number]:
-    return [number(value) for value in (*z, z[0] + z[1] + z[2])]
+        assert abs(side) < ball(NIL), f"{problem.label}, {word} does not arrive"
+    return [*z, z[0] + z[1] + z[2]]
 
 
 def _cells(row: PrintedRow, mu: arb) -> list[Record]:
     problem = PROBLEMS[row.label]
-    _, exact = _exact(problem, row.word)
-    with_bias = _with_total(biased(problem, row.word, mu))
+    exact = _exact(problem, row.word)
+    z = biased(problem, row.word, mu)
+    with_bias = [*z, z[0] + z[1] + z[2]]
     records = []
     places = places_of(row.cells[-1])
     findings = rules.judge(row.cells, exact, with_bias)
-    for quantity, text, value, biased_value, finding in zip(
+    total = ball(Decimal(row.cells[3])) + ball(half_unit(places))
+    too_short = row.path == "optimal" and total < exact[3]
+    for quantity, cell, value, biased_value, finding in zip(
         QUANTITIES, row.cells, exact, with_bias, findings, strict=True
     ):
-        if text == "0":
+        if cell == "0":
             continue
-        printed = Fraction(Decimal(text))
         derived = {
             "quantity": quantity,
-            "printed": text,
-            "exact": value.text(),
-            "difference": float(Number(printed - value.high, printed - value.low)),
-            "biased": biased_value.text(10),
-            "bias_prints": str(biased_value.decide(lambda v: rounded(v, places))),
+            "printed": cell,
+            "exact": text(value),
+            "difference": float(ball(Decimal(cell)) - value),
+            "biased": text(biased_value, 10),
+            "bias_prints": str(decide(biased_value, lambda v: rounded(v, places))),
             "verdict": finding.verdict,
-            "reason": finding.reason + _impossible(row, quantity, exact),
+            "reason": finding.reason
+            + ("; no path is that short" if quantity == "f" and too_short else ""),
         }
         records.append(row.record() | derived)
     return records
 
 
-def _impossible(row: PrintedRow, quantity: str, exact: list[Number]) -> str:
-    text = row.cells[3]
-    limit = Fraction(Decimal(text)) + half_unit(places_of(text))
-    short = quantity == "f" and row.path == "optimal" and limit < exact[3].low
-    return "; no path is that short" if short else ""
-
-
 def _path(row: PrintedRow) -> Record:
     """Drive the printed path from the exact start, and add its parts up."""
     problem = PROBLEMS[row.label]
-    z, exact = _exact(problem, row.word)
+    exact = _exact(problem, row.word)
     places = places_of(row.cells[-1])
-    printed = [Decimal(text) for text in row.cells]
+    printed = [Decimal(cell) for cell in row.cells]
     z1, z2, z3 = map(ball, printed[:3])
-    miss = number(distance(offset(problem, (z1, z2, z3))))
+    miss = distance(offset(problem, (z1, z2, z3)))
     correct = rules.rounded_row(exact, places)
     return row.record() | {
         "miss": float(miss),
-        "rounding_allows": _allowed(problem, z, places),
+        "rounding_allows": _allowed(problem, exact[:3], places),
         "sum_of_parts": str(sum(printed[:3])),
         "total": row.cells[-1],
         "adds_up": sum(printed[:3]) == printed[3],
@@ -144,7 +134,7 @@ def _path(row: PrintedRow) -> Record:
     }
 
 
-def _allowed(problem: Problem, z: Pieces, places: int) -> float:
+def _allowed(problem: Problem, z: list[arb], places: int) -> float:
     """The largest miss of a path if each of its parts is rounded by up to half a unit.
 
     For a fixed turn the miss is convex in the straight, and along the turn it grows with the
@@ -152,7 +142,7 @@ def _allowed(problem: Problem, z: Pieces, places: int) -> float:
     """
     half = ball(half_unit(places))
     corners = product(*((v,) if v == 0 else (v - half, v + half) for v in z))
-    return max(float(number(distance(offset(problem, (a, b, c))))) for a, b, c in corners)
+    return max(float(distance(offset(problem, (a, b, c)))) for a, b, c in corners)
 
 
 def _omitted() -> list[Record]:
@@ -162,8 +152,8 @@ def _omitted() -> list[Record]:
     for problem, word in product(PROBLEMS.values(), _WORDS):
         if (problem.label, word) in printed:
             continue
-        _, exact = _exact(problem, word)
-        values = {q: value.text() for q, value in zip(QUANTITIES, exact, strict=True)}
+        exact = _exact(problem, word)
+        values = {q: text(value) for q, value in zip(QUANTITIES, exact, strict=True)}
         path = _rank(problem, word)
         records.append({"label": problem.label, "path": path, "word": word, **values})
     return records
@@ -172,17 +162,17 @@ def _omitted() -> list[Record]:
 def _rank(problem: Problem, word: str) -> str:
     """`optimal` for the shorter of LS and RS, `feasible` for the longer."""
     words = (word, "LS" if word == "RS" else "RS")
-    length, other = (_exact(problem, each)[1][3] for each in words)
-    return "optimal" if length.high < other.low else "feasible"
+    length, other = (_exact(problem, each)[3] for each in words)
+    return "optimal" if length < other else "feasible"
 
 
 def _times() -> list[Record]:
     """Each printed solve time, in ticks of a clock with 64 ticks per second."""
     records = []
-    for label, path, text in TIMES:
-        ticks = round(Fraction(Decimal(text)) * 64)
-        is_ticks = rounded(Fraction(ticks, 64), places_of(text)) == Decimal(text)
-        record = {"label": label, "path": path, "printed": text}
+    for label, path, printed in TIMES:
+        ticks = round(Fraction(Decimal(printed)) * 64)
+        is_ticks = rounded(Fraction(ticks, 64), places_of(printed)) == Decimal(printed)
+        record = {"label": label, "path": path, "printed": printed}
         records.append(record | {"ticks": ticks, "is_ticks": is_ticks})
     return records
 

@@ -8,23 +8,23 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from dubins_study.report.paper.exact import (
-    Number,
+    NIL,
     Target,
     ball,
+    decide,
     heading,
     left_straight,
-    number,
     offset,
     pieces,
     positive,
     right_left,
     target,
+    text,
 )
 from dubins_study.report.paper.printed import PROBLEMS, Problem
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
-_NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
 
 
 class Beyond(NamedTuple):
@@ -62,25 +62,25 @@ def _crossing(position: str, problem: Problem) -> Record:
     arc = arb.atan2(near.X, 1 - near.Y)
     front = positive(near.X)
     edge = beyond(near, left)
-    round_radius = _rounded_up(number(circle))
+    round_radius = _rounded_up(circle)
     example = target(problem, ball(round_radius))
     there = beyond(example if left else example.mirrored, left)
     return {
         "label": position,
         "circle": "left" if left else "right",
         "half": "front" if front else "rear",
-        "radius": number(circle).text(),
-        "length_there": float(number((arc if front else arc + 2 * arb.pi()) * circle)),
+        "radius": text(circle),
+        "length_there": float((arc if front else arc + 2 * arb.pi()) * circle),
         "word_beyond": edge.word,
-        "length_beyond": float(number(edge.optimum * circle)),
+        "length_beyond": float(edge.optimum * circle),
         "algorithm_word": edge.algorithm_word,
-        "algorithm_length": float(number(edge.algorithm * circle)),
-        "algorithm_excess": float(number(edge.excess)),
-        "model_excess": float(number(edge.excess)) if left else 0.0,
+        "algorithm_length": float(edge.algorithm * circle),
+        "algorithm_excess": float(edge.excess),
+        "model_excess": float(edge.excess) if left else 0.0,
         "example_radius": round_radius,
-        "example_length": float(number(there.optimum * round_radius)),
-        "example_algorithm_length": float(number(there.algorithm * round_radius)),
-        "example_excess": float(number(there.excess)),
+        "example_length": float(there.optimum * round_radius),
+        "example_algorithm_length": float(there.algorithm * round_radius),
+        "example_excess": float(there.excess),
     }
 
 
@@ -88,19 +88,18 @@ def beyond(near: Target, left: bool) -> Beyond:
     """The optimum and the algorithm's answer inside a circle; `near` is mirrored if not `left`."""
     first, second = right_left(near)
     other = left_straight(near.mirrored)
-    assert other is not None  # the discs only touch, at the start
     words = ("RL", "RS") if left else ("LR", "LS")
     return Beyond(words[0], first + second, words[1], other[0] + other[1])
 
 
-def _rounded_up(value: Number) -> int:
+def _rounded_up(value: arb) -> int:
     """The next larger whole number with only one digit other than zero."""
 
     def rule(exact: Fraction) -> int:
         unit: int = 10 ** (len(str(int(exact))) - 1)
         return (int(exact / unit) + 1) * unit
 
-    return value.decide(rule)
+    return decide(value, rule)
 
 
 class Extremal(NamedTuple):
@@ -138,7 +137,6 @@ def _extremals() -> list[Extremal]:
     for problem in PROBLEMS.values():
         for word in _WORDS:
             z = pieces(problem, word)
-            assert z is not None, f"{problem.label} has no {word}"
             end = heading(problem) + (z[0] - z[1]) / problem.radius
             extremals.append(Extremal(problem, word, z[0] + z[1] + z[2], end, offset(problem, z)))
     return extremals
@@ -148,13 +146,12 @@ def statements() -> list[Record]:
     """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
     paths, crossings = _extremals(), algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
-    met = all(number(side).below(_NIL) for path in paths for side in path.offset)
+    nil = ball(NIL)
+    met = all(abs(side) < nil for path in paths for side in path.offset)
     radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)
-    qualify = [
-        path for path in paths if path.obeys_control_law and number(path.hamiltonian).below(_NIL)
-    ]
+    qualify = [path for path in paths if path.obeys_control_law and abs(path.hamiltonian) < nil]
     longest = max(
-        float(number(first.length / second.length))
+        float(first.length / second.length)
         for first in qualify
         for second in paths
         if first.problem == second.problem

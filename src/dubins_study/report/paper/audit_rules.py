@@ -18,12 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from decimal import Decimal
-from fractions import Fraction
 from typing import NamedTuple
 
+from flint import arb
+
 from dubins_study.report.paper.exact import (
-    Number,
-    half_unit,
+    decide,
     places_of,
     rounded,
     rounded_twice,
@@ -52,29 +52,27 @@ class Accident(NamedTuple):
     row: Row
 
 
-def judge(
-    printed: Sequence[str], exact: Sequence[Number], biased: Sequence[Number]
-) -> list[Finding]:
+def judge(printed: Sequence[str], exact: Sequence[arb], biased: Sequence[arb]) -> list[Finding]:
     """A verdict for each of a row's four cells, in the order of `QUANTITIES`."""
     accidents = _accidents(places_of(printed[-1]), exact, biased)
     return [_finding(i, printed, exact, accidents) for i in range(len(printed))]
 
 
-def rounded_row(values: Sequence[Number], places: int) -> list[Decimal]:
+def rounded_row(values: Sequence[arb], places: int) -> list[Decimal]:
     """A row correctly rounded."""
-    return [value.decide(lambda v: rounded(v, places)) for value in values]
+    return [decide(value, lambda v: rounded(v, places)) for value in values]
 
 
-def _twice(values: Sequence[Number], first: int, places: int) -> Row:
-    return [value.decide(lambda v: rounded_twice(v, first, places)) for value in values]
+def _twice(values: Sequence[arb], first: int, places: int) -> Row:
+    return [decide(value, lambda v: rounded_twice(v, first, places)) for value in values]
 
 
-def _accidents(places: int, exact: Sequence[Number], biased: Sequence[Number]) -> list[Accident]:
+def _accidents(places: int, exact: Sequence[arb], biased: Sequence[arb]) -> list[Accident]:
     twice = [
         Accident(DOUBLE, str(first), _twice(exact, first, places))
         for first in range(places + 1, _MOST_PLACES + 1)
     ]
-    cut = [[x.decide(lambda v: truncated(v, places)) for x in row] for row in (exact, biased)]
+    cut = [[decide(x, lambda v: truncated(v, places)) for x in row] for row in (exact, biased)]
     return [
         *twice,
         Accident(CUT, "cut off", cut[0]),
@@ -84,14 +82,12 @@ def _accidents(places: int, exact: Sequence[Number], biased: Sequence[Number]) -
 
 
 def _finding(
-    i: int, printed: Sequence[str], exact: Sequence[Number], accidents: Sequence[Accident]
+    i: int, printed: Sequence[str], exact: Sequence[arb], accidents: Sequence[Accident]
 ) -> Finding:
     cell, places = Decimal(printed[i]), places_of(printed[-1])
-    # Compare with the bounds instead of the rounded value: for a tie both neighbours are correct.
-    low, high = Fraction(cell) - half_unit(places), Fraction(cell) + half_unit(places)
-    if exact[i].decide(lambda v: v >= low) and exact[i].decide(lambda v: v <= high):
+    right = decide(exact[i], lambda v: rounded(v, places))
+    if cell == right:
         return Finding(CORRECT, "")
-    right = exact[i].decide(lambda v: rounded(v, places))
     fitting = [accident for accident in accidents if accident.row[i] == cell]
     if not fitting:
         units = abs(cell - right).scaleb(places)

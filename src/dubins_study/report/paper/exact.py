@@ -24,35 +24,31 @@ class UndecidedError(ArithmeticError):
     """The two bounds of a number give different answers: it was computed with too few digits."""
 
 
-class Number(NamedTuple):
-    """A real number in [low, high]."""
+def decide(value: arb, rule: Callable[[Fraction], T]) -> T:
+    """The result of a monotonic rule for a number, proven by applying it to both of its bounds.
 
-    low: Fraction
-    high: Fraction
+    Raises:
+        UndecidedError: if they disagree.
+    """
+    low, high = (rule(_fraction(end)) for end in (value.lower(), value.upper()))
+    if low != high:
+        raise UndecidedError(f"{value.str(20)}: {low} or {high}")
+    return low
 
-    def decide(self, rule: Callable[[Fraction], T]) -> T:
-        """The result of a monotonic rule for the number, proven by applying it to both bounds.
 
-        Raises:
-            UndecidedError: if they disagree.
-        """
-        low, high = rule(self.low), rule(self.high)
-        if low != high:
-            raise UndecidedError(
-                f"between {float(self.low)} and {float(self.high)}: {low} or {high}"
-            )
-        return low
+def _fraction(exact: arb) -> Fraction:
+    mantissa, exponent = exact.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
-    def below(self, bound: Fraction) -> bool:
-        """Whether its absolute value is proven to lie below a bound."""
-        return max(-self.low, self.high) < bound
 
-    def text(self, digits: int = KEPT) -> str:
-        """Correctly rounded to significant digits."""
-        return str(self.decide(lambda value: _significant(value, digits)))
+def text(value: arb, digits: int = KEPT) -> str:
+    """A number correctly rounded to significant digits."""
+    context = Context(prec=digits, rounding=ROUND_HALF_UP)
 
-    def __float__(self) -> float:
-        return float((self.low + self.high) / 2)
+    def divided(exact: Fraction) -> Decimal:
+        return context.divide(Decimal(exact.numerator), Decimal(exact.denominator))
+
+    return str(decide(value, divided))
 
 
 def rounded(value: Fraction, places: int) -> Decimal:
@@ -76,11 +72,6 @@ def _decimal(steps: int, places: int) -> Decimal:
     return Decimal(steps).scaleb(-places, Context(prec=200))
 
 
-def _significant(value: Fraction, digits: int) -> Decimal:
-    context = Context(prec=digits, rounding=ROUND_HALF_UP)
-    return context.divide(Decimal(value.numerator), Decimal(value.denominator))
-
-
 def places_of(printed: str) -> int:
     """Number of decimals of a printed number."""
     return len(printed.partition(".")[2])
@@ -92,19 +83,9 @@ def half_unit(places: int) -> Fraction:
 
 
 WORKING = 90  # digits; 40 are kept, and bisection and cancellation cost a few
+NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
 _STEPS = 300  # bisections: each halves the interval, and 90 digits are 299 bits
 Pieces = tuple[arb, arb, arb]
-
-
-def number(value: arb) -> Number:
-    """The ball's bounds as fractions."""
-    low, high = (_fraction(end) for end in (value.lower(), value.upper()))
-    return Number(low, high)
-
-
-def _fraction(exact: arb) -> Fraction:
-    mantissa, exponent = exact.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def ball(value: Fraction | Decimal | int) -> arb:
@@ -160,10 +141,10 @@ def heading(problem: Problem) -> arb:
     return ball(problem.heading) * arb.pi()
 
 
-def left_straight(at: Target) -> tuple[arb, arb] | None:
-    """LS: angle and straight; None inside the left turning circle (docs/derivation.md, eq. 3)."""
+def left_straight(at: Target) -> tuple[arb, arb]:
+    """LS: angle and straight (docs/derivation.md, eq. 3); none inside the left turning circle."""
     if positive(at.w):
-        return None
+        raise UndecidedError("no LS: the target lies inside the left turning circle")
     s = (-at.w).sqrt()
     half = arb.atan2(at.Y, at.X + s) if positive(at.X) else arb.atan2(s - at.X, at.Y - 2)
     return _wrapped(2 * half), s
@@ -182,12 +163,10 @@ def _wrapped(angle: arb) -> arb:
     return angle if positive(angle) else angle + 2 * arb.pi()
 
 
-def pieces(problem: Problem, word: str) -> Pieces | None:
-    """z1, z2, z3 (length unit) of the paper's LS or RS; None where the word does not exist."""
+def pieces(problem: Problem, word: str) -> Pieces:
+    """z1, z2, z3 (length unit) of the paper's LS or RS."""
     at = target(problem)
     unit = left_straight(at if word == "LS" else at.mirrored)
-    if unit is None:
-        return None
     turn, straight = (value * problem.radius for value in unit)
     return (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
 
@@ -230,17 +209,11 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
     """
     R = ball(problem.radius)
     at, weight = target(problem), mu / R
-    start = pieces(problem, word)
-    if start is None:
-        raise ValueError(f"{problem.label} has no {word} to be biased")
-    turn = (start[0] + start[1]) / R
+    turn = sum(pieces(problem, word)[:2]) / R
 
     def after(z1: arb) -> tuple[arb, arb, arb, arb]:
         there = at.after_left(z1)
-        rest = left_straight(there.mirrored)
-        if rest is None:
-            raise UndecidedError("RS after the first turn")
-        z2, z3 = rest
+        z2, z3 = left_straight(there.mirrored)
         drift = 2 * there.X / z3
         slope = 2 * (1 - z2.cos())
         pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3

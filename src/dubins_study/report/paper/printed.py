@@ -181,35 +181,9 @@ def _verdict(printed: float, ours: float | None, misprint: bool) -> str:
     return "misprint" if misprint else "differs"
 
 
-class Paper(NamedTuple):
-    """What is known of a paper, as the page, `report.md`, `report.tex` and `CITATION.cff` cite it.
-
-    The copy that the tables were read from names neither authors nor year, so none are given.
-
-    Args:
-        title: as printed.
-        authors: empty if they are not known.
-        year: None if it is not known.
-    """
-
-    title: str
-    authors: tuple[str, ...] = ()
-    year: int | None = None
-
-    @property
-    def citation(self) -> str:
-        """The paper in one line, for instance `A. Author, B. Author (1957): “Title”`."""
-        year = "" if self.year is None else f" ({self.year})"
-        before = f"{', '.join(self.authors)}{year}: " if self.authors else ""
-        missing = [
-            name for name, known in (("authors", self.authors), ("year", self.year)) if not known
-        ]
-        after = f" ({' and '.join(missing)} unknown to this study)" if missing else ""
-        return f"{before}“{self.title}”{after}"
-
-
-PAPER = Paper("Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target")
-
+# The copy that the tables were read from names neither authors nor year, so none are given.
+TITLE = "Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target"
+CITATION = f"“{TITLE}” (authors and year unknown to this study)"
 
 CORRECT = "correct rounding"
 
