@@ -127,7 +127,7 @@ def test_factors_and_shares(results):
     assert (saved["questions"], saved["evaluations"]) == (4, pytest.approx(205 / 50))
     assert (saved["evaluations_off"], saved["evaluations_on"]) == (20.5, 5)
     assert part["words without a path"] == pytest.approx(150 / 205)
-    assert strata(made, parts, "evaluations")["stratum"].unique().tolist() == [
+    assert strata(made, parts)["stratum"].unique().tolist() == [
         "stratum 0",
         "stratum 1",
     ]

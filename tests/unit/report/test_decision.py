@@ -197,7 +197,7 @@ def test_a_benchmark_decides_alone(results):
 
 
 def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
-    """Only failures, one solver, no closed form, only warm attempts: each in words."""
+    """Only failures, no closed form, only warm attempts: each in words."""
     scenarios = paper_scenarios()
     wrong = [attempt(s, "slsqp", path=astray(s), claim=Claim.FAILED) for s in scenarios]
     failures = _section([results("failures", wrong)])
@@ -205,7 +205,6 @@ def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
     only = _section([results("only", [attempt(s) for s in scenarios])])
 
     assert "no other method was right on any question" in failures.lead
-    assert "Only one method was asked" in failures.text
     assert "The closed form was not asked" in failures.text
     assert "Nothing can be recommended" in warm.lead
     assert warm.blocks == only.blocks == ()
@@ -239,9 +238,7 @@ def test_every_reader_finds_the_command_of_their_case(results):
             "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --engine dask",
             "--scenarios s.csv",
         ),
-        ("dubins-study run --scenarios 'a; rm b.csv'", "--scenarios 'a; rm b.csv'"),
         ("dubins-study run --scenarios 'no end", "s"),
-        ("rm s.csv", "s"),
         ("", "s"),
     ],
 )

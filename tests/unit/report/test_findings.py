@@ -261,18 +261,6 @@ def test_a_sentence_turns_round_with_the_rows(find, made, advice):
     assert finding.estimate.low > 0
 
 
-def test_the_number_follows_the_rows():
-    """Twice the time makes twice the number."""
-
-    def ratio(factor: float) -> float:
-        rows = of_two(IPOPT, SLSQP, partial(slower, factor))(MANY, True)
-        finding = found.slowest_engine(evidence(rows))
-        assert finding is not None
-        return finding.estimate.value
-
-    assert ratio(6.0) == pytest.approx(2 * ratio(3.0))
-
-
 def test_an_engine_is_not_slow_for_want_of_the_presolve():
     """Ipopt with the presolve and SLSQP without it are not alike, and say nothing of engines."""
     presolved = {"solver": "ipopt[presolve=True]"}

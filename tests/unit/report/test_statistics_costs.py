@@ -141,19 +141,6 @@ def test_performance_profile_as_dolan_and_more_define_it(table):
             assert profile.loc[factor, solver] == pytest.approx(sum(within) / len(table))
 
 
-@given(tables, st.floats(1e-3, 1e3))
-def test_a_profile_has_no_unit_and_rises(table, unit):
-    """Costs in another unit give the same curves; the cheapest are all questions that anyone
-    answers; powers of two, so that scaling is exact."""
-    scale = 2.0 ** math.floor(math.log2(unit))
-    profile = costs.performance_profile(table, FACTORS)
-
-    pd.testing.assert_frame_equal(costs.performance_profile(scale * table, FACTORS), profile)
-    assert (profile.diff().dropna() >= 0).all(axis=None)
-    answered = np.isfinite(table.min(axis=1)).mean()
-    assert profile.loc[1.0].sum() >= answered - 1e-12
-
-
 def test_a_cost_of_nothing():
     """0 by 0 is a tie; beside a cost of 0 any other is infinite."""
     table = pd.DataFrame({"a": [0.0, 0.0], "b": [0.0, 3.0]})

@@ -51,15 +51,6 @@ def test_the_examples_of_newcombe(successes, trials, expected):
     assert wilson_interval(successes, trials) == pytest.approx(expected, abs=5e-5)
 
 
-@given(st.integers(1, 10**6), st.floats(0, 1))
-def test_whole_numbers_as_in_scipy(trials, fraction):
-    """scipy solves the same quadratic; its own rounding is some units in the last place."""
-    successes = round(fraction * trials)
-    expected = stats.binomtest(successes, trials).proportion_ci(method="wilson")
-
-    assert wilson_interval(successes, trials) == pytest.approx(tuple(expected), abs=1e-12)
-
-
 @given(st.integers(1, 1000), st.floats(0.01, 0.99))
 def test_the_ends_are_z_standard_errors_from_the_share(trials, share):
     """The definition: |share - p| = z sqrt(p (1 - p) / n) at both ends p; fractional successes."""
@@ -256,16 +247,6 @@ def test_edges(name):
     assert single.loc["b", "low"] == single.loc["b", "high"] == single.loc["b", "estimate"]
     assert missing.loc["b"].isna().all()
     assert missing.loc["a"].notna().all()
-
-
-@given(st.integers(1, 50), st.integers(1, 20))
-def test_a_resample_has_the_size_of_the_sample(scenarios, resamples):
-    counts = intervals.scenario_counts(scenarios, resamples)
-
-    assert counts.shape == (resamples, scenarios)
-    assert (counts == np.floor(counts)).all()
-    assert counts.min() >= 0
-    assert counts.sum(axis=1).tolist() == [scenarios] * resamples
 
 
 @pytest.mark.slow

@@ -23,7 +23,6 @@ INF, NAN = float("inf"), float("nan")
 # Darwin's maize: cross- minus self-fertilised height of 15 pairs in eighths of an inch (Fisher
 # 1935, The Design of Experiments, sec. 17 and 21).
 MAIZE = np.array([49, -67, 8, 16, 6, 23, 28, 41, 14, 29, 56, 24, 75, 60, -48])
-probabilities = st.lists(st.floats(0, 1), min_size=1, max_size=12)
 
 
 def costs_of(differences):
@@ -59,14 +58,6 @@ def test_wilcoxon_as_all_sign_patterns_give_it(differences):
     far = abs(ranks @ (np.array(decided) > 0) - centre)
     assert outcome.p == pytest.approx((np.abs(sums - centre) >= far - 1e-9).mean())
     assert outcome.ties == len(differences) - len(decided)
-
-
-@pytest.mark.parametrize("pairs", [20, 50, 51, 384])
-def test_wilcoxon_as_in_scipy(pairs):
-    """Without ties scipy is exact up to 50 pairs and normal above, both of the same differences."""
-    logs = np.random.default_rng(pairs).normal(0.1, 1.0, pairs)
-
-    assert wilcoxon_test(np.exp(logs), np.ones(pairs)).p == pytest.approx(wilcoxon(logs).pvalue)
 
 
 def test_many_pairs_with_ties_as_in_scipy():
@@ -124,16 +115,6 @@ def test_a_test_has_two_sides(test, pairs):
     assert 0 <= one.p <= 1
 
 
-def test_the_wilcoxon_test_compares_factors_not_seconds():
-    """Halving nine small costs and doubling one large one: no doubt by factors, though the large
-    question takes more seconds than all others together."""
-    rival = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 1000.0])
-    mine = rival * np.array([0.5] * 9 + [1.1])
-
-    assert wilcoxon_test(mine, rival).p < 0.01
-    assert wilcoxon_test(1e-3 * mine, 1e-3 * rival).p == wilcoxon_test(mine, rival).p
-
-
 def test_holm_as_in_r():
     """R's package multtest, mt.rawp2adjp: the values by which statsmodels tests its `multipletests`
     (statsmodels/stats/tests/test_multi.py, res_multtest1, column Holm)."""
@@ -154,21 +135,6 @@ def test_holm_keeps_adjusted_values_in_order():
     p = [0.002, 0.004, 0.006, 0.008, 0.01, 0.012]
 
     assert holm(p) == pytest.approx([0.012, 0.02, 0.024, 0.024, 0.024, 0.024])
-
-
-@given(probabilities, st.floats(0.001, 0.999))
-def test_holm_rejects_step_by_step(p, alpha):
-    """Holm 1979: reject the smallest while p_(i) <= alpha / (m - i + 1), and then stop."""
-    adjusted, rejected = holm(p), set()
-    for place, test in enumerate(sorted(range(len(p)), key=p.__getitem__)):
-        # a product within rounding of alpha may fall on either side
-        if math.isclose(p[test] * (len(p) - place), alpha, rel_tol=1e-9):
-            return
-        if p[test] * (len(p) - place) > alpha:
-            break
-        rejected.add(test)
-
-    assert set(np.flatnonzero(adjusted <= alpha)) == rejected
 
 
 def test_holm_leaves_out_what_was_not_tested():

@@ -6,32 +6,28 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
-from weakref import WeakKeyDictionary
 
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
-from dubins_study.report.statistics.methods import UNSTATED, methods_of
+from dubins_study.report.statistics.methods import UNSTATED, methods_of, once
 from dubins_study.report.statistics.metrics import natural, parse_spec, solver_order
 from dubins_study.study.words import FORMULATION_LIST
 
 _FORMULATIONS = {formulation.name: formulation.short for formulation in FORMULATION_LIST}
 _MOST_CHARACTERS = 70
 
-_KNOWN: WeakKeyDictionary[Results, pd.DataFrame] = WeakKeyDictionary()
 
-
+@once
 def names_of(results: Results) -> pd.DataFrame:
     """All methods of a page as `methods_of`, indexed by solver, also if `results` is a selection.
 
     The column `label` has their short names, e.g. `Ipopt, joint LRS, zero start`.
     """
-    if results not in _KNOWN:
-        methods = methods_of(results.methods)
-        _KNOWN[results] = methods.assign(label=pd.Series(short_labels(methods), dtype=object))
-    return _KNOWN[results]
+    methods = methods_of(results.methods)
+    return methods.assign(label=pd.Series(short_labels(methods), dtype=object))
 
 
 def labels_of(results: Results) -> dict[str, str]:

@@ -154,21 +154,22 @@ def performance_profile(table: pd.DataFrame, factors: ArrayLike) -> pd.DataFrame
     best curve may be read as "best" (Gould and Scott 2016, "A note on performance profiles for
     benchmarking software", ACM Trans. Math. Softw. 43, article 15). Indexed by factor, tau >= 1.
     """
-    return shares_within(performance_ratios(table), factors, "factor")
+    return shares_within(performance_ratios(table), factors)
 
 
-def shares_within(table: pd.DataFrame, points: ArrayLike, name: str = "cost") -> pd.DataFrame:
+def shares_within(table: pd.DataFrame, points: ArrayLike) -> pd.DataFrame:
     """The share of questions that each solver answers within each cost.
 
     Of a cost table of function evaluations it is the data profile of More and Wild 2009
     ("Benchmarking derivative-free optimization algorithms", SIAM J. Optim. 20, sec. 2) in plain
     evaluations, without their division by the number of unknowns. A curve does not depend on the
-    other solvers. Indexed by the points, which are in the unit of the table and of which `name` is
-    the name; shares of the questions put to every solver.
+    other solvers. Indexed by the points, which are in the unit of the table; shares of the
+    questions put to every solver.
     """
-    costs, index = shared_questions(table), pd.Index(np.asarray(points, np.float64), name=name)
+    costs, index = shared_questions(table), pd.Index(np.asarray(points, np.float64))
+    reachable = np.minimum(index, np.finfo(np.float64).max)  # a failure is not reached within inf
     ordered = np.sort(costs.to_numpy(), axis=0)
-    shares = [np.searchsorted(column, _reachable(index), "right") for column in ordered.T]
+    shares = [np.searchsorted(column, reachable, "right") for column in ordered.T]
     counts = np.array(shares, dtype=np.float64).reshape(len(costs.columns), len(index)).T
     return pd.DataFrame(counts / len(costs) if len(costs) else np.nan, index, costs.columns)
 
@@ -177,7 +178,7 @@ def target_ecdf(
     gaps: pd.DataFrame,
     costs: pd.DataFrame,
     at: ArrayLike,
-    targets: ArrayLike = GAP_TARGETS,
+    targets: Sequence[float] = GAP_TARGETS,
 ) -> pd.DataFrame:
     """The share of (question, target) pairs reached within a cost, over a set of gap targets.
 
@@ -187,32 +188,14 @@ def target_ecdf(
     that is at least its gap, at its whole cost, and never reaches the others. It may have passed
     the loose targets earlier, so a curve is a lower bound of the curve with a recorded history.
 
-    Args:
-        gaps: questions by solvers; relative; NaN or infinite if no path arrived.
-        costs: questions by solvers, the cost of the run whatever its gap, any unit; NaN where the
-            solver was not asked. Its rows and columns are those of `gaps`.
-        at: costs at which to give the share of the pairs of the questions put to every solver,
-            shape (n,).
-        targets: gap targets, shape (m,).
+    `gaps` (relative; NaN or infinite if no path arrived) and `costs` (of the run whatever its gap,
+    any unit; NaN where the solver was not asked) have the same questions and solvers; the shares
+    are of the questions put to every solver, at the costs `at`.
     """
-    goals = np.sort(np.asarray(targets, dtype=np.float64))
-    final = gaps.astype(np.float64).fillna(np.inf).to_numpy()
-    shared = costs.notna().all(axis=1).to_numpy()
-    paid, final = shared_questions(costs), final[shared]
-    reached = goals.size - np.searchsorted(goals, final, side="left")
-    points = np.asarray(at, dtype=np.float64)
-    shares = {}
-    for place, (solver, column) in enumerate(paid.items()):
-        order = np.argsort(column.to_numpy(), kind="stable")
-        pairs = np.concatenate([[0], np.cumsum(reached[order, place])])
-        within = np.searchsorted(column.to_numpy()[order], _reachable(points), side="right")
-        shares[solver] = pairs[within] / (len(paid) * goals.size) if len(paid) else np.nan
-    return pd.DataFrame(shares, pd.Index(points, name="cost"), columns=paid.columns)
-
-
-def _reachable(points: ArrayLike) -> FloatArray:
-    """The points, none infinite: a failure is not reached even within an infinite cost."""
-    return np.minimum(np.asarray(points, np.float64), np.finfo(np.float64).max)
+    paid = shared_questions(costs)
+    final = gaps.loc[paid.index]
+    pairs = [paid.where(final <= target, np.inf) for target in targets]
+    return shares_within(pd.concat(pairs), at)
 
 
 # What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
@@ -288,20 +271,11 @@ def _lines(rows: pd.DataFrame) -> pd.DataFrame:
     Attempts whose lists of subproblems differ in length have no lines.
     """
     names = rows["subproblems"].fillna("").map(str.split)
-    sizes = names.map(len)
-    for column in AMOUNTS.values():
-        sizes = sizes.where(sizes == rows[column].map(_size), 0)
-    kept = sizes[sizes > 0].astype(int)
-    chain = itertools.chain.from_iterable
-    frame = pd.DataFrame(
-        {
-            "row": np.repeat(kept.index.to_numpy(), kept.to_numpy()),
-            "subproblem": list(chain(names[kept.index])),
-        }
-    )
-    for amount, column in AMOUNTS.items():
-        frame[amount] = np.array(list(chain(rows.loc[kept.index, column])), dtype=np.float64)
-    return frame
+    lists = rows[list(AMOUNTS.values())].set_axis(list(AMOUNTS), axis=1).assign(subproblem=names)
+    sizes = lists.map(_size)
+    alike = sizes.eq(sizes["subproblem"], axis=0).all(axis=1) & (sizes["subproblem"] > 0)
+    lines = lists[alike].explode(list(lists.columns)).reset_index(names="row")
+    return lines.astype(dict.fromkeys(AMOUNTS, np.float64))
 
 
 def _size(value: object) -> int:

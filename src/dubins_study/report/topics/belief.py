@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
+    interval_keys,
     method_columns,
     method_table,
     with_interval,
@@ -88,6 +90,9 @@ def claims(compared: Compared) -> pd.DataFrame:
     return rows.assign(truth=truth, proof=proof.where(false | high), excess=excess)
 
 
+_ENDS = ("share", "low", "high")
+
+
 def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The shares of each worth among `claims`, by groups of some columns; the unit is the question.
 
@@ -95,14 +100,13 @@ def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as there are
     questions; and one count of attempts for each of `PROOFS`.
     """
-    parts = []
+    parts: dict[str, pd.Series[Any]] = {}
     for name in TRUTHS:
         hits = rows.assign(hit=rows["truth"] == name)
         shares = scenario_shares(hits, by=keys, success="hit", scenario=["question"])
-        titles = {"share": name, "low": f"{name}_low", "high": f"{name}_high"}
-        shares = shares.drop(columns="successes").rename(columns={"trials": "questions"} | titles)
-        parts.append(shares)
-    frame = pd.concat([parts[0], *(part.drop(columns="questions") for part in parts[1:])], axis=1)
+        parts |= dict(zip(interval_keys(name), (shares[k] for k in _ENDS), strict=True))
+        parts["questions"] = shares["trials"]
+    frame = pd.DataFrame(parts)
     kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
     return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
 

@@ -97,12 +97,12 @@ def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     return compared.methods.join(parts.assign(total=means["total"]), how="inner")
 
 
-def strata(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
-    """Median of total / winning run in each stratum, with its interval.
+def strata(compared: Compared, split: Split) -> pd.DataFrame:
+    """Median of total / winning run in evaluations in each stratum, with its interval.
 
     Columns solver, stratum, questions, ratio, ratio_low, ratio_high.
     """
-    table = ratios(split, amount)
+    table = ratios(split, "evaluations")
     stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
     parts = []
     for stratum, group in table.groupby(stratum_of.reindex(table.index), sort=False):
@@ -291,7 +291,7 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
 
 def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
     """Strata in lines, the methods of the first formulation of the figure in columns."""
-    table = strata(attempts, answers, "evaluations")
+    table = strata(attempts, answers)
     kinds = shares(attempts, answers, "evaluations")
     bars = _bars(kinds, attempts)
     chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)

@@ -275,9 +275,6 @@ def decision_section(results: Results) -> Section | None:
         if exact
         else "The closed form was not asked here, so that its time is not known; the check "
         "compares every answer with it all the same.",
-        "Only one method was asked: the table shows how it does, and leaves no choice."
-        if found and max(choice.methods for choice in found) == 1
-        else "",
         f"{some(len(liars), 'method')} with a false proof at any question "
         f"{'is' if len(liars) == 1 else 'are'} left out where a proof is needed."
         if liars
@@ -285,14 +282,8 @@ def decision_section(results: Results) -> Section | None:
     )
     if not found:
         return Section("decision", TITLE, text, (), f"{_baseline(exact)}; no engine was asked.")
-    table = _table(found, labels_of(results))
-    return Section(
-        "decision",
-        TITLE,
-        text,
-        (table, cases_table(results)),
-        f"{_baseline(exact)}; {_advice(found)}",
-    )
+    tables = _table(found, labels_of(results)), cases_table(results)
+    return Section("decision", TITLE, text, tables, f"{_baseline(exact)}; {_advice(found)}")
 
 
 def _baseline(exact: Choice | None) -> str:
@@ -349,11 +340,11 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
 
 
 def _united(rows: Sequence[dict[str, Choice]]) -> list[list[Need]]:
-    """The needs, side by side; those with the same choices in all regions share a column."""
+    """The needs, side by side; those with the same solvers and numbers share a column."""
     united: list[list[Need]] = []
     for key, choice in rows[0].items():
         before = united[-1][-1].key if united else ""
-        if before and all(row[key][5:] == row[before][5:] for row in rows):
+        if before and all(row[key][-5:] == row[before][-5:] for row in rows):
             united[-1].append(choice.need)
         else:
             united.append([choice.need])

@@ -12,10 +12,11 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.intervals import geometric_means, medians
+from dubins_study.report.statistics.intervals import averages, geometric_means, medians
 from dubins_study.report.statistics.methods import compared
+from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import spread
+from dubins_study.report.topics.comparison import evaluations, spread, times
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -36,6 +37,9 @@ TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 STRATA = "Formulation by engine: strata"
+STOCHASTIC = "penalty"
+# Strata lie at 1e-6 radii from a circle, at 1e-3, at 0.1, and farther.
+_NEAR, _AWAY = 1e-5, 0.05
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
@@ -110,9 +114,15 @@ def _difference(
 ) -> Finding | None:
     """How much more often the first of each pair is right, or the second: whichever is better.
 
-    The sentence is made of the better and the worse name, and the percentage points.
+    A mean over pairs; a question counts if both of a pair were asked it. The sentence is made of
+    the better and the worse name, and the percentage points.
     """
-    points = evidence.rate_difference(pairs)
+    if not pairs:
+        return None
+    first, second = ([pair[side] for pair in pairs] for side in (0, 1))
+    differences = evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy()
+    means = pd.DataFrame(100 * differences, evidence.rates.index).mean(axis=1)
+    points = evidence.estimate(means, averages)
     if points is None or not points.excludes(0):
         return None
     better, worse = names
@@ -128,7 +138,9 @@ def single_order(evidence: Evidence) -> Finding | None:
     Engines and guesses together, those that met few questions too: a question is answered if any
     attempt of any method of the formulation is right.
     """
-    answered = _by_formulation(evidence, evidence.rates)
+    rates = evidence.rates[[s for s in evidence.rates if s in evidence.methods.index]]
+    formulation = evidence.methods["formulation"].reindex(rates.columns)
+    answered = rates.T.groupby(formulation).max().T
     if JOINT not in answered:
         return None
     rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
@@ -166,23 +178,19 @@ def _where(region: str) -> str:
 _WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}
 
 
-def _by_formulation(evidence: Evidence, rates: pd.DataFrame) -> pd.DataFrame:
-    """The largest rate of any method: questions by formulations."""
-    values = rates[[solver for solver in rates if solver in evidence.methods.index]]
-    formulation = evidence.methods["formulation"].reindex(values.columns)
-    return values.T.groupby(formulation).max().T
-
-
 def coarse_transcription(evidence: Evidence) -> Finding | None:
     """How often direct transcription is too coarse: right turns, but a path that is longer."""
     best = evidence.ranked.drop_duplicates("formulation").reset_index().set_index("formulation")
     if WORDS not in best.index:
         return None
-    words = evidence.share_of(evidence.coarse[best["solver"][WORDS]])
+    rows = evidence.compared.answerable
+    longer = (rows["verdict"] == "longer") & ~is_true(rows["wrong_basin"])
+    too_coarse = evidence.shares(longer)
+    words = evidence.share_of(too_coarse[best["solver"][WORDS]])
     shares: list[tuple[Estimate, str]] = []
     for name in TRANSCRIPTIONS:
         if name in best.index and words is not None:
-            coarse = evidence.share_of(evidence.coarse[best["solver"][name]])
+            coarse = evidence.share_of(too_coarse[best["solver"][name]])
             if coarse is not None and coarse.low > words.high:
                 shares.append((coarse, str(best["solver"][name])))
     if words is None or not shares:
@@ -227,25 +235,21 @@ def near_circles(evidence: Evidence) -> Finding | None:
     )
 
 
-# Strata lie at 1e-6 radii from a circle, at 1e-3, at 0.1, and farther.
-_NEAR, _AWAY = 1e-5, 0.05
-
-
-STOCHASTIC = "penalty"
+_RELIABLE = 0.99  # right on so many of the questions, a method may be advised
 
 
 def slowest_engine(evidence: Evidence) -> Finding | None:
     """Within one formulation, the slowest against the fastest engine that is right everywhere."""
+    reliable = evidence.ranked[evidence.ranked["right"] >= _RELIABLE]
     alike = ["formulation", "guess", "settings"]  # else the presolve would count as an engine's
     groups = [
-        (name, group.drop_duplicates("engine"))
-        for (name, *_), group in evidence.reliable.groupby(alike)
+        (name, group.drop_duplicates("engine")) for (name, *_), group in reliable.groupby(alike)
     ]
     groups = [(name, group) for name, group in groups if len(group) > 1]
     if not groups:
         return None
     name, group = max(groups, key=lambda pair: len(pair[1]))
-    medians = evidence.times[list(group.index)].median()
+    medians = times(evidence.compared)[list(group.index)].median()
     fastest, slowest = str(medians.idxmin()), str(medians.idxmax())
     ratio = evidence.time_ratio(slowest, fastest)
     if ratio is None or not ratio.low > 1:
@@ -264,7 +268,7 @@ def slowest_engine(evidence: Evidence) -> Finding | None:
 
 def presolve(evidence: Evidence) -> Finding | None:
     """What dropping words by geometry divides the evaluations by, in all and method by method."""
-    table = evidence.evaluations.replace(np.inf, np.nan)
+    table = evaluations(evidence.compared).replace(np.inf, np.nan)
     pairs = [p for p in presolve_pairs(evidence.methods) if set(p) <= set(table.columns)]
     if not pairs:
         return None

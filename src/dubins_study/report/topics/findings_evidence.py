@@ -12,16 +12,13 @@ from dubins_study.report.elements.formats import Format, digits, seconds, share,
 from dubins_study.report.elements.identity import interval_keys, with_interval
 from dubins_study.report.statistics.intervals import (
     Statistic,
-    averages,
     medians,
     wilson_interval,
 )
 from dubins_study.report.statistics.methods import Compared
-from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.belief import claims
 from dubins_study.report.topics.comparison import (
     ENOUGH_ASKED,
-    evaluations,
     mean_ranks,
     times,
 )
@@ -90,8 +87,6 @@ def percent(estimate: Estimate) -> Estimate:
 
 
 Pair = tuple[str, str]
-# Right on so many of the questions, a method may be advised.
-_RELIABLE = 0.99
 
 
 class Evidence:
@@ -104,33 +99,17 @@ class Evidence:
     @cached_property
     def rates(self) -> pd.DataFrame:
         """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
+        return self.shares(self.compared.answerable["right"])
+
+    def shares(self, holds: pd.Series[bool]) -> pd.DataFrame:
+        """Share of repeats of which something holds, as `rates`."""
         rows = self.compared.answerable
-        right = rows["right"].astype(np.float64)
-        return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
-
-    @cached_property
-    def times(self) -> pd.DataFrame:
-        """Cost table of whole attempts (s)."""
-        return times(self.compared)
-
-    @cached_property
-    def evaluations(self) -> pd.DataFrame:
-        """Cost table of function evaluations."""
-        return evaluations(self.compared)
-
-    @cached_property
-    def coarse(self) -> pd.DataFrame:
-        """Share of repeats with a path that arrives, turns the same way, and is longer."""
-        rows = self.compared.answerable
-        longer = (rows["verdict"] == "longer") & ~is_true(rows["wrong_basin"])
-        return (
-            longer.astype(np.float64).groupby([rows["question"], rows["solver"]]).mean().unstack()
-        )
+        return holds.astype(np.float64).groupby([rows["question"], rows["solver"]]).mean().unstack()
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
         """The methods in the order of their mean times, failures at the limit; may be empty."""
-        if self.times.dropna().empty:
+        if times(self.compared).dropna().empty:
             return self.methods.iloc[:0].assign(right=0.0, right_low=0.0, right_high=0.0)
         return mean_ranks(self.compared)[0]
 
@@ -146,11 +125,6 @@ class Evidence:
         proof = (self.claims["claim"] == "optimal") | self.claims["lower_bound"].notna()
         solvers = set(self.claims.loc[proof, "solver"])
         return [str(solver) for solver in self.methods.index if solver in solvers]
-
-    @property
-    def reliable(self) -> pd.DataFrame:
-        """The ranked methods that are right on nearly all questions."""
-        return self.ranked[self.ranked["right"] >= _RELIABLE]
 
     def name(self, solver: str) -> str:
         """Engine, guess and settings on a formulation."""
@@ -175,19 +149,6 @@ class Evidence:
         both = pd.concat(kinds, axis=1, join="inner", keys=["first", "second"])
         return [(str(a), str(b)) for a, b in both.itertuples(index=False)]
 
-    def rate_difference(self, pairs: list[Pair]) -> Estimate | None:
-        """By how much the first of each pair is right more often: the mean over pairs.
-
-        A question counts if both of a pair were asked it; in percentage points.
-        """
-        known = [pair for pair in pairs if set(pair) <= set(self.rates.columns)]
-        if not known:
-            return None
-        first, second = [a for a, _ in known], [b for _, b in known]
-        values = self.rates[first].to_numpy() - self.rates[second].to_numpy()
-        points = pd.DataFrame(100 * values, self.rates.index).mean(axis=1)
-        return self.estimate(points, averages)
-
     def estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
         """A statistic over questions; None if fewer than `ENOUGH` have a value."""
         known = values.dropna().to_frame("value")
@@ -209,7 +170,7 @@ class Evidence:
 
         Of each question the median over its repeats counts.
         """
-        if not {solver, base} <= set(self.times.columns):
+        if not {solver, base} <= set(times(self.compared).columns):
             return None
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
@@ -224,4 +185,4 @@ class Evidence:
         return f"{some(len(both), 'question')} that both answer, medians {above} and {below}"
 
     def _both_right(self, solver: str, base: str) -> pd.DataFrame:
-        return self.times[[solver, base]].replace(np.inf, np.nan).dropna()
+        return times(self.compared)[[solver, base]].replace(np.inf, np.nan).dropna()
