@@ -52,7 +52,7 @@ BUDGETS |= {
     "solvers": Size(9_220, 62),
     "experiments": Size(6_150, 40),
     "conformance": Size(1_870, 9),
-    "report": Size(13_980, 83),
+    "report": Size(13_340, 80),
     "package": Size(40_270, 263),
     "tests": Size(32_300, 200),
 }
