@@ -30,7 +30,7 @@ def experiments(
     """List the experiments that `run` knows by name."""
     from dubins_study.experiments.definition.experiment import packaged, read
     from dubins_study.experiments.plan.cells import overview
-    from dubins_study.experiments.plan.file_checks import read_checked
+    from dubins_study.experiments.plan.run_plan import read_checked
 
     if experiment is None:
         overviews = [overview(read(name)) for name in packaged()]

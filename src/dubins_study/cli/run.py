@@ -134,9 +134,12 @@ def _check_section(experiment: str) -> None:
 
     Rows are rows whatever the report makes of them, so that the run goes on.
     """
-    from dubins_study.experiments.definition.experiment import packaged, text_of
+    from dubins_study.experiments.definition.experiment import fields_of, packaged, text_of
 
-    section = None if experiment in packaged() else text_of(experiment).fields().get("section")
+    section = None
+    if experiment not in packaged():
+        source = text_of(experiment)
+        section = fields_of(source.path, source.text).get("section")
     if not isinstance(section, str):
         return
     from dubins_study.report.page.sections import KEYS

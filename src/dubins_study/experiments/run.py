@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
 from uuid import uuid4
@@ -14,7 +15,7 @@ from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.matrix import matrix
-from dubins_study.experiments.plan.run_plan import Request, RunPlan, cell_counts, plan_run
+from dubins_study.experiments.plan.run_plan import Request, RunPlan, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
@@ -134,7 +135,7 @@ def _solve(
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
     _log_beginning(plan, settings, left.cells)
-    totals = cell_counts(plan.keys | done_keys)
+    totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
     recorded_as_finished = manifest.finished is not None or not completes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -105,21 +104,6 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
         "  row 2: radius is 0.0; expected a number above 0",
         "  row 3: radius is empty; expected a number",
     ]
-
-
-def test_the_index_of_a_filtered_frame(tmp_path):
-    """pandas writes the index of a filtered frame as a column with a name of its own."""
-    frame = pd.DataFrame([*EXPECTED, *EXPECTED])
-    kept = frame.iloc[[0, 1, 3]]
-    kept.to_parquet(tmp_path / "a.parquet")
-    columns = pq.read_schema(tmp_path / "a.parquet").names
-    assert "__index_level_0__" in columns
-
-    message = refusal_of(tmp_path / "a.parquet")
-    assert message.startswith("the file: column '__index_level_0__' is the index of a pandas frame")
-    assert "to_parquet(..., index=False)" in message
-    kept.to_parquet(tmp_path / "b.parquet", index=False)
-    assert len(read_scenarios(tmp_path / "b.parquet")) == 3
 
 
 def test_so_many_mistakes_are_enough(tmp_path):

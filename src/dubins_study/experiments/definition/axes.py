@@ -5,34 +5,34 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from pydantic import (
-    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
+    Tag,
     WithJsonSchema,
 )
 
 from dubins_study.study.angle import parse_angle
 
 
-def _number(value: object) -> object:
+def _no_text(expected: str) -> BeforeValidator:
     """Refuse `true` and `false`, which Python would take for 1 and 0, and texts such as "2"."""
-    if isinstance(value, bool | str):
-        raise ValueError("expected a number")
-    return value
 
+    def check(value: object) -> object:
+        if isinstance(value, bool | str):
+            raise ValueError(expected)
+        return value
 
-def _whole_number(value: object) -> object:
-    """The same of a whole number."""
-    if isinstance(value, bool | str):
-        raise ValueError("expected a whole number")
-    return value
+    return BeforeValidator(check)
 
 
 def _number_or_angle(value: object) -> object:
     """Read a text such as "120deg" as an angle in radians; refuse booleans."""
-    return parse_angle(value) if isinstance(value, str) else _number(value)
+    if isinstance(value, bool):
+        raise ValueError("expected a number")
+    return parse_angle(value) if isinstance(value, str) else value
 
 
 Number = Annotated[
@@ -41,23 +41,13 @@ Number = Annotated[
     Field(allow_inf_nan=False),
     WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
 ]
-Count = Annotated[int, BeforeValidator(_whole_number), Field(ge=1, le=10**9)]
-Seed = Annotated[int, BeforeValidator(_whole_number), Field(ge=0, lt=2**63)]
-Gibibytes = Annotated[float, BeforeValidator(_number), Field(ge=0.25, le=2**20)]
+_WHOLE = _no_text("expected a whole number")
+Count = Annotated[int, _WHOLE, Field(ge=1, le=10**9)]
+Seed = Annotated[int, _WHOLE, Field(ge=0, lt=2**63)]
+Gibibytes = Annotated[float, _no_text("expected a number"), Field(ge=0.25, le=2**20)]
+Seconds = Annotated[float, _no_text("expected a number"), Field(gt=0, allow_inf_nan=False)]
 # Name of a section of the report. Only the report knows which sections exist.
 SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
-Seconds = Annotated[float, BeforeValidator(_number), Field(gt=0, allow_inf_nan=False)]
-
-
-def _above_zero(what: str) -> AfterValidator:
-    """Refuse a logarithmic sweep or range whose first two numbers are not above 0."""
-
-    def check(value: tuple[Any, ...]) -> tuple[Any, ...]:
-        if not (value[0] > 0 and value[1] > 0):
-            raise ValueError(f"a logarithmic {what} starts and ends above 0")
-        return value
-
-    return AfterValidator(check)
 
 
 class StrictModel(BaseModel):
@@ -66,34 +56,82 @@ class StrictModel(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
+def _items(names: str, *, above_zero: bool = False) -> BeforeValidator:
+    """Refuse a list of another length than its names, or a logarithmic one that reaches 0."""
+
+    def check(value: object) -> object:
+        if not isinstance(value, list | tuple) or len(value) != names.count(",") + 1:
+            raise ValueError(f"expected {names}")
+        ends = [end for end in value[:2] if isinstance(end, int | float)]
+        if above_zero and not all(end > 0 for end in ends):
+            what = "sweep" if "count" in names else "range"
+            raise ValueError(f"a logarithmic {what} starts and ends above 0")
+        return value
+
+    return BeforeValidator(check)
+
+
+_AXIS_ITEMS, _RANGE_ITEMS = "[first, last, count]", "[low, high]"
+
+
 class Linear(StrictModel):
     """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
 
-    linear: tuple[Number, Number, Count]
+    linear: Annotated[tuple[Number, Number, Count], _items(_AXIS_ITEMS)]
     """First value, last value, and how many."""
 
 
 class Log(StrictModel):
     """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
 
-    log: Annotated[tuple[Number, Number, Count], _above_zero("sweep")]
+    log: Annotated[tuple[Number, Number, Count], _items(_AXIS_ITEMS, above_zero=True)]
     """First value, last value, and how many; both values are above 0."""
 
 
 class LinearRange(StrictModel):
     """`[low, high]`: sampled values are spread uniformly between the two."""
 
-    linear: tuple[Number, Number]
+    linear: Annotated[tuple[Number, Number], _items(_RANGE_ITEMS)]
     """Least and largest value."""
 
 
 class LogRange(StrictModel):
     """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
 
-    log: Annotated[tuple[Number, Number], _above_zero("range")]
+    log: Annotated[tuple[Number, Number], _items(_RANGE_ITEMS, above_zero=True)]
     """Least and largest value, both above 0."""
 
 
+# A value is written in one of several ways. A step of an error's location with this beginning
+# names the way and is no key of the file.
+WAY = "way:"
+
+
+def _way(value: Any) -> str | None:
+    """The way in which a value of an axis or a range is written; None if it is none of them."""
+    if isinstance(value, dict):
+        return next((f"{WAY}{key}" for key in ("linear", "log") if key in value), None)
+    if isinstance(value, list):
+        return f"{WAY}list"
+    return f"{WAY}number" if isinstance(value, bool | int | float | str) else None
+
+
+def _written_as(expected: str) -> Discriminator:
+    return Discriminator(_way, custom_error_type="way", custom_error_message=expected)
+
+
 # The values of one field: a number, a list of numbers, or evenly spaced numbers.
-Axis = Number | Annotated[list[Number], Field(min_length=1)] | Linear | Log
-Range = LinearRange | LogRange
+Axis = Annotated[
+    Annotated[Number, Tag(f"{WAY}number")]
+    | Annotated[list[Number], Field(min_length=1), Tag(f"{WAY}list")]
+    | Annotated[Linear, Tag(f"{WAY}linear")]
+    | Annotated[Log, Tag(f"{WAY}log")],
+    _written_as(
+        "expected a number, a list of numbers, { linear = [first, last, count] } "
+        "or { log = [first, last, count] }"
+    ),
+]
+Range = Annotated[
+    Annotated[LinearRange, Tag(f"{WAY}linear")] | Annotated[LogRange, Tag(f"{WAY}log")],
+    _written_as("expected { linear = [low, high] } or { log = [low, high] }"),
+]

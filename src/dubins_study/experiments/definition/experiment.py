@@ -7,10 +7,9 @@ import re
 import tomllib
 from importlib.resources import files
 from pathlib import Path as FilePath
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple
 
-from pydantic import Field, ValidationError, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, ValidationError, field_validator
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
@@ -21,16 +20,9 @@ from dubins_study.experiments.definition.axes import (
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import (
-    NAMED_BY_KEY,
-    KeyPath,
-    Problem,
-    problems_of,
-    refusal,
-)
+from dubins_study.experiments.definition.messages import Problem, problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
-    FIRST,
     Block,
     GuessLengths,
     Sample,
@@ -73,19 +65,20 @@ class ExperimentText(NamedTuple):
     path: str
     text: str
 
-    def fields(self) -> dict[str, Any]:
-        """The keys of the file and their values; what is not TOML is refused at once."""
-        if long := _LONG_KEY.search(self.text):
-            line = self.text.count("\n", 0, long.start()) + 1
-            raise ExperimentError(
-                f"{self.path}: line {line}: a key of more than {_MOST_PARTS} parts; expected fewer"
-            )
-        try:
-            return tomllib.loads(self.text)
-        except (ValueError, RecursionError) as error:  # also: a number too long, or deep nesting
-            raise ExperimentError(
-                f"{self.path}: not TOML: {error}; mend this first: nothing behind it can be read"
-            ) from None
+
+def fields_of(path: str, text: str) -> dict[str, Any]:
+    """The keys of a TOML file and their values; what is not TOML is refused at once."""
+    if long := _LONG_KEY.search(text):
+        line = text.count("\n", 0, long.start()) + 1
+        raise ExperimentError(
+            f"{path}: line {line}: a key of more than {_MOST_PARTS} parts; expected fewer"
+        )
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also: a number too long, or deep nesting
+        raise ExperimentError(
+            f"{path}: not TOML: {error}; mend this first: nothing behind it can be read"
+        ) from None
 
 
 def text_of(name: str) -> ExperimentText:
@@ -101,20 +94,17 @@ def text_of(name: str) -> ExperimentText:
             f"{', '.join(packaged())}, or give the path of a .toml file"
         )
     try:
-        if (size := path.stat().st_size) > _MOST_BYTES:
-            raise ExperimentError(
-                f"experiment {name}: {size} bytes; expected at most {_MOST_BYTES}: list scenarios "
-                "in a .csv or .parquet file (--scenarios)"
-            )
-        return ExperimentText(path.stem, name, path.read_text(encoding="utf-8-sig"))
-    except ExperimentError:
-        raise
+        if (size := path.stat().st_size) <= _MOST_BYTES:
+            return ExperimentText(path.stem, name, path.read_text(encoding="utf-8-sig"))
     except UnicodeError:
         raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
-    except OSError as error:
-        raise ExperimentError(f"experiment {name}: cannot be read: {error.strerror}") from None
-    except ValueError as error:  # a path that no file system takes, such as one with a NUL
-        raise ExperimentError(f"experiment {name}: cannot be read: {error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a path that no file system takes
+        reason = getattr(error, "strerror", None) or error
+        raise ExperimentError(f"experiment {name}: cannot be read: {reason}") from None
+    raise ExperimentError(
+        f"experiment {name}: {size} bytes; expected at most {_MOST_BYTES}: list scenarios in a "
+        ".csv or .parquet file (--scenarios)"
+    )
 
 
 class First(StrictModel):
@@ -171,12 +161,6 @@ class Experiment(StrictModel):
     first: First | None = None
     """Solvers that are asked only a part of each sample."""
 
-    @model_validator(mode="after")
-    def _check_first(self) -> Self:
-        if self.first is not None and len(self.blocks) == len(self.scenarios):
-            raise PydanticCustomError(NAMED_BY_KEY, FIRST)
-        return self
-
     @property
     def blocks(self) -> list[Block]:
         """All blocks: those of the file, and the first scenarios of those that `first` is about."""
@@ -191,16 +175,6 @@ class Experiment(StrictModel):
                 changes = {"sample": sample, "solvers": first.solvers}
                 firsts.append(block.model_copy(update=changes))
         return [*self.scenarios, *firsts]
-
-    def solver_lists(self) -> dict[KeyPath, list[str]]:
-        """All lists of solvers by the path of their key in the file."""
-        lists: dict[KeyPath, list[str]] = {("solvers",): self.solvers}
-        if self.first is not None:
-            lists["first", "solvers"] = self.first.solvers
-        for number, block in enumerate(self.scenarios):
-            if block.solvers is not None:
-                lists["scenarios", number, "solvers"] = block.solvers
-        return lists
 
     @field_validator("branches")
     @classmethod
@@ -241,38 +215,42 @@ class ExperimentFile(NamedTuple):
 def read(name: str) -> ExperimentFile:
     """Read a packaged experiment by its name, or any experiment by the path of its TOML file.
 
-    Solvers are not looked at, nor whether scenarios go together: `plan.file_checks.read_checked`.
+    Solvers are not looked at, nor whether scenarios go together: `plan.run_plan.read_checked`.
 
     Raises:
-        ExperimentError: naming the file, the key, the value and what was expected.
+        ExperimentError: naming the file, and every wrong key, its line, its value and what was
+            expected.
     """
     return parse(*text_of(name))
 
 
 def parse(name: str, file: str, text: str) -> ExperimentFile:
     """Read an experiment from the text of its file; `file` is named in messages."""
-    fields = ExperimentText(name, file, text).fields()
-    return ExperimentFile(name, file, text, validated(file, fields, text))
+    experiment, problems = validated(fields_of(file, text))
+    if experiment is None:
+        raise ExperimentError(refusal(file, problems, text))
+    return ExperimentFile(name, file, text, experiment)
 
 
-def validated(file: str, fields: dict[str, Any], text: str = "") -> Experiment:
-    """Check the fields of an experiment; the error names every wrong key, with the text's line."""
+def validated(fields: dict[str, Any]) -> tuple[Experiment | None, list[Problem]]:
+    """The experiment of a file's fields, or None and every mistake of its keys."""
+    problems = key_conflicts(fields)
     try:
-        return Experiment.model_validate(fields)
+        experiment = Experiment.model_validate(fields)
     except ValidationError as error:
-        raise ExperimentError(refusal(file, file_problems(error, fields), text)) from None
-
-
-def file_problems(error: ValidationError, fields: dict[str, Any]) -> list[Problem]:
-    """Every mistake of invalid fields: of keys by themselves, and of keys beside each other."""
-    return problems_of(error, TABLE_KEYS) + key_conflicts(fields)
+        return None, problems_of(error, TABLE_KEYS) + problems
+    return None if problems else experiment, problems
 
 
 # Beside the packaged experiments; `tests/docs/test_reference.py` compares it with the models.
 SCHEMA_FILE = "experiment.schema.json"
 
-# pydantic's names of bounds, where a function reads the value first -> those of JSON schema
-_BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
+# Keys of pydantic's schema -> those of JSON schema. A value may be read by a function first, whose
+# bounds pydantic leaves with names of its own.
+_STANDARD = {
+    **{"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"},
+    "oneOf": "anyOf",
+}
 
 
 def json_schema() -> dict[str, Any]:
@@ -280,7 +258,7 @@ def json_schema() -> dict[str, Any]:
 
     What a schema cannot say, such as the ways to write a target, is checked by the models alone.
     """
-    schema: dict[str, Any] = _with_bounds(Experiment.model_json_schema())
+    schema: dict[str, Any] = _standard(Experiment.model_json_schema())
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **schema,
@@ -288,13 +266,13 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-def _with_bounds(schema: Any) -> Any:
-    """The schema with bounds by their standard names, in all its parts."""
+def _standard(schema: Any) -> Any:
+    """The schema with its keys by their standard names, in all its parts."""
     if isinstance(schema, list):
-        return [_with_bounds(part) for part in schema]
+        return [_standard(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
-    return {_BOUNDS.get(key, key): _with_bounds(part) for key, part in schema.items()}
+    return {_STANDARD.get(key, key): _standard(part) for key, part in schema.items()}
 
 
 def schema_text() -> str:

@@ -3,78 +3,40 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
-from itertools import accumulate
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
+from dubins_study.experiments.definition.axes import WAY
 from dubins_study.study.values import did_you_mean, nearest
 
-# Steps from the file to a value: keys of tables, and numbers of items of lists.
+# Steps from the file to a value: keys of tables, numbers of items of lists, or an item's text.
 KeyPath = tuple[str | int, ...]
 
-# What may begin a line: the header of a table or of an item of a list of tables, or a key.
-_LINE = re.compile(r"""(?:\[(\[)?)?((?:[\w .-]|"[^"]*"|'[^']*')+)([\]=])""")
 
-
-def key_lines(text: str) -> dict[KeyPath, int]:
-    """The line, from 1, of each key and table that begins a line, and of a list's whole items."""
-    lines: dict[KeyPath, int] = {}
-    items: dict[KeyPath, int] = {}  # list of tables -> how many it has so far
-    table: KeyPath = ()
-    path: KeyPath = ()
-    listed = 0  # items of the list at `path` so far
-    for number, line in enumerate(text.splitlines(), 1):
-        if (match := _LINE.match(line.lstrip())) is None:
-            for _ in range(_items(line)):
-                lines.setdefault((*path, listed), number)
-                listed += 1
+def line_of(path: KeyPath, text: str) -> int | None:
+    """The line, from 1, of a value, or of the innermost key around it that a search finds."""
+    place = 0
+    for depth, step in enumerate(path):
+        before = path[depth - 1] if depth else None
+        name = rf"""["']?{re.escape(str(before if isinstance(step, int) else step))}["']?"""
+        if isinstance(step, int):  # of a list of tables; no other list has keys in its items
+            headers = [*re.finditer(rf"^[ \t]*\[\[[ \t]*{name}[ \t]*\]", text, re.MULTILINE)]
+            place = headers[step].end() if step < len(headers) else place
             continue
-        is_item, written, end = match.groups()
-        steps = _steps(written)
-        if end == "=":
-            path = (*table, *steps)
-            listed = _items(line[line.index("=") + 1 :].strip().removeprefix("["))
-        else:
-            path = ()
-            for step in steps:  # in a header, a list of tables means its last item
-                path = (*path, items[path] - 1, step) if path in items else (*path, step)
-            if is_item:
-                lines.setdefault(path, number)
-                items[path] = items.get(path, 0) + 1
-                path = (*path, items[path] - 1)
-            table = path
-        for part in accumulate(((step,) for step in path), lambda a, b: (*a, *b)):
-            lines.setdefault(part, number)
-    return lines
-
-
-def _items(line: str) -> int:
-    """How many items of a list a line holds; 0 where it is no such line."""
-    try:
-        return len(tomllib.loads(f"x = [\n{line}\n]")["x"])
-    except ValueError:
-        return 0
-
-
-def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
-    """The line of a value, or of the innermost key around it that begins a line."""
-    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), None)
-
-
-def _steps(written: str) -> KeyPath:
-    """The steps of a dotted key; none where the line is part of a text of several lines."""
-    try:
-        value = tomllib.loads(f"{written} = 0")
-    except ValueError:
-        return ()
-    steps: list[str] = []
-    while isinstance(value, dict):
-        [(step, value)] = value.items()
-        steps.append(step)
-    return tuple(steps)
+        begins_line = rf"^[ \t]*(?:\[(?:[^\]\n]*[\[. \t])?)?{name}[ \t]*[.=\]]"
+        within_line = re.compile(rf"""[{{,.][ \t]*{name}[ \t]*[.=]|["']{re.escape(step)}["']""")
+        found = re.compile(begins_line, re.MULTILINE).search(text, place)
+        beside = within_line.search(text, place)
+        if beside and (
+            not found or (isinstance(before, str) and "\n" not in text[place : beside.start()])
+        ):
+            found = beside  # in a table or a list that is written within a line
+        if found is None:
+            break
+        place = found.end() - 1
+    return text.count("\n", 0, place) + 1 if place else None
 
 
 _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
@@ -82,20 +44,16 @@ _WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expect
 _EXPECTED = {
     "too_short": "expected at least one",
     "string_too_short": "expected a text that is not empty",
-    "too_long": "expected at most {max_length}",
     "string_too_long": "expected a text of at most {max_length} characters",
     "string_pattern_mismatch": "expected a name of small letters, digits and hyphens",
     "list_type": "expected a list",
-    "tuple_type": "expected a list",
     "string_type": _TEXT,
     "model_type": "expected a table",
     "dict_type": "expected a table",
     "int_type": _WHOLE,
-    "int_parsing": _WHOLE,
     "int_parsing_size": _WHOLE,
     "int_from_float": _WHOLE,
     "float_type": _NUMBER,
-    "float_parsing": _NUMBER,
     "finite_number": "expected a finite number",
     "greater_than": "expected a number above {gt}",
     "greater_than_equal": "expected a number of at least {ge}",
@@ -103,17 +61,11 @@ _EXPECTED = {
     "less_than_equal": "expected a number of at most {le}",
     "literal_error": "expected {expected}",
 }
-# pydantic's type of an error that `key_conflicts` names with its key and line.
-NAMED_BY_KEY = "named_by_key"
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,80}")
 _MAX_QUOTED_CHARS = 80
 _MAX_MESSAGE_CHARS = 320
 _MAX_PROBLEMS = 20  # that one refusal lists
-_AXIS = (
-    "expected a number, a list of numbers, { linear = [first, last, count] } "
-    "or { log = [first, last, count] }"
-)
-_RANGE = "expected { linear = [low, high] } or { log = [low, high] }"
+_MAX_SEARCHED = 200  # problems whose lines are looked for
 # Name of a table of the file, "" for the file itself -> the keys that it may have.
 TableKeys = Mapping[str, Iterable[str]]
 
@@ -127,106 +79,61 @@ class Problem(NamedTuple):
 
 def refusal(file: str, problems: list[Problem], text: str = "") -> str:
     """All problems of a file in one message, with lines if there is a text; a line each."""
-    lines = key_lines(text)
-    placed = [(line_of(path, lines) or 0, sentence) for path, sentence in problems]
+    placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems[:_MAX_SEARCHED]]
     placed.sort(key=lambda place: place[0])
     unique = dict.fromkeys(f"line {n}: {sentence}" if n else sentence for n, sentence in placed)
     sentences = list(unique)
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
-    more = len(sentences) - _MAX_PROBLEMS
+    count = len(sentences) + len(problems[_MAX_SEARCHED:])
+    more = count - _MAX_PROBLEMS
     listed = sentences[:_MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
-    return "\n  ".join([f"{file}: {len(sentences)} mistakes", *listed])
+    return "\n  ".join([f"{file}: {count} mistakes", *listed])
 
 
 def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
-    """Every mistake that pydantic found, once, but for those that `key_conflicts` names."""
-    # A value that fits no variant of a union causes one error per variant. The user most likely
-    # meant the variant whose value was checked, or else the deepest one.
-    groups: dict[KeyPath, list[Any]] = {}
-    for each in error.errors():
-        groups.setdefault(_before_variant(each["loc"]), []).append(each)
-    worst = [
-        max(group, key=lambda e: (e["type"] in ("value_error", "too_short"), len(e["loc"])))
-        for group in groups.values()
-    ]
-    misspelt = {_meant(each["loc"], known) for each in worst if each["type"] == "extra_forbidden"}
-    return [
-        Problem(_path(each["loc"]), _sentence(each, known))
-        for each in worst
-        # a key that is missing because it is misspelt is one mistake
-        if each["type"] != NAMED_BY_KEY
-        and not (each["type"] == "missing" and each["loc"] in misspelt)
-    ]
-
-
-def _before_variant(location: KeyPath) -> KeyPath:
-    """The location up to the value that may be written in several ways; whole, if none may."""
-    for place, step in enumerate(location):
-        if _is_variant(step):
-            return location[:place]
-    return location
-
-
-def _meant(location: KeyPath, known: TableKeys) -> KeyPath:
-    """The location of the known key that an unknown one is most like."""
-    return (*location[:-1], nearest(location[-1], _keys_beside(location, known)) or "")
-
-
-def _keys_beside(location: KeyPath, known: TableKeys) -> Iterable[str]:
-    """The keys that the table of a location may have."""
-    names = [step for step in _path(location[:-1]) if isinstance(step, str)]
-    return known.get(names[-1] if names else "", ())
-
-
-def _sentence(error: Any, known: TableKeys) -> str:
-    """The key, its value and what was expected."""
-    kind, location, value = error["type"], error["loc"], error["input"]
-    variant = len(_before_variant(location))
-    if variant < len(location):
-        message = _union_error(kind, location, variant, value)
-        if message is not None:
-            return message
-    key = _key(location) or "the file"
-    if kind == "missing":
-        return f"{key}: missing"
-    if kind == "extra_forbidden":
-        near = did_you_mean(location[-1], _keys_beside(location, known)).rstrip()
-        return f"{key}: unknown key{'; ' if near else ''}{near}"
-    message = error["msg"].removeprefix("Value error, ")
-    if location[-1:] == ("[key]",):  # the value is the key itself
-        value = {}
-    if kind in _EXPECTED:
-        message = _EXPECTED[kind].format(**error.get("ctx", {}))
-    return f"{key}{_quoted(value)}: {message:.{_MAX_MESSAGE_CHARS}}"
-
-
-def _union_error(kind: str, location: KeyPath, variant: int, value: object) -> str | None:
-    """The message for a value that may be written in several ways and fits none of them.
-
-    The step of the location at `variant` names one of the ways. None if the error is not about
-    which of them was meant.
-    """
-    after = location[variant + 1 :]
-    ways, items = _AXIS, "[first, last, count]"
-    if "Range" in str(location[variant]):
-        ways, items = _RANGE, "[low, high]"
-    if kind in ("tuple_type", "too_long") or (kind == "missing" and len(after) == 2):
-        return f"{_key((*location[:variant], *after[:1]))}{_quoted(value)}: expected {items}"
-    if kind in ("missing", "extra_forbidden") or (not after and kind.endswith("_type")):
-        quoted = "" if after else _quoted(value)
-        return f"{_key(location[:variant])}{quoted}: {ways}"
-    return None
+    """Every mistake that pydantic found."""
+    errors = [(_path(each["loc"]), each) for each in error.errors(include_url=False)]
+    misspelt = {
+        (*path[:-1], nearest(path[-1], _keys_beside(path, known)))
+        for path, each in errors
+        if each["type"] == "extra_forbidden"
+    }
+    problems = []
+    for path, each in errors:
+        if each["type"] != "missing":
+            problems.append(Problem(path, _sentence(path, each, known)))
+        elif path not in misspelt:  # a key that is missing because it is misspelt is one mistake
+            problems.append(Problem(path[:-1], f"{_key(path)}: missing"))
+    return problems
 
 
 def _path(location: KeyPath) -> KeyPath:
     """The steps of a location that are keys and numbers of the file."""
-    return tuple(step for step in location if not _is_variant(step))
+    return tuple(step for step in location if not str(step).startswith(WAY))
 
 
-def _key(location: KeyPath) -> str:
-    """The dotted key of a location, such as `scenarios.0.radius`."""
-    return ".".join(map(_step, _path(location)))
+def _keys_beside(path: KeyPath, known: TableKeys) -> Iterable[str]:
+    """The keys that the table of a key may have."""
+    tables = [step for step in path[:-1] if isinstance(step, str)]
+    return known.get(tables[-1] if tables else "", ())
+
+
+def _sentence(path: KeyPath, error: Any, known: TableKeys) -> str:
+    """The key, its value and what was expected."""
+    kind, key = error["type"], _key(path)
+    if kind == "extra_forbidden":
+        near = did_you_mean(path[-1], _keys_beside(path, known)).rstrip()
+        return f"{key}: unknown key{'; ' if near else ''}{near}"
+    message = error["msg"].removeprefix("Value error, ")
+    if kind in _EXPECTED:
+        message = _EXPECTED[kind].format(**error.get("ctx", {}))
+    return f"{key}{_quoted(error['input'])}: {message:.{_MAX_MESSAGE_CHARS}}"
+
+
+def _key(path: KeyPath) -> str:
+    """The dotted key of a value, such as `scenarios.0.radius`."""
+    return ".".join(map(_step, path))
 
 
 def _step(step: object) -> str:
@@ -243,8 +150,3 @@ def _quoted(value: object) -> str:
         return f" is {value!r:.{_MAX_QUOTED_CHARS}}"
     except ValueError:  # Python refuses to print an integer of more than 4300 digits
         return " holds an integer of thousands of digits"
-
-
-def _is_variant(step: object) -> bool:
-    """Whether a step of an error's location names a variant of a union and not a key."""
-    return isinstance(step, str) and (step[:1].isupper() or "[" in step or step == "float")

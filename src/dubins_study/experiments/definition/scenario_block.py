@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
+    BeforeValidator,
     Field,
-    TypeAdapter,
-    ValidationError,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    create_model,
     field_validator,
-    model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from dubins_study.experiments.definition.axes import (
     Axis,
@@ -27,7 +25,7 @@ from dubins_study.experiments.definition.axes import (
     Seed,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import NAMED_BY_KEY, Problem
+from dubins_study.experiments.definition.messages import Problem
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES
 
@@ -36,13 +34,11 @@ CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
 _WAYS = (CARTESIAN, POLAR, CIRCULAR)
-TARGETS = f"expected {', or '.join(' and '.join(way) for way in _WAYS)}"
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
-ANGLES = ("heading", "bearing", "arc")  # the fields that may be written as texts: "120deg"
+_ANGLES = ("heading", "bearing", "arc")  # the fields that may be written as texts: "120deg"
 
-
-MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
-# Field -> the rule of its values; a rule about a number by itself, so that a file's lines tell it.
+_MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
+# Field -> the rule of its values.
 _RULES: dict[str, tuple[Callable[[float], bool], str]] = {
     "radius": (lambda value: value > 0, "above 0"),
     "speed": (lambda value: value > 0, "above 0"),
@@ -50,61 +46,57 @@ _RULES: dict[str, tuple[Callable[[float], bool], str]] = {
     "margin": (lambda value: value >= -1, "of at least -1, the circle's centre"),
     **dict.fromkeys(
         ("z1", "z2", "z3"),
-        (lambda value: 0 <= value <= MAX_GUESS_LENGTH, f"from 0 to {MAX_GUESS_LENGTH:g} radii"),
+        (lambda value: 0 <= value <= _MAX_GUESS_LENGTH, f"from 0 to {_MAX_GUESS_LENGTH:g} radii"),
     ),
 }
-_SIGNED = [field for field in _RULES if field in FIELDS]
 _MOST_VALUES = 5  # that a sentence lists
 
 
-def values_of(axis: Axis | Range | None) -> list[float]:
+def _values(axis: Axis | Range) -> list[float]:
     """The values of an axis or a range; of an evenly spaced one, those at its ends."""
+    if isinstance(axis, Linear | LinearRange):
+        return list(axis.linear[:2])
     if isinstance(axis, Log | LogRange):
         return list(axis.log[:2])
-    if isinstance(axis, Linear):
-        first, last, count = axis.linear
-        return [first, last] if count > 1 else [first]
-    if isinstance(axis, LinearRange):
-        return list(axis.linear)
-    if isinstance(axis, list):
+    return axis if isinstance(axis, list) else [axis]
+
+
+class _Fields(StrictModel):
+    """A table with fields of scenarios or of guesses, whose values keep the rules of the field."""
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _check_values(
+        cls, written: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
+    ) -> Any:
+        name = str(info.field_name)
+        if name in FIELDS and name not in _ANGLES:
+            items = next(iter(written.values()), None) if isinstance(written, dict) else written
+            if any(isinstance(i, str) for i in (items if isinstance(items, list) else [items])):
+                raise ValueError(
+                    "expected a number; texts such as '120deg' are for angles: "
+                    f"{', '.join(_ANGLES)}"
+                )
+        axis = validate(written)
+        holds, rule = _RULES.get(name, (None, ""))
+        wrong = [] if holds is None else [str(v) for v in _values(axis) if not holds(v)]
+        if wrong:
+            more = len(wrong) - _MOST_VALUES
+            listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
+            raise ValueError(f"expected a number {rule}; got {listed}")
         return axis
-    return [] if axis is None else [axis]
 
 
-def refused(field: str, values: list[float]) -> str | None:
-    """What is wrong with values of a field, all of them in a sentence; None if nothing is."""
-    holds, rule = _RULES.get(field, (None, ""))
-    wrong = [] if holds is None else [str(value) for value in values if not holds(value)]
-    if not wrong:
-        return None
-    more = len(wrong) - _MOST_VALUES
-    listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
-    return f"expected a number {rule}; got {listed}"
+_Ranges = create_model(  # type: ignore[call-overload]
+    "_Ranges", __base__=_Fields, **dict.fromkeys(FIELDS, (Range | None, None))
+)
 
 
-def _without_texts(axis: object) -> object:
-    """An axis or a range as the file has it, if no value of it is a text."""
-    values = next(iter(axis.values()), None) if isinstance(axis, dict) else axis
-    texts = [v for v in (values if isinstance(values, list) else [values]) if isinstance(v, str)]
-    if texts:
-        angles = ", ".join(ANGLES)
-        raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
-    return axis
-
-
-def _checked_values(axis: Axis, info: ValidationInfo) -> Axis:
-    if sentence := refused(str(info.field_name), values_of(axis)):
-        raise ValueError(sentence)
-    return axis
-
-
-def _field_name(name: str) -> str:
-    if name not in FIELDS:
-        raise ValueError(f"no such field; {did_you_mean(name, FIELDS)}expected {', '.join(FIELDS)}")
-    return name
-
-
-FieldName = Annotated[str, AfterValidator(_field_name)]
+def _check_ranges(ranges: object) -> object:
+    """Check ranges field by field; they keep their order, in which a sample is drawn."""
+    if isinstance(ranges, dict):
+        _Ranges.model_validate(ranges)
+    return ranges
 
 
 class Sample(StrictModel):
@@ -116,29 +108,11 @@ class Sample(StrictModel):
     """Number of scenarios."""
     seed: Seed
     """The same seed draws the same points."""
-    ranges: dict[FieldName, Range] = Field(min_length=1)
+    ranges: Annotated[dict[str, Range], Field(min_length=1), BeforeValidator(_check_ranges)]
     """Field -> its range; a field of the block that is not named here has the block's value."""
 
-    @field_validator("ranges", mode="before")
-    @classmethod
-    def _check_texts(cls, ranges: object) -> object:
-        for name, over in ranges.items() if isinstance(ranges, dict) else ():
-            if name not in ANGLES:
-                try:
-                    _without_texts(over)
-                except ValueError as error:
-                    raise ValueError(f"{name}: {error}") from None
-        return ranges
 
-    @field_validator("ranges")
-    @classmethod
-    def _check_ranges(cls, ranges: dict[str, Range]) -> dict[str, Range]:
-        if any(refused(name, values_of(over)) for name, over in ranges.items()):
-            raise PydanticCustomError(NAMED_BY_KEY, "a range whose values cannot be")
-        return ranges
-
-
-class GuessLengths(StrictModel):
+class GuessLengths(_Fields):
     """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
 
     z1 is the length of the left turn, z2 of the right turn, z3 of the straight. The initial guesses
@@ -152,17 +126,12 @@ class GuessLengths(StrictModel):
     z3: Axis
     """Length of the straight."""
 
-    @field_validator("z1", "z2", "z3")
-    @classmethod
-    def _check_values(cls, axis: Axis, info: ValidationInfo) -> Axis:
-        return _checked_values(axis, info)
-
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
         return self.z1, self.z2, self.z3
 
 
-class Block(StrictModel):
+class Block(_Fields):
     """Scenarios: all combinations of the fields' values, or a sample.
 
     The target is written in one of these ways:
@@ -176,7 +145,6 @@ class Block(StrictModel):
     the experiment's `initial_guesses`.
     """
 
-    listed_apart: ClassVar[bool] = False  # in a file of scenarios
     label: str = ""
     """Name of the scenarios; the report calls scenarios of one label a stratum."""
     x: Axis = 0.0
@@ -215,24 +183,6 @@ class Block(StrictModel):
         values: Axis | None = getattr(self, field)
         return values
 
-    @model_validator(mode="after")
-    def _check_target(self) -> Self:
-        if self.listed_apart:
-            return self
-        given = {field for field in FIELDS if self.axis(field) is not None}
-        if self.sample is not None:
-            given |= set(self.sample.ranges)
-        if not one_target(given):
-            raise PydanticCustomError(NAMED_BY_KEY, TARGETS)
-        return self
-
-    _check_texts = field_validator(*sorted({*FIELDS} - {*ANGLES}), mode="before")(_without_texts)
-
-    @field_validator(*_SIGNED)
-    @classmethod
-    def _check_values(cls, axis: Axis | None, info: ValidationInfo) -> Axis | None:
-        return None if axis is None else _checked_values(axis, info)
-
     @field_validator("branches")
     @classmethod
     def _check_branches(cls, value: list[str] | None) -> list[str] | None:
@@ -245,13 +195,7 @@ class ListedBlock(Block):
     `listed` is a frame with the columns of `study.scenario.COLUMNS`, one row a scenario.
     """
 
-    listed_apart: ClassVar[bool] = True
     listed: Any = Field(exclude=True)
-
-
-def one_target(given: set[str]) -> bool:
-    """Whether fields write a target in one of the ways, and in one only."""
-    return given & {field for way in _WAYS for field in way} in map(set, _WAYS)
 
 
 def known_branches(branches: list[str]) -> list[str]:
@@ -263,20 +207,23 @@ def known_branches(branches: list[str]) -> list[str]:
     return branches
 
 
-_RANGE: TypeAdapter[Range] = TypeAdapter(Range)
-FIRST = "first: expected a block with a sample and without solvers of its own, and there is none"
-
-
 def key_conflicts(fields: dict[str, Any]) -> list[Problem]:
-    """Blocks without a target, ranges of values that cannot be, and a `first` about nothing."""
+    """Blocks of a file with no target or several, and a `first` that is about no block."""
     problems = []
     for number, block in tables(fields):
-        problems += _target_problems(number, block)
-        problems += _range_problems(number, block)
+        sample = block.get("sample")
+        ranges = sample.get("ranges") if isinstance(sample, dict) else None
+        keys = {*block, *(ranges if isinstance(ranges, dict) else ())}
+        target = keys & {field for way in _WAYS for field in way}
+        # an unknown key may be a part of the target
+        if keys <= {*Block.model_fields} and target not in map(set, _WAYS):
+            ways = ", or ".join(" and ".join(way) for way in _WAYS)
+            problems.append(Problem(("scenarios", number), f"scenarios.{number}: expected {ways}"))
     blocks = [block for _, block in tables(fields)]
     sampled = any("sample" in block and "solvers" not in block for block in blocks)
     if isinstance(fields.get("first"), dict) and blocks and not sampled:
-        problems.append(Problem(("first",), FIRST))
+        expected = "expected a block with a sample and without solvers of its own"
+        problems.append(Problem(("first",), f"first: {expected}, and there is none"))
     return problems
 
 
@@ -286,31 +233,3 @@ def tables(fields: dict[str, Any]) -> Iterator[tuple[int, dict[str, Any]]]:
     for number, block in enumerate(blocks if isinstance(blocks, list) else ()):
         if isinstance(block, dict):
             yield number, block
-
-
-def _ranges(block: dict[str, Any]) -> dict[str, Any]:
-    sample = block.get("sample")
-    ranges = sample.get("ranges") if isinstance(sample, dict) else None
-    return ranges if isinstance(ranges, dict) else {}
-
-
-def _target_problems(number: int, block: dict[str, Any]) -> list[Problem]:
-    """No target, or two; not of a block with an unknown key: that may be a part of the target."""
-    sampled = set(_ranges(block))
-    unknown = (block.keys() - Block.model_fields.keys()) | (sampled - set(FIELDS))
-    if unknown or one_target(sampled | block.keys()):
-        return []
-    return [Problem(("scenarios", number), f"scenarios.{number}: {TARGETS}")]
-
-
-def _range_problems(number: int, block: dict[str, Any]) -> list[Problem]:
-    problems = []
-    for name, over in _ranges(block).items():
-        try:
-            sentence = refused(name, values_of(_RANGE.validate_python(over)))
-        except ValidationError:  # no range: the models tell it
-            continue
-        if sentence:
-            path = ("scenarios", number, "sample", "ranges", name)
-            problems.append(Problem(path, f"{'.'.join(map(str, path))}: {sentence}"))
-    return problems

@@ -1,4 +1,4 @@
-"""Scenarios listed in a CSV or Parquet file: read, checked row by row, made an experiment."""
+"""Scenarios listed in a CSV or Parquet file: read, and checked row by row."""
 
 from __future__ import annotations
 
@@ -9,13 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-from dubins_study.experiments.definition.experiment import (
-    ExperimentError,
-    ExperimentFile,
-    validated,
-)
+from dubins_study.experiments.definition.experiment import ExperimentText
 from dubins_study.experiments.definition.messages import Problem, refusal
-from dubins_study.experiments.definition.scenario_block import ListedBlock
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
     COLUMNS,
@@ -25,7 +20,7 @@ from dubins_study.study.scenario import (
     check_frame,
     missing_columns,
 )
-from dubins_study.study.values import did_you_mean, nearest, plain, short
+from dubins_study.study.values import did_you_mean, plain, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,10 +30,10 @@ MOST_SCENARIOS = 1_000_000
 _MOST_BYTES = 2**30
 _DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
 _REQUIRED = [name for name in COLUMNS if name not in _DEFAULTS]
-_EXPECTED = f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(_DEFAULTS)}"
-# What pandas names an index without a name, such as that of a filtered frame.
-_PANDAS_INDEX = "__index_level_"
-_NO_INDEX = "leave it out with to_parquet(..., index=False)"
+_EXPECTED = (
+    f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(_DEFAULTS)}; from "
+    "pandas with index=False"
+)
 # Where a row stands, such as `line 7`, and its values by column.
 _Row = tuple[str, dict[str, Any]]
 
@@ -56,13 +51,11 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     """
     place = FilePath(file)
     read = {".csv": _csv_rows, ".parquet": _parquet_rows}.get(place.suffix)
-    if read is None:
+    if read is None or place.stem in (".", ".."):  # the results folder is named after the stem
         raise ScenarioFileError(f"{file}: expected a name ending in .csv or .parquet")
     try:
         size = place.stat().st_size
-        if size > _MOST_BYTES:
-            raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
-        rows = read(place)
+        rows = read(place) if size <= _MOST_BYTES else []
     except ScenarioFileError:
         raise
     except UnicodeError:
@@ -72,8 +65,11 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     except ValueError as error:  # the parser's own words
         first = plain(str(error).partition("\n")[0])
         raise ScenarioFileError(f"{file}: cannot be read: {first}") from None
-    if not rows:
-        raise ScenarioFileError(f"{file}: no scenarios; expected a row each")
+    if size > _MOST_BYTES:
+        raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
+    if not 0 < len(rows) <= MOST_SCENARIOS:
+        found = f"more than {MOST_SCENARIOS} scenarios; expected fewer"
+        raise ScenarioFileError(f"{file}: {found if rows else 'no scenarios; expected a row each'}")
     frame = _checked(str(file), rows)
     if copies := int(frame.duplicated().sum()):
         _LOG.warning(
@@ -88,55 +84,45 @@ def _checked(file: str, rows: list[_Row]) -> pd.DataFrame:
     import pandas as pd
 
     try:
-        columns: dict[str, list[Any]] = {
-            name: [_number(name, values.get(name, _DEFAULTS.get(name))) for _, values in rows]
-            for name in NUMBERS
-        }
-        columns["label"] = [values.get("label", "") for _, values in rows]
+        columns = {name: [_value(name, values) for _, values in rows] for name in COLUMNS}
         return check_frame(pd.DataFrame(columns))
-    except ScenarioError:
-        pass  # the first mistake; all of them are looked for below
-    problems = [
-        Problem((), f"{where}: {sentence}") for where, values in rows for sentence in _wrong(values)
-    ]
+    except ScenarioError:  # the first mistake; all of them are looked for below
+        problems = [Problem((), f"{place}: {text}") for place, row in rows for text in _wrong(row)]
     raise ScenarioFileError(refusal(file, problems))
 
 
-def _wrong(values: dict[str, Any]) -> list[str]:
-    """What is wrong with a row, column by column."""
+def _wrong(row: dict[str, Any]) -> list[str]:
+    """What is wrong with a row: column by column, or else with all numbers together."""
     sentences = []
-    fields: dict[str, Any] = {"label": values.get("label", "")}
-    for name in NUMBERS:
+    fields: dict[str, Any] = {}
+    for name in COLUMNS:
         try:
-            fields[name] = _number(name, values.get(name, _DEFAULTS.get(name)))
-            others: dict[str, Any] = {"target_x": 1.0, "target_y": 1.0}
-            Scenario(**others | {name: fields[name]})  # this number by itself
+            fields[name] = _value(name, row)
+            Scenario(**{"target_x": 1.0, "target_y": 1.0, name: fields[name]})
         except ScenarioError as error:
             sentences.append(str(error))
     if not sentences:
         try:
             Scenario(**fields)
-        except ScenarioError as error:  # the label, or all numbers together
+        except ScenarioError as error:
             sentences.append(str(error))
     return sentences
 
 
-def _number(name: str, value: Any) -> float:
-    """A number from a cell, which holds a text in a CSV file."""
+def _value(name: str, row: dict[str, Any]) -> Any:
+    """The value of a column, which is a text in a CSV file; its default where the cell is empty."""
+    value = row.get(name)
     if value is None or value == "":
+        if name in _DEFAULTS:
+            return _DEFAULTS[name]
         raise ScenarioFileError(f"{name} is empty; expected a number")
-    if not isinstance(value, str):
-        return value  # type: ignore[no-any-return]  # `Scenario` checks it
-    text = value.strip()
-    if name == "heading":
-        try:
-            return parse_angle(text)
-        except AngleError as error:
-            raise ScenarioFileError(f"heading: {error}") from None
+    if name == "label" or not isinstance(value, str):
+        return value  # `Scenario` checks it
     try:
-        if "_" in text:  # which Python takes within a number
-            raise ValueError
-        return float(text)
+        # Python takes an underscore within a number
+        return parse_angle(value.strip()) if name == "heading" else float(value.replace("_", "?"))
+    except AngleError as error:
+        raise ScenarioFileError(f"heading: {error}") from None
     except ValueError:
         raise ScenarioFileError(f"{name} is {short(value)}; expected a number") from None
 
@@ -157,10 +143,9 @@ def _csv_rows(file: FilePath) -> list[_Row]:
     lines = 1 + cells.index + breaks.cumsum().shift(fill_value=0)
     head, *rows = cells.to_numpy().tolist()
     head = [name.strip() for name in head]
-    _check_columns(str(file), head, "line 1")
-    _check_count(file, sum(map(any, rows)))
+    _check_columns(file, head, "line 1")
     return [
-        (f"line {line}", {k: v for k, v in zip(head, row, strict=True) if v or k not in _DEFAULTS})
+        (f"line {line}", dict(zip(head, row, strict=True)))
         for line, row in zip(lines[1:], rows, strict=True)
         if any(row)  # no empty line
     ]
@@ -170,67 +155,40 @@ def _parquet_rows(file: FilePath) -> list[_Row]:
     import pyarrow.parquet as pq
 
     with pq.ParquetFile(file) as content:
-        _check_columns(str(file), content.schema_arrow.names, "the file")
-        _check_count(file, content.metadata.num_rows)
+        _check_columns(file, content.schema_arrow.names, "the file")
         rows = content.read().to_pylist()
-    return [
-        (f"row {n}", {k: v for k, v in row.items() if v is not None or k not in _DEFAULTS})
-        for n, row in enumerate(rows, 1)
-    ]
+    return [(f"row {number}", row) for number, row in enumerate(rows, 1)]
 
 
-def _check_columns(file: str, head: Sequence[str], where: str) -> None:
+def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
     """Refuse columns that are missing, unknown or twice there, all of them at once."""
-    missing = [name for name in _REQUIRED if name not in head]
-    sentences, meant = [], set()
-    for name in dict.fromkeys(name for name in head if name not in COLUMNS):
-        if name.startswith(_PANDAS_INDEX):
-            sentences.append(f"column {short(name)} is the index of a pandas frame; {_NO_INDEX}")
-            continue
-        absent = [*missing, *(n for n in _DEFAULTS if n not in head)]
-        meant.add(nearest(name, absent))
-        near = did_you_mean(name, absent)
-        sentences.append(f"unknown column {short(name)}; {near}{_EXPECTED}")
-    if lacking := [name for name in missing if name not in meant]:
-        sentences.append(f"{missing_columns(lacking)}; {_EXPECTED}")
-    twice = dict.fromkeys(name for name in head if name in COLUMNS and head.count(name) > 1)
-    sentences += [f"column {name!r} appears twice" for name in twice]
+    sentences = []
+    if missing := [name for name in _REQUIRED if name not in head]:
+        sentences.append(f"{missing_columns(missing)}; {_EXPECTED}")
+    for name in dict.fromkeys(head):
+        if name not in COLUMNS:
+            near = did_you_mean(name, [known for known in COLUMNS if known not in head])
+            sentences.append(f"unknown column {short(name)}; {near}{_EXPECTED}")
+        elif head.count(name) > 1:
+            sentences.append(f"column {name!r} appears twice")
     if len(head) == 1 and ";" in head[0]:
         sentences = ["the columns are separated by semicolons; expected commas"]
     if sentences:
         problems = [Problem((), f"{where}: {sentence}") for sentence in sentences]
-        raise ScenarioFileError(refusal(file, problems))
+        raise ScenarioFileError(refusal(str(file), problems))
 
 
-def _check_count(file: FilePath, count: int) -> None:
-    if count > MOST_SCENARIOS:
-        raise ScenarioFileError(f"{file}: more than {MOST_SCENARIOS} scenarios; expected fewer")
-
-
-def listed_experiment(
-    scenarios: str, base: ExperimentFile | None, solvers: list[str] | None
-) -> ExperimentFile:
-    """The experiment that asks solvers about the scenarios of a file.
-
-    The branches and limits of `base` hold, and its solvers, unless others are named.
-    """
-    frame = read_scenarios(scenarios)
+def text_about(scenarios: str) -> ExperimentText:
+    """The text of an experiment that takes its scenarios from a file and its solvers elsewhere."""
     name = FilePath(scenarios).stem
-    if name in (".", ".."):  # the results folder has this name
-        raise ExperimentError(f"{scenarios}: expected a file with a name, such as drive.csv")
+    question = "How well do the chosen solvers answer these scenarios?"
+    keys = {"title": f"Scenarios of {name}", "question": question}
+    text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+    return ExperimentText(name, scenarios, text)
+
+
+def comment_on(frame: pd.DataFrame) -> str:
+    """A comment that tells scenarios apart, since a folder with rows about others is another's."""
     digest = hashlib.sha256(frame[list(NUMBERS)].to_numpy().tobytes())
     digest.update("\0".join(frame["label"]).encode())
-    # A folder that holds rows about other scenarios is another experiment.
-    comment = f"# about {len(frame)} scenarios with the digest {digest.hexdigest()[:16]}\n"
-    if base is None:
-        question = "How well do the chosen solvers answer these scenarios?"
-        keys = {"title": f"Scenarios of {name}", "question": question}
-        text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
-        fields: dict[str, Any] = {**keys, "solvers": solvers}
-    else:
-        title = f"{base.experiment.title}: scenarios of {name}"
-        text, fields = base.text, dict(base.experiment)
-        fields |= {"title": title, "first": None, "section": None, "matrix": False}
-    block = ListedBlock(listed=frame)
-    experiment = validated(scenarios, fields | {"scenarios": [block]})
-    return ExperimentFile(name, scenarios, comment + text, experiment)
+    return f"# about {len(frame)} scenarios with the digest {digest.hexdigest()[:16]}\n"

@@ -14,6 +14,7 @@ from dubins_study.experiments.definition.experiment import (
     ExperimentError,
     ExperimentFile,
 )
+from dubins_study.experiments.definition.messages import KeyPath, Problem, refusal
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import (
     axis_size,
@@ -28,19 +29,20 @@ from dubins_study.experiments.plan.solver_description import (
     expand_solvers,
 )
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.registry import SolverError
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario import Scenario
 
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
+_MOST_SEARCHED = 100_000  # scenarios of a block, which take a second
 
 
 class BlockPlan(NamedTuple):
     """What an experiment asks about the scenarios of one block."""
 
-    key: str  # of the block in the experiment's file, such as `scenarios.0`
+    key: str  # of the block in the experiment's file: `scenarios.0`, or `first`
+    path: KeyPath  # the steps of that key
     block: Block
     branches: tuple[str, ...]
     initial_guesses: tuple[str, ...]  # not used where the block has `guess_lengths`
@@ -76,50 +78,38 @@ class BlockPlan(NamedTuple):
             yield " ".join(repr(length) for length in point)
 
 
-def block_plans(experiment: Experiment) -> list[BlockPlan]:
-    """The plans of all blocks; refused if they have too many cells or a solver does not exist."""
-    plans = [
-        BlockPlan(
-            f"scenarios.{number}",
+def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]:
+    """The plans of all blocks, and a problem for each block that has too many cells to be one.
+
+    Raises:
+        SolverError: if a solver's spec is not valid.
+    """
+    plans, problems = [], []
+    total = 0
+    for number, block in enumerate(experiment.blocks):
+        path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
+        key, profile = ".".join(map(str, path)), experiment.profile
+        specs = expand_solvers(block.solvers or experiment.solvers, profile)
+        plan = BlockPlan(
+            key,
+            path,
             block,
             tuple(block.branches or experiment.branches),
             tuple(experiment.initial_guesses),
             experiment.repeats,
-            tuple(_solvers(number, block, experiment)),
+            tuple(describe_solver(spec, profile) for spec in specs),
         )
-        for number, block in enumerate(experiment.blocks)
-    ]
-    total = 0
-    for plan in plans:  # before it is expanded, since it may be too large for the memory
-        total += plan.cells
-        if total > MOST_CELLS:
-            raise ExperimentError(
-                f"{plan.key}: {block_size(plan.block)} scenarios and {plan.cells} cells (a cell "
-                "for every solver, branch, initial guess and repeat), "
-                f"{total} cells up to here; expected at most {MOST_CELLS} in all"
+        if total + plan.cells <= MOST_CELLS:
+            plans.append(plan)
+            total += plan.cells
+        else:  # told before it is expanded, since it may be too large for the memory
+            sentence = (
+                f"{key}: {block_size(block)} scenarios and {plan.cells} cells (a cell for every "
+                "solver, branch, initial guess and repeat), "
+                f"{total + plan.cells} cells up to here; expected at most {MOST_CELLS} in all"
             )
-    return plans
-
-
-def _solvers(number: int, block: Block, experiment: Experiment) -> list[SolverDescription]:
-    """The solvers of a block; `SolverError` names the key of one that cannot be asked."""
-    key, specs = "solvers", experiment.solvers
-    if block.solvers is not None:
-        key, specs = f"scenarios.{number}.solvers", block.solvers
-    try:
-        expanded = expand_solvers(specs, experiment.profile)
-    except SolverError as error:
-        raise SolverError(f"{key}: {error}") from None
-    solvers = [describe_solver(spec, experiment.profile) for spec in expanded]
-    # `*` selects the solvers that take an initial guess; any other solver named here is a mistake.
-    if block.guess_lengths is not None and "*" not in specs:
-        for solver in solvers:
-            if not solver.warm:
-                raise SolverError(
-                    f"{key}: {solver.spec} takes no initial guess; expected only solvers that do, "
-                    "or *"
-                )
-    return solvers
+            problems.append(Problem(path, sentence))
+    return plans, problems
 
 
 class Overview(NamedTuple):
@@ -140,7 +130,10 @@ class Overview(NamedTuple):
 
 def overview(file: ExperimentFile) -> Overview:
     """An experiment in numbers; refused if it is too large or a solver does not exist."""
-    experiment, plans = file.experiment, block_plans(file.experiment)
+    experiment = file.experiment
+    plans, problems = block_plans(experiment)
+    if problems:
+        raise ExperimentError(refusal(file.path, problems, file.text))
     specs = (solver.spec for p in plans for solver in p.solvers)
     return Overview(
         name=file.name,
@@ -180,26 +173,39 @@ class Cell(NamedTuple):
 Chain = tuple[Cell, ...]
 
 
-def chains(experiment: Experiment) -> list[Chain]:
+def chains(experiment: Experiment, problems: list[Problem] | None = None) -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once.
+    A cell that several blocks ask for is listed once. Blocks that hold an invalid scenario, whose
+    sweep gives a warm cell another predecessor than an earlier one, or that have too many cells
+    are appended to `problems`, which may hold others; without that list they are raised. Once
+    there is a problem, large blocks are not looked through.
 
     Raises:
-        ExperimentError: if a block holds a scenario that is not valid, if two sweeps give one warm
-            cell different predecessors, or if there are more than `MOST_CELLS` cells.
+        ExperimentError: naming each of these blocks, if they are not collected.
         SolverError: if a solver's spec is not valid.
     """
+    plans, found = block_plans(experiment)
+    collected = [] if problems is None else problems
+    collected += found
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
-    for plan in block_plans(experiment):
-        for chain in _block_chains(plan, experiment.profile):
-            keys = tuple(cell.key for cell in chain)
-            if keys in unique:
-                continue
-            if chain[0].initial_guess == "warm":
-                _add_sweep(sweeps, keys, plan.key)
-            unique[keys] = chain
+    for plan in plans:
+        repeats_others = plan.path == ("first",)
+        if collected and (repeats_others or block_size(plan.block) > _MOST_SEARCHED):
+            continue
+        try:
+            for chain in _block_chains(plan, experiment.profile):
+                keys = tuple(cell.key for cell in chain)
+                if keys in unique:
+                    continue
+                if chain[0].initial_guess == "warm":
+                    _add_sweep(sweeps, keys, plan.key)
+                unique[keys] = chain
+        except ExperimentError as error:
+            collected.append(Problem(plan.path, str(error)))
+    if collected and problems is None:
+        raise ExperimentError(refusal("the experiment", collected))
     return list(unique.values())
 
 

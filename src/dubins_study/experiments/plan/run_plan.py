@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import shlex
-from collections import Counter
+from collections import defaultdict
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.definition.experiment import (
+    Experiment,
     ExperimentError,
     ExperimentFile,
+    ExperimentText,
+    fields_of,
+    text_of,
     validated,
 )
-from dubins_study.experiments.definition.scenario_file import listed_experiment
+from dubins_study.experiments.definition.messages import Problem, refusal
+from dubins_study.experiments.definition.scenario_block import ListedBlock, tables
+from dubins_study.experiments.definition.scenario_file import (
+    comment_on,
+    read_scenarios,
+    text_about,
+)
 from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.file_checks import read_checked, refused
-from dubins_study.experiments.plan.solver_description import expand_solvers
+from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
 from dubins_study.experiments.run_settings import EXECUTOR_NAMES
-from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.values import did_you_mean
 
@@ -127,37 +135,9 @@ class RunPlan(NamedTuple):
         return list(dict.fromkeys(cell.solver for chain in self.chains for cell in chain))
 
 
-def cell_counts(keys: set[Key]) -> Counter[tuple[str, str]]:
-    """How many cells there are by solver and code digest."""
-    return Counter((solver, digest) for _, solver, *_, digest in keys)
-
-
 def plan_run(request: Request) -> RunPlan:
     """The cells that a request asks for; errors name the argument, or the file and key."""
     request.check()
-    own_solvers = request.solvers is None
-    name = None if request.experiment is None else str(request.experiment)
-    file = None if name is None else read_checked(name, request.trust_plugins, own_solvers)
-    if request.scenarios is not None:
-        file = listed_experiment(str(request.scenarios), file, request.solvers)
-    assert file is not None  # as `Request.check` has seen to
-    experiment_file = _changed(file, request)
-    experiment = experiment_file.experiment
-    if request.solvers is not None:
-        # Checked here so that an error message does not name the experiment's file.
-        expand_solvers(request.solvers, experiment.profile)
-    try:
-        cell_chains = chains(experiment)
-    except (ExperimentError, SolverError):
-        raise refused(experiment_file) from None
-    folder = (
-        FilePath("results") / experiment_file.name if request.out is None else FilePath(request.out)
-    )
-    return RunPlan(experiment_file, folder, cell_chains)
-
-
-def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFile:
-    """The experiment with the request's solvers, limits and repeats, checked like the file's."""
     requested = {
         "solvers": request.solvers,
         "time_limit_s": request.time_limit_s,
@@ -165,12 +145,86 @@ def _changed(experiment_file: ExperimentFile, request: Request) -> ExperimentFil
         "repeats": request.repeats,
     }
     changes: dict[str, Any] = {key: value for key, value in requested.items() if value is not None}
-    if not changes:
-        return experiment_file
-    experiment = experiment_file.experiment
-    blocks = experiment.scenarios
-    if request.solvers is not None:
-        blocks = [block.model_copy(update={"solvers": None}) for block in blocks]
-        changes["first"] = None
-    changed = validated(experiment_file.name, dict(experiment) | {"scenarios": blocks} | changes)
-    return experiment_file._replace(experiment=changed)
+    listed = None if request.scenarios is None else str(request.scenarios)
+    frame = None if listed is None else read_scenarios(listed)
+    if frame is not None:
+        blocks = [ListedBlock(listed=frame)]
+        changes |= {"scenarios": blocks, "first": None, "section": None, "matrix": False}
+    if request.experiment is None:
+        source = text_about(str(listed))
+    else:
+        source = text_of(str(request.experiment))
+    file = _checked(source, request.trust_plugins, changes)
+    if listed is not None and frame is not None:
+        name, title = FilePath(listed).stem, file.experiment.title
+        if request.experiment is not None:
+            title = f"{title}: scenarios of {name}"
+        experiment = file.experiment.model_copy(update={"title": title})
+        file = ExperimentFile(name, listed, comment_on(frame) + file.text, experiment)
+    problems: list[Problem] = []
+    cell_chains = chains(file.experiment, problems)
+    if problems:
+        raise ExperimentError(refusal(file.path, problems, file.text))
+    folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
+    return RunPlan(file, folder, cell_chains)
+
+
+def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
+    """Read an experiment as `definition.experiment.read`, and check its solvers too.
+
+    The scenarios of a valid file are left to `plan_run`, which looks at all of them.
+
+    Raises:
+        ExperimentError: naming every wrong key, its line, its value and what was expected.
+    """
+    return _checked(text_of(name), trust_plugins, {})
+
+
+def _checked(
+    source: ExperimentText, trust_plugins: bool, changes: dict[str, Any]
+) -> ExperimentFile:
+    """The experiment of a file with some of its keys changed, all of it checked."""
+    fields = fields_of(source.path, source.text) | changes
+    if "solvers" in changes:
+        fields.pop("first", None)
+        for _, block in tables(fields):
+            block.pop("solvers", None)
+    experiment, problems = validated(fields)
+    if experiment is not None and "solvers" in changes:
+        expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
+    problems += solver_problems(fields, trust_plugins or "solvers" in changes)
+    if experiment is not None and not problems:
+        return ExperimentFile(*source, experiment)
+    if (usable := _usable(fields, problems)) is not None:
+        chains(usable, problems)
+    # a value that is not the file's has no line
+    placed = [
+        Problem(() if {*p.path[:1]} & changes.keys() else p.path, p.sentence) for p in problems
+    ]
+    raise ExperimentError(refusal(source.path, placed, source.text))
+
+
+def _usable(fields: dict[str, Any], problems: list[Problem]) -> Experiment | None:
+    """The experiment without its wrong keys, blocks and lists of solvers; None if no block is left.
+
+    Blocks keep their numbers. One whose solvers alone are wrong is left to those of the experiment.
+    """
+    blocks = fields.get("scenarios")
+    wrong: dict[Any, set[Any]] = defaultdict(set)  # number of a block -> its wrong keys
+    for path, _ in problems:
+        if path[:1] == ("scenarios",):
+            wrong[path[1:2]].add(path[2:3])
+    if not isinstance(blocks, list) or len(wrong.keys() - {()}) == len(blocks):
+        return None
+    mended = []
+    for number, block in enumerate(blocks):
+        keys = wrong[number,]
+        if keys - {("solvers",)}:
+            block = {"label": f"in place of block {number}", "target_x": 10, "target_y": 0}
+        elif keys:
+            block = {key: value for key, value in block.items() if key != "solvers"}
+        mended.append(block)
+    keys = {path[0] for path, _ in problems if path}
+    kept = {key: value for key, value in fields.items() if key not in keys}
+    stand_ins = {"title": "t", "question": "q", "solvers": ["slsqp"]}
+    return Experiment.model_validate(stand_ins | kept | {"scenarios": mended})

@@ -14,10 +14,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.code_digest import code_digest, plain_settings
+from dubins_study.experiments.definition.messages import KeyPath, Problem
+from dubins_study.experiments.definition.scenario_block import tables
 from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.experiments.isolation.worker_process import Allowance, Answer, WorkerProcess
 from dubins_study.experiments.provenance import versions_of
+from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import (
     SolverError,
@@ -177,9 +180,65 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     return list(dict.fromkeys(describe_solver(spec, profile).spec for spec in names))
 
 
-def untrusted_spec(specs: list[str], profile: str = "default") -> str | None:
-    """The first spec that would run a plug-in file or a program on PATH; the check runs neither."""
-    for spec in written_out(specs, ()):
-        if ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs):
-            return spec
-    return None
+def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem]:
+    """Solvers of a file that do not exist, have no such setting, or cannot be asked what they are.
+
+    Each is made with its settings, braces written out. Plug-in files and programs on PATH are
+    refused unless they are trusted, since the file may come from anyone; none of them is loaded
+    before.
+    """
+    profile = fields.get("profile")
+    known = profile if isinstance(profile, str) and profile in PROFILES else "default"
+    problems: list[Problem] = []
+    left = MOST_SPECS  # of a file with any number of them
+    for path, spec, needs_guess in _listed_specs(fields):
+        sentences: dict[str, None] = {}  # each once
+        try:
+            for name in written_out([spec], ()):
+                left -= 1
+                if left < 0:
+                    return problems
+                if not trust_plugins and _untrusted(name, known):
+                    sentences[f"{name} {_UNTRUSTED}"] = None
+                    break
+                try:
+                    solver = describe_solver(name, known)
+                    if needs_guess and not solver.warm:
+                        sentences[f"{solver.spec} {_NO_GUESS}"] = None
+                except SolverError as error:
+                    sentences[str(error)] = None
+        except SolverError as error:  # the spec cannot be written out
+            sentences[str(error)] = None
+        key = ".".join(map(str, path))
+        problems += [Problem((*path, spec), f"{key}: {sentence}") for sentence in sentences]
+    return problems
+
+
+_UNTRUSTED = (
+    "runs a program or file that is not this package's; expected --trust-plugins, if you know what "
+    "it is, or your own choice of --solver"
+)
+_NO_GUESS = "takes no initial guess; expected only solvers that do, or *"
+
+
+def _untrusted(spec: str, profile: str) -> bool:
+    """Whether a spec would run a plug-in file or a program on PATH; the check runs neither."""
+    return ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs is not None)
+
+
+def _listed_specs(fields: dict[str, Any]) -> Iterator[tuple[KeyPath, str, bool]]:
+    """The path of the list, the text of every spec of a file, and whether it is given a guess."""
+    blocks = [(("scenarios", number), block) for number, block in tables(fields)]
+    guided = any("guess_lengths" in block and "solvers" not in block for _, block in blocks)
+    first = fields.get("first")
+    lists: list[tuple[KeyPath, Any, bool]] = [
+        ((), fields, guided),
+        (("first",), first if isinstance(first, dict) else {}, False),
+        *((path, block, "guess_lengths" in block) for path, block in blocks),
+    ]
+    for path, table, needs_guess in lists:
+        specs = table.get("solvers")
+        for spec in specs if isinstance(specs, list) else ():
+            if isinstance(spec, str) and spec != "*":
+                # `*` selects the solvers that take an initial guess
+                yield (*path, "solvers"), spec, needs_guess and "*" not in specs
