@@ -115,11 +115,12 @@ def _regressions(comparison: Comparison) -> list[str]:
     frame = comparison.regressions
     if frame.empty:
         return ["Nothing became worse."]
-    shown = [
-        plain(f"  {row['kind']}: {_place(row)}: {_change(row)}")
-        + (f"\n    {plain(row['command'])}" if row["command"] else "")
-        for row in frame.head(_MOST_LINES).to_dict("records")
-    ]
+    shown = []
+    for row in frame.head(_MOST_LINES).to_dict("records"):
+        place = ", ".join(filter(None, (row["solver"], row["scenario"])))
+        change = " -> ".join(filter(None, (row["base"], row["new"])))
+        command = f"\n    {plain(row['command'])}" if row["command"] else ""
+        shown.append(plain(f"  {row['kind']}: {place}: {change}") + command)
     more = len(frame) - len(shown)
     rest = [f"  and {more} more: --json or --out has them all"] if more else []
     return [f"Worse ({len(frame)}):", *shown, *rest]
@@ -127,11 +128,3 @@ def _regressions(comparison: Comparison) -> list[str]:
 
 def _percent(value: float, questions: int) -> str:
     return f"{100 * value:.1f} % of {questions}" if questions else "none asked"
-
-
-def _place(row: dict[Any, Any]) -> str:
-    return ", ".join(filter(None, (row["solver"], row["scenario"])))
-
-
-def _change(row: dict[Any, Any]) -> str:
-    return " -> ".join(filter(None, (row["base"], row["new"])))

@@ -136,10 +136,8 @@ def _check_section(experiment: str) -> None:
     """
     from dubins_study.experiments.definition.experiment import fields_of, packaged, text_of
 
-    section = None
-    if experiment not in packaged():
-        source = text_of(experiment)
-        section = fields_of(source.path, source.text).get("section")
+    path, text = ("", "") if experiment in packaged() else text_of(experiment)[1:]
+    section = fields_of(path, text).get("section")
     if not isinstance(section, str):
         return
     from dubins_study.report.page.sections import KEYS
