@@ -30,20 +30,14 @@ COLUMNS = [*names(KEY), *JUDGED, "gap", "run_id", "started"]
 _MAX_LISTED = 5
 
 
-class MergedRows(NamedTuple):
-    """One row per cell, and how many other attempts agreed; copies of an attempt do not count."""
-
-    table: pa.Table
-    agreeing_repeats: int
-
-
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
-) -> MergedRows:
-    """Unite the rows of folders; of several attempts at a cell, the earliest is kept.
+) -> tuple[pa.Table, int]:
+    """One row per cell, and the number of other attempts that agree with it, copies left out.
 
-    Each table is of one folder and has at least the columns of `COLUMNS`. Cells whose attempts
-    contradict each other (gaps differ by more than the tolerance) are refused by name.
+    Each table is of one folder and has at least the columns of `COLUMNS`. The earliest attempt at
+    a cell is kept. Cells whose attempts contradict each other (gaps differ by more than the
+    tolerance) are refused by name.
     """
     table = pa.concat_tables(tables)
     rows = table.select(COLUMNS).to_pandas()
@@ -51,40 +45,35 @@ def merged_rows(
     rows = rows.sort_values("started", kind="stable")
     kept, pairs = compare_attempts(rows, names(KEY))
     if pairs.empty:
-        return MergedRows(table, 0)
-    _refuse_contradictions(pairs, differences(pairs, tolerance))
+        return table, 0
+    differ = differences(pairs, tolerance)
+    cells = pairs.index[differ.any(axis=1)]
+    if len(cells):
+        lines = [_contradiction(pairs.loc[i], differ.loc[i]) for i in cells[:_MAX_LISTED]]
+        lines += [f"and {len(cells) - _MAX_LISTED} more"] if len(cells) > _MAX_LISTED else []
+        raise ResultsError(
+            f"the folders contradict each other in {len(cells)} "
+            f"cell{'' if len(cells) == 1 else 's'}; nothing was merged:\n  " + "\n  ".join(lines)
+        )
     copies = (pairs["run_id"] == pairs["run_id_kept"]) & (pairs["started"] == pairs["started_kept"])
     positions = np.sort(rows.index.to_numpy()[kept])
-    return MergedRows(table.take(pa.array(positions)), int((~copies).sum()))
-
-
-def _refuse_contradictions(pairs: pd.DataFrame, differ: pd.DataFrame) -> None:
-    cells = pairs.index[differ.any(axis=1)]
-    if cells.empty:
-        return
-    lines = [_contradiction(pairs.loc[i], differ.loc[i]) for i in cells[:_MAX_LISTED]]
-    if len(cells) > _MAX_LISTED:
-        lines.append(f"and {len(cells) - _MAX_LISTED} more")
-    raise ResultsError(
-        f"the folders contradict each other in {len(cells)} "
-        f"cell{'' if len(cells) == 1 else 's'}; nothing was merged:\n  " + "\n  ".join(lines)
-    )
+    return table.take(pa.array(positions)), int((~copies).sum())
 
 
 def _contradiction(pair: pd.Series[str], differ: pd.Series[bool]) -> str:
-    cell = ", ".join(str(pair[name]) for name in names(KEY))
+    """The cell, and both values of every column in which two attempts at it differ."""
+
+    def shown(value: object) -> str:
+        if isinstance(value, str):
+            return repr(value)
+        return "missing" if pd.isna(value) else f"{value:g}"  # type: ignore[call-overload]
+
     values = "; ".join(
-        f"{name} is {_shown(pair[f'{name}_kept'])} in {pair['folder_kept']} and "
-        f"{_shown(pair[name])} in {pair['folder']}"
+        f"{name} is {shown(pair[f'{name}_kept'])} in {pair['folder_kept']} and "
+        f"{shown(pair[name])} in {pair['folder']}"
         for name in differ.index[differ]
     )
-    return f"{cell}: {values}"
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, str):
-        return repr(value)
-    return "missing" if pd.isna(value) else f"{value:g}"  # type: ignore[call-overload]
+    return f"{', '.join(str(pair[name]) for name in names(KEY))}: {values}"
 
 
 class Union(NamedTuple):
@@ -149,14 +138,10 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
 
 def _check_target(target: FilePath) -> None:
     with os_errors_as(f"cannot write to {target}"):  # e.g. the name is too long
-        taken = target.exists() and not target.is_dir()
-        filled = target.is_dir() and any(target.iterdir())
-    if taken:
-        raise ResultsError(
-            f"{target} is no folder; expected a new one or an empty one to merge into"
-        )
-    if filled:
-        raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
+        if target.exists() and not target.is_dir():
+            raise ResultsError(f"{target} is no folder; expected a new one or an empty one")
+        if target.is_dir() and any(target.iterdir()):
+            raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
 
 
 @contextmanager
@@ -193,11 +178,11 @@ def _put_in_place(fresh: FilePath, target: FilePath) -> None:
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
     """Write the union to a temporary folder."""
     tolerance = manifests[0].gap_tolerance
-    rows = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
+    table, repeats = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
     with os_errors_as(f"cannot write to {fresh}"):
         (fresh / PARTS).mkdir()
-    if len(rows.table):
-        write_part(fresh, "merged-all", rows.table, {RUN_ID: "merged"})
+    if len(table):
+        write_part(fresh, "merged-all", table, {RUN_ID: "merged"})
     counts: Counter[tuple[str, str]] = Counter()
     for count in count_rows(fresh)[0]:
         counts[count.solver, count.code_digest] += count.rows
@@ -207,7 +192,7 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
         manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
     current = sum(counts[made_by] for made_by in manifest.code_digests.items())
-    return Union(fresh, counts.total(), rows.agreeing_repeats, counts.total() - current)
+    return Union(fresh, counts.total(), repeats, counts.total() - current)
 
 
 def _unite_manifests(manifests: Sequence[Manifest]) -> Manifest:
