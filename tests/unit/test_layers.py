@@ -50,7 +50,7 @@ BUDGETS = {
 BUDGETS |= {
     "study": Size(4_610, 29),
     "solvers": Size(9_220, 62),
-    "experiments": Size(5_857, 39),
+    "experiments": Size(5_842, 39),
     "conformance": Size(1_870, 9),
     "report": Size(13_340, 80),
     "package": Size(40_270, 263),
