@@ -23,7 +23,7 @@ from dubins_study.experiments.executors.dask_cluster import local_cluster, misma
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 
 EXPERIMENT = """

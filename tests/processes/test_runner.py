@@ -20,7 +20,7 @@ from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import Limits, WorkerPool
 from dubins_study.experiments.plan.cells import chains
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.registry import SolverError

@@ -15,10 +15,15 @@ from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.matrix import matrix
-from dubins_study.experiments.plan.run_plan import Request, RunPlan, plan_run
+from dubins_study.experiments.plan.run_plan import (
+    BYTES_PER_GIB,
+    Request,
+    RunPlan,
+    RunSettings,
+    plan_run,
+)
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
-from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
 from dubins_study.experiments.store.manifest_changes import count_cells, recorded

@@ -13,7 +13,7 @@ from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Cell
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path

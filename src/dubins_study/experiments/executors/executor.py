@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.plan.cells import Cell, Chain, given_guess, shuffled
-from dubins_study.experiments.run_settings import RunSettings
+from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.path import Path
 from dubins_study.study.rows.row_table import Row, row_key, row_path

@@ -11,9 +11,9 @@ from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.cells import Cell
+from dubins_study.experiments.plan.run_plan import BYTES_PER_GIB, RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
-from dubins_study.experiments.run_settings import BYTES_PER_GIB, RunSettings
 from dubins_study.solvers.attempt import Answer, judged, judged_row
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question

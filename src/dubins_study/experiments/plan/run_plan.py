@@ -25,9 +25,28 @@ from dubins_study.experiments.definition.scenario_file import (
 )
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
-from dubins_study.experiments.run_settings import EXECUTOR_NAMES
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.values import did_you_mean
+
+BYTES_PER_GIB = 2**30
+# The executors that can solve cells: worker processes of this machine, or a Dask cluster.
+_EXECUTOR_NAMES = ("local", "dask")
+
+
+class RunSettings(NamedTuple):
+    """The settings of one run, the same for all its cells and rows."""
+
+    run_id: str
+    time_limit_s: float  # of one solve
+    memory_limit_bytes: int = 4 * BYTES_PER_GIB  # of a worker process and its children
+    jobs: int = 1  # cells that are solved at the same time
+    executor: str = "local"
+    seed: int = 0  # of the random order of the cells
+
+    @property
+    def memory_limit_gib(self) -> float:
+        """The memory limit in GiB."""
+        return self.memory_limit_bytes / BYTES_PER_GIB
 
 
 class Request(NamedTuple):
@@ -91,9 +110,9 @@ class Request(NamedTuple):
             problem = f"out is {self.out!r}; expected the path of a folder"
         elif not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
             problem = f"jobs is {jobs!r}; expected a whole number of processes above 0"
-        elif engine not in EXECUTOR_NAMES:
-            near = did_you_mean(engine, EXECUTOR_NAMES)
-            problem = f"engine is {engine!r}; {near}expected one of: {', '.join(EXECUTOR_NAMES)}"
+        elif engine not in _EXECUTOR_NAMES:
+            near = did_you_mean(engine, _EXECUTOR_NAMES)
+            problem = f"engine is {engine!r}; {near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
         elif scheduler is not None and (not isinstance(scheduler, str) or not scheduler):
             problem = (
                 f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
