@@ -20,6 +20,7 @@ from dubins_study.experiments.isolation.worker_process import (
     Allowance,
     Answer,
     Ended,
+    Task,
     WorkerProcess,
     wait,
 )
@@ -227,12 +228,10 @@ class WorkerPool:
                 ranks.append((1, 0.0, place))
             elif not worker.pending:
                 ranks.append((0 if worker.group == group else 2, 0.0, place))
-            elif (
-                worker.group == group
-                and worker.expected_s < AHEAD_S
-                and len(worker.pending) < _AHEAD_JOBS
-            ):
-                ranks.append((3, worker.expected_s, place))
+            elif worker.group == group and len(worker.pending) < _AHEAD_JOBS:
+                left_s = sum(map(self._expected_task_s, worker.pending))
+                if left_s < AHEAD_S:
+                    ranks.append((3, left_s, place))
         if not ranks:
             return None
         place = min(ranks)[-1]
@@ -247,19 +246,23 @@ class WorkerPool:
                 raise RunError(f"no worker process starts ({error})") from None
         return worker
 
+    def _expected_task_s(self, task: Task) -> float:
+        """Seconds that a task is expected to take; beside one that is no solve no job waits."""
+        if task.allowance is not self._solving:
+            return AHEAD_S
+        return self._expected_s.get(task.tag.solver_key, AHEAD_S)
+
     def _give(self, worker: _Worker, job: Job) -> None:
         """Give a worker a job, and before it the tasks that make the job's solver ready."""
         key = job.solver_key
-        expected_s = self._expected_s.get(key, AHEAD_S)
         if key not in worker.loaded:
             worker.loaded.add(key)
-            expected_s = AHEAD_S
             worker.put(["load", *key], _LOADING, tag=job)
             if self._warm_up and key not in self._without_warm_up:
                 message = ["warm up", *key, self._limits.time_s]
                 worker.put(message, self._warming_up, tag=job)
         message = ["solve", *key, encode_question(job.question), self._limits.time_s]
-        worker.put(message, self._solving, decode_reply, job, expected_s)
+        worker.put(message, self._solving, decode_reply, job)
 
     def _answered(self, worker: _Worker, answer: Answer) -> Results:
         """The job that was answered with its reply, if the task was to solve one."""

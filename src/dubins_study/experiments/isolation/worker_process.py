@@ -59,7 +59,6 @@ class Task(NamedTuple):
     decode: Callable[[Any], Any]  # makes a value of what the worker answers; may raise anything
     put_s: float  # when the owner handed it over
     tag: Any = None
-    expected_s: float = 0.0
 
 
 class Answer(NamedTuple):
@@ -86,7 +85,6 @@ class WorkerProcess:
 
     Attributes:
         pending: the tasks that it has received but not answered, in order.
-        expected_s: how long its pending tasks are expected to take.
         closed: whether the process is gone.
     """
 
@@ -95,7 +93,7 @@ class WorkerProcess:
         self._memory_bytes = memory_bytes
         self._checked_s, self._checks = monotonic(), 0
         self.pending = deque([Task(_STARTING, _as_sent, self._checked_s)])
-        self.expected_s, self.closed = 0.0, False
+        self.closed = False
         # Whether the current task has begun, and since when it runs, or waits for the worker.
         self._begun, self._since_s = True, self._checked_s
         self._output = b""
@@ -113,15 +111,13 @@ class WorkerProcess:
         allowance: Allowance,
         decode: Callable[[Any], Any] = _as_sent,
         tag: Any = None,
-        expected_s: float = 0.0,
     ) -> None:
         """Add a task; `wait` sends it."""
         now_s = monotonic()
         if not self.pending:
-            self._begun, self._since_s, self.expected_s = False, now_s, 0.0
-        self.pending.append(Task(allowance, decode, now_s, tag, expected_s))
+            self._begun, self._since_s = False, now_s
+        self.pending.append(Task(allowance, decode, now_s, tag))
         self._process.channel.put(message)
-        self.expected_s += expected_s
 
     def request(
         self, message: list[Any], allowance: Allowance, decode: Callable[[Any], Any]
@@ -184,7 +180,6 @@ class WorkerProcess:
                 task = self.pending[0]
                 answer = Answer(task, task.decode(value), bool(changed))
                 self.pending.popleft()
-                self.expected_s -= task.expected_s
                 self._begun = bool(self.pending)
                 yield answer
                 if self.closed:
