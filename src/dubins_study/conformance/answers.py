@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
@@ -93,44 +93,45 @@ def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
     ]
 
 
-def _of_path(answer: Answer, tolerances: Tolerances) -> list[_Observed]:
+def _of_path(answer: Answer, tolerances: Tolerances) -> Iterator[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
     path, claim = answer.path, answer.claim
     honest = claim not in SUCCESS
     if path is None:
-        return _without_path(answer)
-    if claim is Claim.INFEASIBLE:
+        yield from _without_path(answer)
+    elif claim is Claim.INFEASIBLE:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
-        return [(Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice)]
-    if answer.verdict is not Verdict.MISSES or (honest and answer.reference is None):
-        return []
-    reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
-    if honest:
-        observed = f"it returns a path that misses, and says so ({claim}): {reason}"
-        return [(Kind.CONTROLS, Status.NOTE, observed, "")]
-    advice = _advice(answer, path, tolerances)
-    return [(Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice)]
+        yield Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
+    elif answer.verdict is Verdict.MISSES and not (honest and answer.reference is None):
+        reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
+        if honest:
+            observed = f"it returns a path that misses, and says so ({claim}): {reason}"
+            yield Kind.CONTROLS, Status.NOTE, observed, ""
+        else:
+            advice = _advice(answer, path, tolerances)
+            yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
 
 
-def _without_path(answer: Answer) -> list[_Observed]:
+def _without_path(answer: Answer) -> Iterator[_Observed]:
     claim = answer.claim
     if claim in SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
-        return [(Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice)]
+        yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
+        return
     if answer.verdict is Verdict.NONE_EXISTS or answer.reference is None:
-        return []
-    there = (
-        f"there is one, {answer.reference_word or 'of length 0'}, of length {answer.reference:.6g}"
-    )
+        return
+    word = answer.reference_word or "of length 0"
+    there = f"there is one, {word}, of length {answer.reference:.6g}"
     if claim is Claim.INFEASIBLE:
-        observed = f"it claims infeasible, that no path exists; {there}"
         advice = (
             "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
             "A path exists for every target"
         )
-        return [(Kind.CLAIM, Status.FAIL, observed, advice)]
-    said = f": {answer.message}" if answer.message else ""
-    return [(Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", "")]
+        observed = f"it claims infeasible, that no path exists; {there}"
+        yield Kind.CLAIM, Status.FAIL, observed, advice
+    else:
+        said = f": {answer.message}" if answer.message else ""
+        yield Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
 
 
 def _advice(answer: Answer, path: Path, tolerances: Tolerances) -> str:
@@ -168,49 +169,43 @@ def _advice(answer: Answer, path: Path, tolerances: Tolerances) -> str:
     )
 
 
-def _of_length(answer: Answer, guarantee: str) -> list[_Observed]:
+def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     """A path that arrives but is longer, and a claimed length that is not its own."""
-    listed: list[_Observed] = []
     length, claimed = answer.length, answer.claimed_length
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
-        listed.append(_longer(answer, guarantee))
+        assert answer.gap is not None
+        assert answer.path is not None
+        word, best = answer.word or "none", answer.reference_word or "none"
+        how = f"its path is {100 * answer.gap:.3g} % longer than the shortest "
+        how += best if word == best else f"one ({word} instead of {best})"
+        cause = length_cause(answer.scenario, answer.path)
+        if answer.claim is Claim.OPTIMAL:
+            advice = cause or "claim LOCAL unless the method proves that no path is shorter"
+            yield Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+        elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in SUCCESS:
+            advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
+            observed = f"it declares the guarantee {guarantee!r}, but {how}"
+            yield Kind.CLAIM, Status.FAIL, observed, cause or advice
+        else:
+            yield Kind.LENGTH, Status.NOTE, how, cause
     if claimed is None or length is None or answer.verdict is Verdict.MISSES:
-        return listed
+        return
     if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
         observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
         advice = "claimed_length is a length, not a travel time, in the unit of the scenario"
-        listed.append((Kind.LENGTH, Status.NOTE, observed, advice))
-    return listed
+        yield Kind.LENGTH, Status.NOTE, observed, advice
 
 
-def _longer(answer: Answer, guarantee: str) -> _Observed:
-    assert answer.gap is not None
-    assert answer.path is not None
-    word, best = answer.word or "none", answer.reference_word or "none"
-    how = f"its path is {100 * answer.gap:.3g} % longer than the shortest "
-    how += best if word == best else f"one ({word} instead of {best})"
-    cause = length_cause(answer.scenario, answer.path)
-    if answer.claim is Claim.OPTIMAL:
-        advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-        return Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
-    if guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in SUCCESS:
-        advice = cause or "declare another guarantee, or claim LIMIT where the time did not suffice"
-        observed = f"it declares the guarantee {guarantee!r}, but {how}"
-        return Kind.CLAIM, Status.FAIL, observed, advice
-    return Kind.LENGTH, Status.NOTE, how, cause
-
-
-def _of_bound(answer: Answer) -> list[_Observed]:
-    if not answer.false_bound:
-        return []
-    bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
-    shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
-    observed = f"the lower bound{bound} lies above the shortest length{shortest}"
-    advice = (
-        "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
-        "leave it empty unless the method proves it"
-    )
-    return [(Kind.BOUND, Status.FAIL, observed, advice)]
+def _of_bound(answer: Answer) -> Iterator[_Observed]:
+    if answer.false_bound:
+        bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
+        shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
+        observed = f"the lower bound{bound} lies above the shortest length{shortest}"
+        advice = (
+            "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
+            "leave it empty unless the method proves it"
+        )
+        yield Kind.BOUND, Status.FAIL, observed, advice
 
 
 def of_kind(kind: Kind, interview: Interview, asked: Iterable[Seen]) -> tuple[Finding, ...]:

@@ -89,9 +89,6 @@ def limits(interview: Interview) -> Checked:
 
 # relative: answers that differ by less differ in rounding only
 _ROUNDING = 1e-12
-# Solves of at least so many seconds, each of them so many times sooner when it is asked again, are
-# no solves: libraries are loaded before, and a busy machine does not spare the same four questions.
-_LEAST_TIMED_S, _FAR_SOONER = 1e-3, 20.0
 # A solver that tosses a coin for each answer passes once in 4^4 times.
 _ASKED_AGAIN = (
     *("target ahead to the left", "target behind to the right"),
@@ -106,15 +103,15 @@ def determinism(interview: Interview) -> Checked:
     second = [interview.ask(question, again=True) for question in known]
     interview.restart()
     third = [interview.ask(question, again=True) for question in known]
-    found = []
-    for seen, when in ((second, "after other questions"), (third, "in a new process")):
-        for place, one, again in zip(_ASKED_AGAIN, first, seen, strict=True):
-            if difference := _difference(one, again):
-                found.append(_changed(one, again, difference, when, place))
+    found = [
+        _changed(one, again, difference, when, place)
+        for seen, when in ((second, "after other questions"), (third, "in a new process"))
+        for place, one, again in zip(_ASKED_AGAIN, first, seen, strict=True)
+        if (difference := _difference(one, again))
+    ]
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
     silent = of_kind(Kind.OUTCOME, interview, [*first, *second, *third])
-    notes = [*_kept_answers(first, second), *_repeat(interview, first[0])]
-    listed = [*silent, *worst, *notes]
+    listed = [*silent, *worst, *_repeat(interview, first[0])]
     if not listed and all(seen.answer.path is None for seen in first):
         raise NotApplicableError("it returned no path")
     return listed, f"{len(known)} questions, three times the same"
@@ -135,23 +132,6 @@ def _changed(first: Seen, again: Seen, difference: float, when: str, place: str)
     )
     status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
     return Finding(status, observed, advice, place)
-
-
-def _kept_answers(first: list[Seen], second: list[Seen]) -> list[Finding]:
-    """A note if questions are answered far sooner when they are asked again.
-
-    A solver that keeps its answers is timed once in a run; its repeats take no time.
-    """
-    times = [
-        (one.answer.solve_s or 0.0, again.answer.solve_s or 0.0)
-        for one, again in zip(first, second, strict=True)
-    ]
-    if not all(one > _LEAST_TIMED_S and again < one / _FAR_SOONER for one, again in times):
-        return []
-    one, again = times[-1]
-    observed = f"asked again, it answers in {again:.3g} s; the first time it took {one:.3g} s"
-    advice = "keep no answers: in a run, repeats would be timed without any solving"
-    return [Finding(Status.NOTE, observed, advice, _ASKED_AGAIN[-1])]
 
 
 def _repeat(interview: Interview, first: Seen) -> list[Finding]:

@@ -58,14 +58,9 @@ class InProcess:
     folder = None
 
     def __init__(self, spec: str, profile: str):
-        self._observer = Observer(spec, profile, interruptible=True)
-        self.declared = declaration(self._observer.solver, spec)
-
-    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
-        """The replies to one question, or to several that are put as one frame."""
-        if as_frame:
-            return self._observer.ask_frame(questions)
-        return [self._observer.ask(questions[0], limit)]
+        observer = Observer(spec, profile)
+        self.ask = observer.ask
+        self.declared = declaration(observer.solver, spec)
 
     def restart(self) -> None:
         """There is only one process to ask in."""
@@ -75,13 +70,7 @@ class InProcess:
 
 
 class Worker:
-    """The solver in a process of its own, in an empty folder.
-
-    Raises:
-        SolverError: if the spec is not a valid one.
-        LoadError: if the solver's own code raises, crashes or hangs while it is loaded.
-        ForkServerError: if no process starts.
-    """
+    """The solver in a process of its own, in an empty folder."""
 
     def __init__(self, spec: str, profile: str):
         self.folder = FilePath(mkdtemp(prefix="check-solver-"))
@@ -96,10 +85,7 @@ class Worker:
             raise
 
     def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
-        """The replies to one question, or to several that are put as one frame.
-
-        A process that ends meanwhile is replaced when the next question is asked.
-        """
+        """As `Observer.ask`; a process that ends meanwhile is replaced at the next question."""
         try:
             process = self._load()[0]
         except (LoadError, SolverError) as error:  # it did load before

@@ -68,28 +68,25 @@ class Observation(NamedTuple):
 
 
 class Observer:
-    """A loaded solver. `interruptible`: whether a KeyboardInterrupt is the caller's."""
+    """A loaded solver."""
 
-    def __init__(self, spec: str, profile: str, *, interruptible: bool):
+    def __init__(self, spec: str, profile: str):
         self._spec, self._profile = spec, profile
         self.solver = load(spec, profile)
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state = ProcessState(MEMORY_BYTES)
         self._children = _children()
-        self._interruptible = interruptible
 
-    def ask(self, question: Question, limit: float) -> Observation:
+    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
+        """The replies to one question, or to several of one branch that are put as one frame."""
+        return self._ask_frame(questions) if as_frame else [self._ask(questions[0], limit)]
+
+    def _ask(self, question: Question, limit: float) -> Observation:
         """The reply to a question, the exception's traceback, and the state that changed."""
         seed()
         raised: list[BaseException] = []
         generators, modules = _generators(), len(sys.modules)
-        try:
-            reply = ask(self.solver, question, limit, raised.append)
-        except KeyboardInterrupt as error:  # Ctrl-C does not reach a worker
-            if self._interruptible:
-                raise
-            raised.append(error)
-            reply = no_answer(Outcome.RAISED, exception_text(error))
+        reply = ask(self.solver, question, limit, raised.append)
         loaded = len(sys.modules) != modules
         changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
         if _generators() != generators:
@@ -101,8 +98,7 @@ class Observer:
         text = own_frames(raised[-1]) if raised else ""
         return Observation(reply, text, tuple(changes), loaded)
 
-    def ask_frame(self, questions: list[Question]) -> list[Observation]:
-        """The replies to questions of one branch that are put to the solver as one frame."""
+    def _ask_frame(self, questions: list[Question]) -> list[Observation]:
         import pandas as pd
 
         from dubins_study.solvers.frame import solve_frame
@@ -256,7 +252,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
 
     def load_solver() -> list[Any]:
         try:
-            loaded.append(Observer(spec, profile, interruptible=False))
+            loaded.append(Observer(spec, profile))
             return ["loaded", declaration(loaded[0].solver, spec)]
         except SolverError as error:
             text = own_frames(error.__cause__) if error.__cause__ else ""
@@ -270,7 +266,11 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
         _, encoded, limit, as_frame = task
         questions = [decode_question(values) for values in encoded]
         [observer] = loaded
-        seen = observer.ask_frame(questions) if as_frame else [observer.ask(questions[0], limit)]
+        try:
+            seen = observer.ask(questions, limit, as_frame)
+        except KeyboardInterrupt as error:  # the solver's own: Ctrl-C does not reach this process
+            reply = no_answer(Outcome.RAISED, exception_text(error))
+            seen = [Observation(reply, own_frames(error))] * len(questions)
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
         return [[encode_reply(WorkerReply(one.reply)), *one[1:4]] for one in seen], False

@@ -7,7 +7,6 @@ import math
 import re
 import signal
 import time
-from typing import ClassVar
 
 import pytest
 
@@ -82,18 +81,6 @@ class Raising(Right):
 
     def solve(self, question, limit):
         raise NotImplementedError("later")
-
-
-class Keeping(Right):
-    """Keeps its answers, so that they are found at once when they are asked for again."""
-
-    kept: ClassVar[dict[Question, Solution]] = {}
-
-    def solve(self, question, limit):
-        if question not in self.kept:
-            time.sleep(0.05)
-            self.kept[question] = super().solve(question, limit)
-        return self.kept[question]
 
 
 class Turned(Right):
@@ -216,18 +203,6 @@ def failed(report: ConformanceReport) -> set[str]:
 
 def text(report: ConformanceReport, check: str) -> str:
     return " ".join(f"{one.observed} {one.advice}" for one in report[check].findings)
-
-
-def test_answers_that_are_kept_are_noted():
-    """In a run its repeats would take no time. A busy machine may hold up a quick answer."""
-    for _ in range(3):
-        Keeping.kept.clear()
-        report = checked(Keeping, ["determinism"])
-        assert report.passed
-        if report["determinism"].status is Status.NOTE:
-            break
-
-    assert "keep no answers" in text(report, "determinism")
 
 
 def test_a_heading_a_full_turn_further_is_called_so():
