@@ -76,9 +76,7 @@ ENDLESS = {
     "hostile_endless:OwnSession": _LATE,
     "hostile_endless:ForkTwo": _LATE._replace(files=_PIDS),
     "hostile_endless:ForkAndDie": _crash("SIGABRT")._replace(files=_PIDS),
-    "hostile_endless:LeavesChild": Case("returned", "optimal", files=_PIDS),
     "hostile_endless:Daemon": Case("returned", "optimal", files=_PIDS),
-    "hostile_endless:LoopInBuild": _LATE,
     "hostile_state:FloodsForever": _LATE,
 }
 # these never get past being made ready, which has a minute

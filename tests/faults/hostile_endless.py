@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -98,17 +96,6 @@ class ForkAndDie(Endless):
 
 
 @dataclass(frozen=True)
-class LeavesChild(Endless):
-    """A program that goes on after the answer was given."""
-
-    pids: str = ""
-
-    def hang(self):
-        child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"])
-        note(self.pids, child.pid)
-
-
-@dataclass(frozen=True)
 class Daemon(Endless):
     """A grandchild in its own session whose parent is gone, and an answer."""
 
@@ -129,15 +116,6 @@ class Daemon(Endless):
                 time.sleep(3600)
             os._exit(0)
         os.waitpid(child, 0)
-
-
-class LoopInBuild(Analytic):
-    """Never gets to solve."""
-
-    def build(self, question):
-        if question.scenario.label != "warm-up":
-            loop_in_c()
-        return question
 
 
 class LoopInWarmUp(Analytic):

@@ -10,8 +10,6 @@ import os
 import random
 import resource
 import signal
-import stat
-import struct
 import sys
 import threading
 import time
@@ -175,13 +173,13 @@ def _umask():
 
 
 class Tainting(Analytic):
-    """Changes everything twice, one thing at each question, and answers right."""
+    """Changes one thing at each question, and answers right."""
 
     def solve(self, model, limit):
         solution = super().solve(model, limit)
         if model.scenario.label != "warm-up":
-            number = round((model.scenario.target_x - 2.0) / 7.0 * (2 * len(STATES) - 1))
-            list(STATES.values())[number // 2][0]()
+            number = round((model.scenario.target_x - 2.0) / 7.0 * (len(STATES) - 1))
+            list(STATES.values())[number][0]()
         return solution
 
 
@@ -233,22 +231,6 @@ class Scribbles(Analytic):
                 os.write(fd, b"\xff\xff rubbish \x80\x04." * 64)
             except OSError:
                 continue
-        return super().solve(model, limit)
-
-
-class Forges(Analytic):
-    """Sends messages of the right form, which cannot be read, and gives them time to arrive."""
-
-    def solve(self, model, limit):
-        if model.scenario.label != "warm-up":
-            for fd in range(3, 64):
-                try:
-                    if stat.S_ISFIFO(os.fstat(fd).st_mode) or stat.S_ISSOCK(os.fstat(fd).st_mode):
-                        os.set_blocking(fd, False)
-                        os.write(fd, struct.pack("!i", 20) + b"garbage_not_a_pickle")
-                except OSError:
-                    continue
-            time.sleep(2.5)  # meanwhile a probe is due
         return super().solve(model, limit)
 
 

@@ -13,14 +13,11 @@ from tests.faults.conftest import ASKED, TABLES
 from tests.faults.launch import lasting, study
 
 RUNS = [
-    pytest.param(
-        *[(kind, jobs)],
-        marks=[pytest.mark.slow] * (jobs == 1 or kind == "stuck"),
-        id=f"{kind}, {jobs} jobs",
+    pytest.param((kind, jobs), marks=[pytest.mark.slow] * slow, id=f"{kind}, {jobs} jobs")
+    for kind, jobs, slow in (
+        *(("quick", 2, False), ("quick", 1, True), ("endless", 2, False)),
+        *(("greedy", 2, False), ("stuck", 2, True)),
     )
-    for kind in TABLES
-    for jobs in (2, 1)
-    if (kind, jobs) != ("stuck", 1)
 ]
 EACH = [
     pytest.param(*run.values, name, marks=run.marks, id=f"{run.id}, {name}")

@@ -26,10 +26,10 @@ N = len(STATES)
     scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)], ids=lambda n: f"{n} jobs"
 )
 def tainted(request, tmp_path_factory):
-    """Every state changed twice, and witnesses in between, in a drawn order."""
+    """Every state changed, and witnesses in between, in a drawn order."""
     folder = tmp_path_factory.mktemp("tainted")
     asking = experiment(
-        folder, ([TAINTING, SOMETIMES], 2 * N), ([WITNESS, LYING], 3 * N), ([PUNCTUAL], 2)
+        folder, ([TAINTING, SOMETIMES], N), ([WITNESS, LYING], 2 * N), ([PUNCTUAL], 2)
     )
     options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
     ended = study("run", asking, *options)
@@ -57,10 +57,10 @@ def test_every_row_is_there(tainted):
     ended, found = tainted
 
     assert found["plugin"].value_counts().to_dict() == {
-        "Tainting": 2 * N,
-        "SomeTimes": 2 * N,
-        "Witness": 3 * N,
-        "Elsewhere": 3 * N,
+        "Tainting": N,
+        "SomeTimes": N,
+        "Witness": 2 * N,
+        "Elsewhere": 2 * N,
         "Punctual": 2,
     }
     assert ended.alive == []
@@ -95,9 +95,9 @@ def test_a_judge_that_believes_everything_has_no_say(tainted):
 def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
     found = tainted[1]
     found = found[found["plugin"] == "SomeTimes"].sort_values("target_x")
-    dies = [round(x * 1000) % 3 == 0 for x in np.linspace(2.0, 9.0, 2 * N)]
+    dies = [round(x * 1000) % 3 == 0 for x in np.linspace(2.0, 9.0, N)]
 
-    assert 0 < sum(dies) < 2 * N
+    assert 0 < sum(dies) < N
     assert list(found["outcome"]) == ["crashed" if dead else "returned" for dead in dies]
     assert list(found["native_status"] == "SIGABRT") == dies
 
@@ -209,7 +209,7 @@ def test_state_of_the_caller_is_left_alone(tmp_path):
 
     before = os.getcwd(), dict(os.environ), np.geterr()  # noqa: PTH109
     own = {name for name, (_, changed) in STATES.items() if changed()}  # pytest's alarm, say
-    asking = experiment(tmp_path, ([TAINTING], 2 * N))
+    asking = experiment(tmp_path, ([TAINTING], N))
     run(asking, tmp_path / "out", time_limit=5, trust_plugins=True)
 
     assert (os.getcwd(), dict(os.environ), np.geterr()) == before  # noqa: PTH109

@@ -73,7 +73,7 @@ TEXT = """
 title = "isolation"
 question = "?"
 solvers = ["slsqp"]
-time_limit_s = 5
+time_limit_s = 2
 memory_limit_gib = 1.0
 repeats = 6
 [[scenarios]]
@@ -82,13 +82,17 @@ target_y = [1, 2]
 """
 
 
+def asked(folder, plugins, name, *others):
+    """The results folder of a run of a plug-in and other solvers."""
+    (folder / "plugins.py").write_text(plugins)
+    (folder / "isolation.toml").write_text(TEXT)
+    spec = f"{folder}/plugins.py:{name}"
+    return run(folder / "isolation.toml", folder / "out", solvers=[spec, *others])
+
+
 @pytest.mark.parametrize("name", ["Patches", "Slips", "Forgets", "Leaks", "OpensFiles"])
 def test_every_row_is_right(tmp_path, name):
-    (tmp_path / "plugins.py").write_text(PLUGINS)
-    (tmp_path / "isolation.toml").write_text(TEXT)
-    spec = f"{tmp_path}/plugins.py:{name}"
-    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec, "slsqp"])
-    rows = read_rows(folder).to_pandas()
+    rows = read_rows(asked(tmp_path, PLUGINS, name, "slsqp")).to_pandas()
 
     assert len(rows) == 24
     assert set(rows["outcome"]) == {"returned"}
@@ -98,12 +102,7 @@ def test_every_row_is_right(tmp_path, name):
 @pytest.mark.parametrize("name", ["Backwards", "Endless", "Ahead"])
 def test_times_that_cannot_be_are_refused(tmp_path, name):
     """The row is `raised`, and the rows of others can be read and compared."""
-    (tmp_path / "clocks.py").write_text(CLOCKS)
-    (tmp_path / "isolation.toml").write_text(TEXT)
-    spec = f"{tmp_path}/clocks.py:{name}"
-    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec, "slsqp"])
-
-    rows = load_results(folder)
+    rows = load_results(asked(tmp_path, CLOCKS, name, "slsqp"))
     assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
     refused = rows[rows["solver"] != "slsqp"]
     assert len(refused) == 12
@@ -113,12 +112,9 @@ def test_times_that_cannot_be_are_refused(tmp_path, name):
 
 def test_a_clock_that_stands_still_ends_no_solve(tmp_path):
     """The pool counts from what it has seen itself: twelve solves take longer than the limit."""
-    (tmp_path / "clocks.py").write_text(CLOCKS)
-    (tmp_path / "isolation.toml").write_text(TEXT.replace("time_limit_s = 5", "time_limit_s = 1"))
-    spec = f"{tmp_path}/clocks.py:Frozen"
-    folder = run(tmp_path / "isolation.toml", tmp_path / "out", solvers=[spec])
+    rows = read_rows(asked(tmp_path, CLOCKS, "Frozen"), ["outcome"])
 
-    assert set(read_rows(folder, ["outcome"])["outcome"].to_pylist()) == {"returned"}
+    assert set(rows["outcome"].to_pylist()) == {"returned"}
 
 
 HELD_UP = """
