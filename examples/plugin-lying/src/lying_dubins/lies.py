@@ -86,12 +86,6 @@ def _turns(path: Path, factor: float) -> np.ndarray:
     return np.where(path.curvature != 0, path.length * factor, path.length)
 
 
-def _chords(scenario: Scenario, path: Path) -> np.ndarray:
-    """The lengths, those of turns as the crow flies."""
-    chords = 2 * scenario.radius * np.abs(np.sin(path.length / (2 * scenario.radius)))
-    return np.where(path.curvature != 0, chords, path.length)
-
-
 def _flip_last(path: Path) -> np.ndarray:
     """The curvatures, the last of two turns to the other side."""
     flipped = path.curvature.copy()
@@ -117,33 +111,20 @@ def _only_two_words(question: Question, right: Solution) -> Solution:
 # lies about what a path is made of
 PATHS = {
     "radius as curvature": _controls(lambda s, p: _with_radius(p)),
-    "curvature of radius 1": _controls(lambda s, p: p.curvature * s.radius),
     "lengths in radii": _controls(length=lambda s, p: p.length / s.radius),
     "path of radius 1": _controls(
         lambda s, p: p.curvature * s.radius, lambda s, p: p.length / s.radius
     ),
     "angles": _controls(length=lambda s, p: _turns(p, 1 / s.radius)),
-    "degrees of turn": _controls(length=lambda s, p: _turns(p, 180 / math.pi / s.radius)),
-    "times": _controls(length=lambda s, p: p.length / s.speed),
     "turn rates": _controls(lambda s, p: p.curvature * s.speed),
-    "angles as curvatures": _controls(lambda s, p: p.curvature * p.length),
-    "degrees of curvature": _controls(lambda s, p: np.degrees(p.curvature)),
     "positions": _path(lambda s, p: Path(p.start, p.sample(20)[:, 0], p.sample(20)[:, 1])),
     "left is right": _controls(lambda s, p: -p.curvature),
-    "right is left": _controls(lambda s, p: np.abs(p.curvature)),
     "one turn to the wrong side": _controls(lambda s, p: _flip_last(p)),
-    "turns left out": _controls(length=lambda s, p: _turns(p, 0.0)),
-    "chords": _controls(length=lambda s, p: _chords(s, p)),
-    "lengths times speed": _controls(length=lambda s, p: p.length * s.speed),
     "from the target": _path(lambda s, p: Path(p.end, p.curvature[::-1], p.length[::-1])),
-    "summed lengths": _controls(length=lambda s, p: np.cumsum(p.length)),
     "swapped arrays": _controls(lambda s, p: p.length, lambda s, p: p.curvature),
     "negative length": _controls(length=lambda s, p: -p.length),
     "not a number": _controls(length=lambda s, p: p.length * math.nan),
     "nearly there": _controls(length=lambda s, p: p.length * (1 + 1e-4)),
-    "start in the vehicle's frame": _path(
-        lambda s, p: Path((0.0, 0.0, 0.0), p.curvature, p.length)
-    ),
     "start in degrees": _path(
         lambda s, p: Path((s.x, s.y, math.degrees(s.heading)), p.curvature, p.length)
     ),
@@ -151,24 +132,10 @@ PATHS = {
 # lies about the question
 QUESTIONS = {
     "heading in degrees": _asked(lambda s: replace(s, heading=math.radians(s.heading))),
-    "heading into degrees": _asked(lambda s: replace(s, heading=math.degrees(s.heading))),
-    "no heading": _asked(lambda s: replace(s, heading=0.0)),
-    "compass": _asked(lambda s: replace(s, heading=math.pi / 2 - s.heading)),
-    "clockwise heading": _asked(lambda s: replace(s, heading=-s.heading)),
-    "start at the origin": _asked(lambda s: replace(s, x=0.0, y=0.0)),
-    "relative target": _asked(
-        lambda s: replace(s, target_x=s.x + s.target_x, target_y=s.y + s.target_y)
-    ),
-    "radius 1": _asked(lambda s: replace(s, radius=1.0)),
     "diameter": _asked(lambda s: replace(s, radius=s.radius / 2)),
     "wide turns": _optimal(_asked(lambda s: replace(s, radius=2 * s.radius))),
     "radius times speed": _optimal(_asked(lambda s: replace(s, radius=s.radius * s.speed))),
     "no start": _asked(lambda s: replace(s, x=0.0, y=0.0, heading=0.0)),
-    "backwards": _asked(
-        lambda s: replace(s, x=s.target_x, y=s.target_y, target_x=s.x, target_y=s.y)
-    ),
-    "y down": _asked(lambda s: replace(s, y=-s.y, target_y=-s.target_y)),
-    "radius inverted": _asked(lambda s: replace(s, radius=1 / s.radius)),
     "any word": lambda question: honest(question.scenario),
 }
 # lies about the answer
