@@ -10,10 +10,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import psutil
 
+from dubins_study import run
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.schema import KEY, ROW, names
 
@@ -61,20 +63,19 @@ def gone(pids: list[int]) -> bool:
     return True
 
 
+def asked_of(address: str, experiment: str, out: Path, **options: Any) -> Path:
+    """The folder of a run on the workers of a scheduler."""
+    return run(experiment, out, engine="dask", scheduler=address, **options)
+
+
 @contextmanager
 def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
     """A scheduler started as its own users do; its address."""
     file = folder / "scheduler.json"
-    arguments = (
-        "--host",
-        "127.0.0.1",
-        "--port",
-        "0",
-        "--no-dashboard",
-        "--scheduler-file",
-        str(file),
-    )
-    with _running("distributed.cli.dask_scheduler", *arguments, *options, **environment) as process:
+    arguments = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file")
+    with _running(
+        "distributed.cli.dask_scheduler", *arguments, str(file), *options, **environment
+    ) as process:
         until(lambda: file.is_file() or process.poll() is not None, "the scheduler starts")
         until(lambda: bool(file.read_text()), "the scheduler says where it is")
         yield json.loads(file.read_text())["address"]

@@ -79,7 +79,7 @@ def plugin(folder: Path, solve: str) -> str:
 def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     """Every column that is not about time or run, warm sweeps among them; the manifest says who."""
     one = run(experiment, tmp_path / "one")
-    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+    other = here.asked_of(address, experiment, tmp_path / "other")
 
     here.assert_same(one, other)
     rows = read_rows(other, ["executor", "jobs"]).to_pandas()
@@ -94,8 +94,7 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
 def test_probes_come_from_the_machines_that_solve(experiment, tmp_path, address):
     """Known by a number; their names are recorded nowhere."""
     solver = plugin(tmp_path, "time.sleep(0.4)")
-    arguments = {"solvers": [solver], "engine": "dask", "scheduler": address}
-    out = run(experiment, tmp_path / "out", **arguments)
+    out = here.asked_of(address, experiment, tmp_path / "out", solvers=[solver])
     manifest = (out / "manifest.json").read_text()
     entry = json.loads(manifest)["runs"][-1]
 
@@ -121,7 +120,7 @@ def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, t
     one = run(experiment, tmp_path / "one", **arguments)
     (tmp_path / "engine").write_text("dask")
     (tmp_path / "armed").touch()
-    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **arguments)
+    other = here.asked_of(address, experiment, tmp_path / "other", **arguments)
 
     assert not (tmp_path / "armed").exists()
     assert here.gone([int((tmp_path / "killed").read_text())])
@@ -153,7 +152,7 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
             psutil.Process(pids[0]).kill()
 
     arguments = {"solvers": [solver, "analytic"], "time_limit": 3000.0, "progress": kill}
-    run(experiment, tmp_path / "out", engine="dask", scheduler=address, **arguments)
+    here.asked_of(address, experiment, tmp_path / "out", **arguments)
 
     assert len(set(pids)) == 3
     here.until(lambda: here.gone(pids), "all three end")
@@ -168,7 +167,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
     with pytest.raises(
         RunError, match=r"^4 Dask workers ended while they solved the same work unit"
     ):
-        run(experiment, out, engine="dask", scheduler=address, solvers=[solver])
+        here.asked_of(address, experiment, out, solvers=[solver])
 
     entry = json.loads((out / "manifest.json").read_text())["runs"][-1]
     assert entry["state"] == "interrupted"
@@ -190,7 +189,7 @@ def test_hostile_solvers_come_to_the_same_end(experiment, tmp_path, address, kin
     Path(experiment).write_text(EXPERIMENT.replace("2.0, 6]", "2.0, 3]"))
     arguments = {"solvers": [solver, "slsqp"], "time_limit": 0.5}
     one = here.table(run(experiment, tmp_path / "one", **arguments))
-    other = run(experiment, tmp_path / "other", engine="dask", scheduler=address, **arguments)
+    other = here.asked_of(address, experiment, tmp_path / "other", **arguments)
     other = here.table(other)
 
     columns = ["solver", "branch", "outcome", "native_status", "verdict", "claim", "gap"]
@@ -211,7 +210,7 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
     with pytest.raises(KeyboardInterrupt):
         run(experiment, out, solvers=["slsqp"], progress=enough)
     assert 0 < len(read_rows(out)) < len(read_rows(one))
-    run(experiment, out, solvers=["slsqp"], engine="dask", scheduler=address)
+    here.asked_of(address, experiment, out, solvers=["slsqp"])
 
     here.assert_same(one, out)
     engines = set(read_rows(out, ["executor"])["executor"].to_pylist())
@@ -221,7 +220,7 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
 @pytest.mark.slow
 def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
     before = logging.getLogger("distributed").level
-    run(experiment, tmp_path / "out", solvers=["slsqp"], engine="dask", scheduler=address)
+    here.asked_of(address, experiment, tmp_path / "out", solvers=["slsqp"])
 
     assert logging.getLogger("distributed").level == before
 

@@ -48,7 +48,7 @@ def test_a_cluster_of_users_own_is_found_by_its_address(experiment, tmp_path):
     """Its nannies' workers are daemons, which may have no children by themselves; two threads."""
     one = run(experiment, tmp_path / "one")
     with here.scheduler(tmp_path) as address, here.worker(address, "--nthreads", "2") as worker:
-        other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+        other = here.asked_of(address, experiment, tmp_path / "other")
         assert set(read_rows(other, ["jobs"])["jobs"].to_pylist()) <= {1, 2}
         assert set(read_rows(other, ["executor"])["executor"].to_pylist()) == {"dask"}
         # the run is over: no solver's process is left in the cluster, which lives on
@@ -70,8 +70,7 @@ def test_a_worker_that_comes_late_is_waited_for(experiment, tmp_path, caplog):
                 late[0].__enter__()
 
         try:
-            arguments = {"engine": "dask", "scheduler": address, "progress": come}
-            run(experiment, tmp_path / "out", **arguments)
+            here.asked_of(address, experiment, tmp_path / "out", progress=come)
         finally:
             late[0].__exit__(None, None, None)
 
@@ -112,7 +111,7 @@ def test_other_code_is_refused(experiment, tmp_path):
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(copy)),
         pytest.raises(RunError, match=r"the code of slsqp is not what was asked: .* and is"),
     ):
-        run(experiment, tmp_path / "out", engine="dask", scheduler=address)
+        here.asked_of(address, experiment, tmp_path / "out")
     assert done(tmp_path / "out") == set()
 
 
@@ -125,7 +124,7 @@ def test_workers_without_our_packages_are_told(experiment, tmp_path):
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(tmp_path / "copy")),
         pytest.raises(RunError, match=r"^dubins-study is not on a Dask worker, or of"),
     ):
-        run(experiment, tmp_path / "out", engine="dask", scheduler=address)
+        here.asked_of(address, experiment, tmp_path / "out")
 
 
 def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
@@ -138,13 +137,7 @@ def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
             with pytest.raises(
                 RunError, match=r"slow\.py:Slow is not what was asked: .* does not load"
             ):
-                run(
-                    experiment,
-                    tmp_path / "out",
-                    solvers=["slow.py:Slow"],
-                    engine="dask",
-                    scheduler=address,
-                )
+                here.asked_of(address, experiment, tmp_path / "out", solvers=["slow.py:Slow"])
         finally:
             os.chdir(before)
 
@@ -161,15 +154,8 @@ def study(*arguments: str, **environment: str) -> subprocess.Popen[str]:
 
 
 def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
-    arguments = (
-        "--engine",
-        "dask",
-        "--scheduler",
-        "tcp://127.0.0.1:1",
-        "--out",
-        str(tmp_path / "out"),
-    )
-    process = study(experiment, *arguments)
+    arguments = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:1")
+    process = study(experiment, *arguments, "--out", str(tmp_path / "out"))
     printed, err = process.communicate(timeout=120)
 
     assert process.returncode == 2
@@ -250,8 +236,8 @@ def test_over_tls(experiment, tmp_path):
     with here.scheduler(tmp_path, "--protocol", "tls", *options) as address:
         assert address.startswith("tls://")
         with pytest.raises(RunError, match="no Dask scheduler answers at 'tls://"):
-            run(experiment, tmp_path / "refused", engine="dask", scheduler=address)
+            here.asked_of(address, experiment, tmp_path / "refused")
         with here.worker(address, "--nthreads", "1", *options), dask.config.set(known):
-            other = run(experiment, tmp_path / "other", engine="dask", scheduler=address)
+            other = here.asked_of(address, experiment, tmp_path / "other")
 
     here.assert_same(one, other)
