@@ -268,11 +268,13 @@ class WorkerPool:
         """The job that was answered with its reply, if the task was to solve one."""
         self._false_starts = 0
         task, value, _ = answer
-        if task.allowance is _PROBING and self._probed is not None:
+        waited_s = monotonic() - task.put_s
+        possible = task.allowance is _PROBING and 0 < value <= waited_s
+        if possible and self._probed is not None:  # else a library has replaced the worker's clock
             self._probed(value)
         if task.allowance is not self._solving:
             return []
-        reply = with_possible_times(value.reply, monotonic() - task.put_s)
+        reply = with_possible_times(value.reply, waited_s)
         key = task.tag.solver_key
         seconds = min(reply.times.wall_s or 0.0, _MAX_COUNTED_S)
         mean_s = self._expected_s.get(key, seconds)
