@@ -44,15 +44,8 @@ def hostile_report(tmp_path_factory):
         for r in (1.0, 2.0, 3.0, 9.0)
         for name in ("analytic", spec, "[1]")
     ]
-    rows.append(
-        attempt(
-            Scenario(0, 0, 0, 5, 6, 1, label=HOSTILE),
-            spec,
-            path=None,
-            claim=Claim.FAILED,
-            message=HOSTILE,
-        )
-    )
+    lost = Scenario(0, 0, 0, 5, 6, 1, label=HOSTILE)
+    rows.append(attempt(lost, spec, path=None, claim=Claim.FAILED, message=HOSTILE))
     experiment = {"name": "x", "title": HOSTILE, "question": HOSTILE, "text": HOSTILE}
     extra = {"command": HOSTILE, "machine": {HOSTILE: HOSTILE}, "git": {"branch": HOSTILE}}
     folder = write_folder(base / "hostile", "x", rows, experiment=experiment, **extra)

@@ -127,18 +127,17 @@ def test_the_public_names_in_a_script_beside_them(user):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [["dubins-study"], ["python", "-m", "dubins_study"]])
-def test_the_command_beside_them(user, command):
+def test_the_command_beside_them(user):
     """Run with worker processes and a plug-in, report, status; `-m` puts the folder on the path,
     which no worker inherits."""
-    program = [user / "env" / "bin" / command[0], *command[1:]]
-    out = user / ("by-" + command[0])
-    told = called(*program, "solve", 10, 5, "--json", cwd=user)
-    called(*program, "run", "beside.toml", "--out", out, "--trust-plugins", cwd=user)
-    called(*program, "report", out, cwd=user)
+    program, out = user / "env" / "bin" / "dubins-study", user / "by-command"
+    module = (user / "env" / "bin" / "python", "-m", "dubins_study")
+    told = called(program, "solve", 10, 5, "--json", cwd=user)
+    called(*module, "run", "beside.toml", "--out", out, "--trust-plugins", cwd=user)
+    called(program, "report", out, cwd=user)
 
     assert '"word"' in told
     assert (out / "report" / "index.html").is_file()
-    assert "6" in called(*program, "status", out, cwd=user)
+    assert "6" in called(*module, "status", out, cwd=user)
     verdicts = pq.read_table(out / "parts")["verdict"].to_pylist()
     assert verdicts == ["optimal"] * 6
