@@ -73,17 +73,6 @@ def test_without_scripts_there_are_drawings(explorer):
     assert not page.locator(".explorer-live").is_visible()
 
 
-@pytest.mark.slow
-def test_in_print_there_are_no_buttons(explorer):
-    """The picture and the table stay."""
-    page = explorer()
-    page.emulate_media(media="print")
-
-    assert page.locator(".explorer-plane").is_visible()
-    assert page.locator("table.explorer-words").is_visible()
-    assert not page.get_by_role("button", name="Problem 1").is_visible()
-
-
 def test_no_id_stands_twice_and_every_pattern_exists(explorer):
     page = explorer()
     ids = page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)")
@@ -99,21 +88,16 @@ def test_no_id_stands_twice_and_every_pattern_exists(explorer):
 
 def test_forced_colours_leave_every_line_s_sample(explorer):
     """The table's samples keep colour and pattern, as the lines in the picture do."""
-    page = explorer(forced_colors="active")
-    assert page.evaluate("matchMedia('(forced-colors: active)').matches")
-    samples = page.locator(".explorer .sample").evaluate_all(
+    styles = (
         "all => all.map(e => { const s = getComputedStyle(e);"
         " return [s.backgroundImage, s.borderTopStyle, s.borderTopColor]; })"
     )
-
-    plain = (
-        explorer()
-        .locator(".explorer .sample")
-        .evaluate_all(
-            "all => all.map(e => { const s = getComputedStyle(e);"
-            " return [s.backgroundImage, s.borderTopStyle, s.borderTopColor]; })"
-        )
+    forced = explorer(forced_colors="active")
+    samples, plain = (
+        page.locator(".explorer .sample").evaluate_all(styles) for page in (forced, explorer())
     )
+
+    assert forced.evaluate("matchMedia('(forced-colors: active)').matches")
     assert samples == plain
     assert len({str(sample) for sample in samples}) == 4
 

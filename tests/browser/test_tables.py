@@ -6,7 +6,6 @@ from html import escape
 from pathlib import Path as FilePath
 
 import pytest
-from browser_tab import PHONE
 
 from dubins_study.report.page.environment import SCRIPTS, scripts, styles
 
@@ -196,31 +195,12 @@ def test_a_long_table_is_folded(page_of):
     assert not fold.is_visible()
 
 
-@pytest.mark.slow
-def test_all_lines_are_printed(page_of):
-    """A folded table is whole on paper, without the tools."""
-    page = page_of(160)
-    page.emulate_media(media="print")
-
-    assert len(column(page, 1)) == 160
-    assert not page.get_by_role("searchbox").is_visible()
-
-
 def test_without_scripts_the_table_is_whole(page_of):
     """All lines are there, scrolled in a box of their own; no tools that do nothing."""
     page = page_of(160, java_script_enabled=False)
 
     assert page.locator("tbody tr:visible").count() == 160
     assert page.locator(".table-tools").count() == 0
-
-
-@pytest.mark.slow
-def test_tables_fit_a_phone(page_of):
-    """The tools wrap; nothing scrolls sideways but the table's own box."""
-    page = page_of(160, viewport=PHONE)
-
-    assert page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
-    assert page.get_by_role("searchbox").bounding_box()["x"] >= 0
 
 
 def test_tables_of_a_report_are_sorted(new_tab, report_page: FilePath):
