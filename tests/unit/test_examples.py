@@ -9,7 +9,7 @@ from hypothesis import core, given, settings
 from hypothesis import strategies as st
 
 
-def examples(profile: str, number: int = 300) -> list[float | str]:
+def examples(profile: str, number: int = 120) -> list[float | str]:
     """What one test draws under a profile of `tests/conftest.py`."""
     drawn: list[float | str] = []
 
