@@ -54,7 +54,7 @@ BUDGETS |= {
     "conformance": Size(1_870, 9),
     "report": Size(13_340, 80),
     "package": Size(40_270, 263),
-    "tests": Size(32_300, 200),
+    "tests": Size(30_000, 200),
 }
 
 _LEAVES = (

@@ -24,7 +24,6 @@ from dubins_study.solvers.minlp_engines.program import (
     Written,
 )
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Proof, Verdict
 
@@ -167,21 +166,6 @@ def test_a_program_with_binaries_and_curves(name, lean):
     assert result.nodes is None or result.nodes >= 0
 
 
-@pytest.mark.parametrize("name", INSTALLED)
-def test_what_has_no_point_is_infeasible(name):
-    """x = y and x = y + 2 - sin(x) / 10 cannot both be."""
-
-    def write(x, functions):
-        return Written(x[0], [Row(x[0] - x[1]), Row(x[0] - x[1] - 2 + functions.sin(x[0]) / 10)])
-
-    program = MixedProgram(np.zeros(2), np.full(2, 3.0), np.zeros(2, bool), write)
-    result = ENGINES[name].load()(SETTINGS)(program, 20.0)
-
-    assert result.claim is Claim.INFEASIBLE
-    assert result.x is None
-    assert result.bound == math.inf
-
-
 @pytest.mark.parametrize("name", [name for name in ("gurobi", "xpress") if name in INSTALLED])
 def test_a_program_too_large_for_the_licence_is_a_message(name):
     """The wheels' licences end at 2 000 (Gurobi) and 5 000 (Xpress) variables and constraints."""
@@ -225,12 +209,3 @@ def test_a_word_without_a_path_is_called_infeasible(solver, engine):
     assert none.claim is Claim.INFEASIBLE, none.message
     assert none.verdict is Verdict.NONE_EXISTS
     assert none.path is None
-
-
-@pytest.mark.parametrize("engine", INSTALLED)
-def test_a_word_with_a_path_is_proven(engine):
-    """RL ends there, where LS does not."""
-    some = ask(0.3, 1.2, "RL", engine=engine, feastol=1e-6)
-
-    assert some.claim is Claim.OPTIMAL
-    assert some.length == pytest.approx(shortest(some.scenario, "RL").total)

@@ -177,15 +177,3 @@ def test_every_engine_finds_the_same_optimum(engine, target, branch, capfd):
     assert set(answer.subproblems.split()) == ({"LS"} if branch == "LS" else set(WORDS))
     assert sum(answer.subproblem_evaluations) == answer.evaluations
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize("engine", [name for name in OTHERS if name == "gurobi"])
-def test_a_licence_that_is_too_small_is_said_in_the_row(engine):
-    """The MILPs of RL and LR at 72 headings have 3 250 variables; LS and RS are answered."""
-    answer = attempt(HeadingMilp(engine=engine), Question(Scenario(0, 0, 0, 3, 2, 1)))
-
-    assert answer.verdict is Verdict.OPTIMAL
-    if answer.claim is not Claim.LOCAL:  # a full licence solves them all
-        assert answer.claim is Claim.FEASIBLE
-        assert "size-limited license" in answer.native_status
-        assert answer.message == "LS; not all words were solved"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import PAPER, placed
+from cases import placed
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -70,17 +69,6 @@ def test_a_shortest_path_makes_less_of_a_detour_than_the_bounds_allow(x, y, bran
     if shortest(scenario, branch) is not None:
         length = solve(scenario, "analytic", branch).length
         assert length < math.hypot(x, y) + 4 * math.pi
-
-
-@pytest.mark.parametrize("engine", ["ipopt", "slsqp"])
-def test_engines_agree(engine):
-    scenario = replace(PAPER["problem 1"], radius=2.0)
-
-    answer = solve(scenario, f"turn-rates[n=20,mesh=graded,engine={engine}]")
-
-    assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-    # 20 steps: the order is tested above
-    assert 0 <= answer.gap < 3e-4
 
 
 DEFAULT = TurnRateQp()
