@@ -214,19 +214,5 @@ class Palette:
         return figure_names({spec: self.label(spec) for spec in specs})
 
     def label(self, spec: str) -> str:
-        """A solver's short name; its spec, over several lines, if the page has none."""
-        return self.labels.get(spec) or name_of(spec)
-
-
-def name_of(solver: str, width: int = 26) -> str:
-    """A solver's name for a figure, with its settings on separate lines."""
-    name, settings = parse_spec(solver)
-    lines, line = [name], ""
-    for key, value in settings.items():
-        item = f"{key}={value}"
-        if line and len(line) + len(item) + 2 > width:
-            lines.append(line)
-            line = item
-        else:
-            line = f"{line}, {item}" if line else item
-    return "\n".join(part[:60] for part in (*lines, line) if part)
+        """A solver's short name; its spec if the page has none."""
+        return self.labels.get(spec) or one_line(spec)

@@ -307,7 +307,7 @@ def parameter_lines(
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
     looks, names = palette.looks(shown["solver"]), list(dict.fromkeys(shown["name"]))
     panels = list(shown.groupby("panel")) if "panel" in shown else [("", shown)]
-    growth = min(1.2, 5 / max(len(names), 1))
+    growth = min(1.2, 4 / max(len(names), 1))
     figure = new_figure(width, height)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     handles: dict[str, Artist] = {}
@@ -324,7 +324,7 @@ def parameter_lines(
         log_axis(ax.yaxis)
         _scale(ax, *ax.get_xlim(), seconds=seconds)
     axes[0].set_ylabel(ylabel)
-    columns = 4 if width > HALF else 1 if max(map(len, handles), default=0) > 25 else 2
+    columns = (4 if width > HALF else 2) - (max(map(len, handles), default=0) > 25)
     _legend(figure, "lower", list(handles.values()), columns)
     return figure
 

@@ -35,10 +35,6 @@ HUES = {
     "vermilion": Hue("#d55e00", "#f08a4b"),
     "green": Hue("#009e73", "#2fc39a"),
     "orange": Hue("#b87a00", "#e6ac3a"),
-    "sky": Hue("#3d93cb", "#8ccbf0"),
-    "purple": Hue("#b45a8c", "#dd94bd"),
-    "brown": Hue("#7a3b12", "#c98a5e"),
-    "olive": Hue("#7a7100", "#b8ae3c"),
 }
 
 # Hues of engines, in the order in which engines get them.
@@ -60,9 +56,7 @@ _NAMED = HUES | {f"engine-{place}": hue for place, hue in enumerate(ENGINE_HUES,
 VARIABLES = {hue.light: f"--{name}" for name, hue in _NAMED.items()}
 
 INK, MUTED, RULE, PAPER = "#1a1c1f", "#6a7079", "#d5d9de", "#ffffff"
-BLUE, VERMILION, GREEN = (HUES[name].light for name in ("blue", "vermilion", "green"))
-ORANGE, SKY, PURPLE = (HUES[name].light for name in ("orange", "sky", "purple"))
-BROWN, OLIVE = (HUES[name].light for name in ("brown", "olive"))
+BLUE, VERMILION, GREEN, ORANGE = (hue.light for hue in HUES.values())
 
 # Colours for maps. The dark page replaces INK and PAPER, but must not replace these, so they differ
 # by one digit.

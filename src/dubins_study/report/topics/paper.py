@@ -94,9 +94,11 @@ def scores(results: Results) -> pd.DataFrame:
 
 
 def printed_times(results: Results) -> pd.DataFrame:
-    """The solve times that the paper prints, and of each solver its right cold attempts' median.
+    """The solve times that the paper prints, each beside the medians of right cold attempts.
 
-    Columns label, path, word, printed_s (s), ticks (of `TICK_S`), solver, wall_s (s).
+    One row per time that some solver has too. Columns label, path, word, printed_s (s), ticks (of
+    `TICK_S`), exact_s (the closed form's; None if it was not asked), fastest and slowest (solvers
+    besides the closed form, None if there are none), fastest_s and slowest_s (s).
     """
     rows = results.rows
     right = rows[success(rows) & (rows["initial_guess"] == "cold")]
@@ -105,30 +107,18 @@ def printed_times(results: Results) -> pd.DataFrame:
     words = {(row.label, row.path): row.word for row in PRINTED}
     records = []
     for time in TIMES:
-        word, seconds = words[time.label, time.path], float(time.seconds)
-        record = {"label": time.label, "path": time.path, "word": word, "printed_s": seconds}
-        record |= {"ticks": round(seconds / TICK_S)}
+        word = words[time.label, time.path]
         ours = medians[(medians["label"] == time.label) & (medians["branch"] == word)]
-        pairs = zip(ours["solver"], ours["wall_s"], strict=True)
-        records += [record | {"solver": solver, "wall_s": wall_s} for solver, wall_s in pairs]
-    columns = ["label", "path", "word", "printed_s", "ticks", "solver", "wall_s"]
-    return pd.DataFrame.from_records(records, columns=columns)
-
-
-def time_ends(times: pd.DataFrame) -> pd.DataFrame:
-    """One row per printed time, from `printed_times`, with the fastest and the slowest solver.
-
-    Columns label, path, word, printed_s, ticks, exact_s (the closed form's time; NaN if it was not
-    asked), fastest and slowest (solvers besides the closed form, None if there are none), and
-    their times fastest_s and slowest_s (s).
-    """
-    keys = ["label", "path", "word", "printed_s", "ticks"]
-    records = []
-    for key, group in times.groupby(keys, sort=False):
-        exact = group.loc[group["solver"] == EXACT, "wall_s"]
-        others = group[group["solver"] != EXACT].sort_values("wall_s")
-        record: dict[str, object] = dict(zip(keys, key, strict=True))
-        record["exact_s"] = exact.iloc[0] if len(exact) else None
+        if ours.empty:
+            continue
+        exact = ours.loc[ours["solver"] == EXACT, "wall_s"]
+        others = ours[ours["solver"] != EXACT].sort_values("wall_s")
+        printed_s = float(time.seconds)
+        record = {"label": time.label, "path": time.path, "word": word, "printed_s": printed_s}
+        record |= {
+            "ticks": round(printed_s / TICK_S),
+            "exact_s": exact.iloc[0] if len(exact) else None,
+        }
         for name, place in (("fastest", 0), ("slowest", -1)):
             record[name] = others["solver"].iloc[place] if len(others) else None
             record[f"{name}_s"] = others["wall_s"].iloc[place] if len(others) else None
@@ -155,7 +145,7 @@ def paper_section(results: Results) -> Section | None:
     blocks.append(_scores(scores(results)))
     times = printed_times(results)
     if len(times):
-        blocks.append(_times(time_ends(times)))
+        blocks.append(_times(times))
     right = int((cells["verdict"] == "correct").sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "

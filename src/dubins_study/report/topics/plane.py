@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Arc, Circle
-from numpy.typing import NDArray
+from matplotlib.patches import Arc, Circle, Patch
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
@@ -19,7 +19,6 @@ from dubins_study.report.elements.plots import Mark, draw_cells
 from dubins_study.report.elements.style import (
     BLUE,
     INK,
-    MAP_PAPER,
     MUTED,
     ON_MAP,
     ORANGE,
@@ -86,17 +85,6 @@ def _grid(rows: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, Floa
     return x, y, table.to_numpy(dtype=np.float64)
 
 
-def _deepest(inside: NDArray[np.bool_]) -> tuple[int, int]:
-    """Row and column of the cell farthest from the region's edge."""
-    depth = np.zeros(inside.shape, dtype=int)
-    left = np.pad(inside, 1)
-    while left.any():
-        depth += left[1:-1, 1:-1]
-        left[1:-1, 1:-1] &= left[:-2, 1:-1] & left[2:, 1:-1] & left[1:-1, :-2] & left[1:-1, 2:]
-    row, column = np.unravel_index(int(depth.argmax()), depth.shape)
-    return int(row), int(column)
-
-
 def _draw_circles(ax: Axes, x: FloatArray, y: FloatArray, ink: str = ON_MAP) -> None:
     """Draw the turning circles and the start; the half where the length jumps has a heavy line."""
     for side in (1, -1):
@@ -110,28 +98,23 @@ def _draw_circles(ax: Axes, x: FloatArray, y: FloatArray, ink: str = ON_MAP) -> 
     ax.grid(False)
 
 
-def plot_words(ax: Axes, rows: pd.DataFrame) -> None:
-    """Draw the shortest word of each target, and write it where its region is widest.
+def plot_words(ax: Axes, rows: pd.DataFrame) -> list[Artist]:
+    """Draw the shortest word of each target, and return the legend's entries.
 
     Columns: target_x, target_y, word (on a grid).
     """
     codes = {mark.key: float(i) for i, mark in enumerate(WORDS)}
     x, y, code = _grid(rows.assign(code=rows["word"].map(codes).fillna(len(WORDS))), "code")
     draw_cells(ax, code, x, y, [*(mark.colour for mark in WORDS), OTHER_COLOUR])
-    for mark in WORDS:
-        inside = code == codes[mark.key]
-        if not inside.any():
-            continue
-        if mark.hatch:
-            style: Style = {"colors": "none", "hatches": [mark.hatch]}
-            hatch = ax.contourf(x, y, inside.astype(float), levels=[0.5, 1.5], **style)
-            hatch.set_edgecolor("#ffffff80")
-            hatch.set_linewidth(0)
-        row, column = _deepest(inside)
-        box: Style = {"facecolor": MAP_PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
-        centred: Style = {"ha": "center", "va": "center"}
-        ax.text(x[column], y[row], mark.key, bbox=box, color=ON_MAP, **centred)
+    present = [mark for mark in WORDS if (code == codes[mark.key]).any()]
+    for mark in filter(lambda mark: mark.hatch, present):
+        inside = (code == codes[mark.key]).astype(float)
+        style: Style = {"colors": "none", "hatches": [mark.hatch]}
+        hatch = ax.contourf(x, y, inside, levels=[0.5, 1.5], **style)
+        hatch.set_edgecolor("#ffffff80")
+        hatch.set_linewidth(0)
     _draw_circles(ax, x, y)
+    return [Patch(label=mark.key, **mark.bar()) for mark in present]
 
 
 def plot_lengths(ax: Axes, rows: pd.DataFrame) -> None:
@@ -172,29 +155,25 @@ def plot_failures(ax: Axes, rows: pd.DataFrame) -> None:
     _draw_circles(ax, x, y, INK)
 
 
-# Of the closed form's answers: name, plot, height (inches), text for who cannot see it, caption.
-PICTURES = (
-    (
-        *("plane-words", plot_words, 3.5, "Map of shortest words"),
-        "Shortest word by target. Hatched: inside a turning circle, where the first turn is away "
-        "from the target. On the axis ahead the path is straight. Lengths in R.",
-    ),
-    (
-        *("plane-lengths", plot_lengths, 4.1, "Map of shortest lengths"),
-        "Shortest length by target, a contour every R. The two discs stand out because the "
-        "length jumps across the front half of their circles; across the rear half it is smooth.",
-    ),
-)
-
-
 def plane_section(results: Results) -> Section | None:
     """Maps of words and lengths, and where the solvers on a coarse grid go wrong."""
     rows = results.rows[results.rows["branch"] == "best"]
     exact = exact_answers(rows)
-    pictures = [
-        picture(stem, plot, exact, caption=caption, alt=alt, height=height)
-        for stem, plot, height, alt, caption in (PICTURES if len(exact) else ())
-    ]
+    pictures = []
+    if len(exact):
+        caption = (
+            "Shortest word by target. Hatched: inside a turning circle, where the first turn is "
+            "away from the target. On the axis ahead the path is straight. Lengths in R."
+        )
+        style: Style = {"caption": caption, "alt": "Map of shortest words", "height": 3.8}
+        pictures.append(picture("plane-words", plot_words, exact, **style, legend=4))
+        caption = (
+            "Shortest length by target, a contour every R. The two discs stand out because the "
+            "length jumps across the front half of their circles; across the rear half it is "
+            "smooth."
+        )
+        style = {"caption": caption, "alt": "Map of shortest lengths", "height": 4.1}
+        pictures.append(picture("plane-lengths", plot_lengths, exact, **style))
     coarse = rows[rows["solver"] != EXACT]
     names = Palette.of_page(results).names(coarse["solver"])
     for number, solver in enumerate(solver_order(coarse["solver"].tolist()), start=1):
