@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
-from dubins_study.report.elements.style import drawing, new_figure
+from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
 from dubins_study.report.topics.paper_figures import aspect_of, plot_paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path

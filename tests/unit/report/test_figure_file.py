@@ -11,8 +11,7 @@ from fontTools.ttLib import TTFont
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 
-from dubins_study.report.elements.figure_file import figure_bytes
-from dubins_study.report.elements.style import drawing
+from dubins_study.report.elements.style import drawing, figure_bytes
 
 
 def outline(font, glyph):

@@ -8,9 +8,8 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Picture, Table
-from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.looks import common_part
-from dubins_study.report.elements.style import RULE, drawing
+from dubins_study.report.elements.style import RULE, drawing, figure_bytes, fix_layout
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import MOST_ENGINES

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from dubins_study import render
-from dubins_study.report.elements.figure_file import figure_bytes
+from dubins_study.report.elements.style import figure_bytes
 from dubins_study.report.page.sections import TOPICS
 
 

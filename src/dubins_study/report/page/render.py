@@ -16,8 +16,8 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, Results, load_with_rows
 from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Place, Section, Table
-from dubins_study.report.elements.figure_file import figure_bytes, fix_layout
 from dubins_study.report.elements.formats import some
+from dubins_study.report.elements.style import figure_bytes, fix_layout
 from dubins_study.report.page.dictionary import dictionary
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import (
