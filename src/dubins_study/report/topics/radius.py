@@ -39,7 +39,6 @@ _FEWEST_RADII = 4  # fewer do not show a curve
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
 VISIBLE = 0.01  # relative; an answer that is longer by less lies on the line of the shortest ones
 _VISIBLE = f"{100 * VISIBLE:g} %"
-_CLEAR = 1.15  # so far above the shortest length a line has room for its name
 _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}  # of the paper's two words
@@ -187,12 +186,6 @@ def _draw_sweep(ax: Axes, sweep: Sweep, palette: Palette) -> None:
         group = sweep.single_words[sweep.single_words["word"] == word]
         dashes: Style = {"color": MUTED, "linestyle": line, "linewidth": 0.9, "zorder": 2}
         ax.plot(group["radius"], group["length"], **dashes)
-        # Its name stands where the line is clear of the shortest words, which have theirs.
-        clear = group[group["length"] > _CLEAR * np.interp(group["radius"], radii, lengths)]
-        if len(clear):
-            point = tuple(clear[["radius", "length"]].iloc[len(clear) // 2])
-            beside: Style = {"xytext": (-3, 3), "textcoords": "offset points", "ha": "right"}
-            ax.annotate(word, point, color=MUTED, **beside)
     _draw_wrong(ax, sweep.wrong, palette)
     if radii[0] < sweep.circle < radii[-1]:  # infinite for a target straight ahead
         mark_limit(ax, sweep.circle)
