@@ -85,21 +85,6 @@ def test_a_terminal_gets_lines_that_fit(mine, columns):
     assert progress.count("\n") <= 2
 
 
-def test_no_colour_in_a_terminal_that_wants_none(mine):
-    written, code = in_a_terminal("run", "quick.toml", cwd=mine, columns=80, NO_COLOR="1")
-
-    assert code == 0
-    assert "40/40" in written
-    assert "\x1b[3" not in written  # the codes of colours
-
-
-def test_a_quiet_run_in_a_terminal(mine):
-    written, code = in_a_terminal("run", "quick.toml", "-q", cwd=mine, columns=80)
-
-    assert code == 0
-    assert written.startswith("results/quick: 40 of 40 cells done")
-
-
 def test_ctrl_c_ends_with_130(tmp_path):
     """At once, without a traceback and without an answer."""
     (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)

@@ -12,11 +12,10 @@ from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
 from dubins_study.cli.terminal import arguments as declared
 from dubins_study.cli.terminal.output import Verbosity, set_verbosity, verbosity
-from dubins_study.experiments.definition.experiment import ExperimentError, packaged
+from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.registry import registered
-from dubins_study.study.values import nearest
 from dubins_study.study.words import BRANCHES
 
 PATH = ("solve", "10", "5")
@@ -48,15 +47,6 @@ def test_the_nearest_name(arguments, message):
     with pytest.raises(DubinsStudyError) as refusal:
         CliRunner().invoke(app, (*PATH, *arguments), catch_exceptions=False)
     assert message in str(refusal.value)
-
-
-def test_the_nearest_experiment_and_engine():
-    for arguments, message in (
-        (("run", "papr"), "no experiment named 'papr'; did you mean 'paper'? choose one of"),
-        (("run", "paper", "--engine", "desk"), "engine is 'desk'; did you mean 'dask'? expected"),
-    ):
-        with pytest.raises(ExperimentError, match=re.escape(message)):
-            CliRunner().invoke(app, arguments, catch_exceptions=False)
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
@@ -114,23 +104,6 @@ def test_what_a_shell_completes():
     assert declared.complete_branches("") == list(BRANCHES)
 
 
-@pytest.mark.parametrize(
-    ("name", "known", "expected"),
-    [
-        ("iptop", ["ipopt", "nlp"], "ipopt"),
-        ("IPOPT", ["ipopt", "nlp"], "ipopt"),
-        ("rs", ["best", "LS", "RS"], "RS"),
-        ("zzz", ["ipopt", "nlp"], None),
-        ("", ["ipopt"], None),
-        ("i" * 5000, ["ipopt"], None),
-        (3, ["ipopt"], None),
-        ("ipopt", [], None),
-    ],
-)
-def test_nearest(name, known, expected):
-    assert nearest(name, known) == expected
-
-
 def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
     """Its commented keys are keys, its scenarios are what the comments say."""
     monkeypatch.chdir(tmp_path)
@@ -159,7 +132,6 @@ def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
             "my.tml",
             "my.tml: expected a name of letters, .* that ends in .toml, such as",
         ),
-        ("my", "my: expected a name of letters"),
         ("a b.toml", "a b.toml: expected a name of letters"),
         ("there.toml", "there.toml exists; expected the name of a new file"),
         ("no/where.toml", "cannot write no/where.toml: No such file or directory"),

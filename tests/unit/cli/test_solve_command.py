@@ -12,10 +12,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli.app import app
-from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.report.path_plot import PlotError
-from dubins_study.study.rows.manifest import read_manifest
-from dubins_study.study.rows.parts import ResultsError
 
 FIELDS = {
     *("word", "length", "travel_time", "segments", "gap", "verdict", "claim", "proof", "solver"),
@@ -101,7 +98,7 @@ def test_the_version():
 TOML = """
 title = "t"
 question = "q"
-section = "{}"
+section = "nonesuch"
 solvers = ["analytic"]
 [[scenarios]]
 target_x = 3
@@ -111,30 +108,17 @@ target_y = 2
 
 def test_an_unknown_section_is_named_and_the_run_goes_on(tmp_path):
     file = tmp_path / "mine.toml"
-    file.write_text(TOML.format("nonesuch"))
+    file.write_text(TOML)
     done = asked("run", str(file), "--out", str(tmp_path / "rows"))
 
     assert "no section of the report is called 'nonesuch'; choose one of: benchmark," in done.stderr
     assert "1 of 1 cells done" in done.stdout
 
 
-def test_a_section_that_is_no_name(tmp_path):
-    file = tmp_path / "mine.toml"
-    file.write_text(TOML.format("No Name"))
-    with pytest.raises(ExperimentError, match="section is 'No Name': expected a name of small"):
-        CliRunner().invoke(app, ("run", str(file)), catch_exceptions=False)
-
-
 @pytest.mark.parametrize("drawn", [3, None, "path", Scenario(target_x=1, target_y=0), type])
 def test_only_answers_and_paths_are_drawn(drawn):
     with pytest.raises(PlotError, match=r"drawn is .*; expected an answer of solve, or a Path"):
         plot_path(drawn)
-
-
-def test_a_truncated_manifest_says_how_to_go_on(tmp_path):
-    (tmp_path / "manifest.json").write_text('{"schema": 4, "runs"')
-    with pytest.raises(ResultsError, match=r"cannot be read as JSON: .*again with --restart"):
-        read_manifest(tmp_path)
 
 
 def line_of(name, text):
