@@ -16,7 +16,6 @@ from time import perf_counter
 import numpy as np
 from flint import ctx
 
-from dubins_study.study.words import Claim
 from tests.adversary import checks, frames
 from tests.adversary.generators import case, wrong_answer
 from tests.adversary.oracle import bits
@@ -46,8 +45,8 @@ def run(seed: int, low: int, high: int) -> Table:
         answers += frames.analytic(table, scenario, sampled)
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
-            judged = checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        answers.append(frames.Judged(table.generator, *asked, Claim.NONE, None, *judged))
+            checks.answer(table, asked, Truth.of(asked.scenario), rng)
+        answers.append(frames.judged(table.generator, *asked))
     frames.closed_forms(table, cases)
     frames.checks_of_frames(table, answers)
     return table

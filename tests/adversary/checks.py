@@ -14,7 +14,6 @@ from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import drivable
-from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, TURN, Proof, Verdict
@@ -149,9 +148,7 @@ def bounds(table: Table, scenario: Scenario, truth: Truth) -> None:
         table.note("bounds", wrong, f"solve({paste(scenario)})  # bound {bound!r}")
 
 
-def answer(
-    table: Table, asked: Answer, truth: Truth, rng: np.random.Generator
-) -> tuple[Judgement, Certificate]:
+def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) -> None:
     """Verdict, proof and certificate of any answer, beside its end and its length in 60 digits."""
     scenario, branch, path = asked
     judged = judge(scenario, path, branch=branch)
@@ -161,7 +158,7 @@ def answer(
     if not drivable(path):
         wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
         table.note("broken path", wrong, line)
-        return judged, certificate
+        return
     end, length = end_of(scenario, path), arb(path.total_length) / arb(scenario.radius)
     arrives = _arrives(asked, truth, end)
     optimal = judged.verdict is Verdict.OPTIMAL
@@ -178,7 +175,6 @@ def answer(
     table.note("proved", is_proved and (arrives is False or wrong), line)
     if residual is not None and cut is not None and residual <= 1e-7 and cut >= 1e-9:
         table.note("certificate", _above_shortest(end, length), line)
-    return judged, certificate
 
 
 def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:

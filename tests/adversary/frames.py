@@ -50,6 +50,21 @@ class Judged(NamedTuple):
     truth: tuple[float, float] | None = None
 
 
+def judged(
+    kind: str,
+    scenario: Scenario,
+    branch: str,
+    path: Path | None,
+    claim: Claim = Claim.NONE,
+    bound: float | None = None,
+    truth: tuple[float, float] | None = None,
+) -> Judged:
+    """An answer, judged and certified alone."""
+    found = judge(scenario, path, claim, branch)
+    certificate = certify(scenario, path, found, branch, lower_bound=bound)
+    return Judged(kind, scenario, branch, path, claim, bound, found, certificate, truth)
+
+
 def analytic(
     table: Table, scenario: Scenario, sampled: dict[str, tuple[float, float]]
 ) -> list[Judged]:
@@ -57,12 +72,12 @@ def analytic(
     answers = []
     for branch in BRANCHES:
         found = Analytic().solve(Question(scenario, branch), 1.0)
-        judged = judge(scenario, found.path, found.claim, branch)
-        proof = certify(scenario, found.path, judged, branch, lower_bound=found.lower_bound)
-        wrong = judged.verdict not in _RIGHT or judged.false_claim or proof.false_bound
-        table.note("analytic claim", wrong, f"solve({paste(scenario, branch)})")
         asked = table.generator, scenario, branch, found.path, found.claim, found.lower_bound
-        answers.append(Judged(*asked, judged, proof, sampled.get(branch)))
+        one = judged(*asked, sampled.get(branch))
+        wrong = one.judgement.verdict not in _RIGHT
+        wrong |= one.judgement.false_claim or one.certificate.false_bound
+        table.note("analytic claim", wrong, f"solve({paste(scenario, branch)})")
+        answers.append(one)
     return answers
 
 
@@ -71,7 +86,7 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
     frame = scenario_frame(scenario for _, scenario in cases)
     for branch in BRANCHES:
         solution = Analytic().solve_frame(frame.copy(), branch)
-        judged = judge_frame(frame, solution.paths, solution.claim, branch)
+        rows = judge_frame(frame, solution.paths, solution.claim, branch)
         assert solution.lower_bound is not None
         for row, (length, (kind, scenario)) in enumerate(
             zip(solution.lower_bound.tolist(), cases, strict=True)
@@ -83,7 +98,7 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
             if path is not None and not math.isnan(length):
                 apart = abs(length - path.total_length) / ulp(length, scenario.radius)
                 table.note("kernel length", apart, line)
-            wrong = VERDICTS[judged.verdict[row]] not in _RIGHT or judged.false_claim[row]
+            wrong = VERDICTS[rows.verdict[row]] not in _RIGHT or rows.false_claim[row]
             table.note("analytic claim", wrong, line)
 
 
@@ -112,18 +127,18 @@ def _same(
     table: Table, rows: FrameJudgement, certified: FrameCertificate, row: int, one: Judged
 ) -> None:
     """What a frame says of one row beside what the scalar check says."""
-    scenario, judged, certificate = one.scenario, one.judgement, one.certificate
+    scenario, found, certificate = one.scenario, one.judgement, one.certificate
     line = paste(scenario, one.branch)
     if one.path is not None:
         line = paste_path(scenario, one.branch, one.path)
     word = int(rows.word[row])
     measured = {name: values[row] for name, values in certified.columns().items()}
     pairs = {
-        "verdict": (VERDICTS[rows.verdict[row]], judged.verdict),
-        "region": (REGIONS[rows.region[row]], judged.region),
-        "word": (None if word == NO_WORD else PATH_WORDS[word], judged.word),
-        "false_claim": (bool(rows.false_claim[row]), judged.false_claim),
-        "wrong_basin": (bool(rows.wrong_basin[row]), judged.wrong_basin),
+        "verdict": (VERDICTS[rows.verdict[row]], found.verdict),
+        "region": (REGIONS[rows.region[row]], found.region),
+        "word": (None if word == NO_WORD else PATH_WORDS[word], found.word),
+        "false_claim": (bool(rows.false_claim[row]), found.false_claim),
+        "wrong_basin": (bool(rows.wrong_basin[row]), found.wrong_basin),
         "proof": (PROOFS[certified.proof[row]], certificate.proof),
         "false_bound": (bool(certified.false_bound[row]), certificate.false_bound),
         "residual": (math.isnan(measured["pmp_residual"]), certificate.pmp_residual is None),
@@ -131,14 +146,25 @@ def _same(
     }
     differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in pairs.items() if a != b]
     table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
-    if judged.gap is not None and judged.reference is not None and judged.length is not None:
+    # numbers are compared in units of what is added up: coordinates, radius and length
+    size = scenario.extent + scenario.radius + (found.length or 0.0)
+    units = {"length": size, "miss": size, "travel_time": size / scenario.speed}
+    units |= {
+        "margin": size / scenario.radius,
+        "curvature_excess": 1 + (found.curvature_excess or 0),
+    }
+    pairs = {name: (getattr(rows, name)[row], getattr(found, name), units[name]) for name in units}
+    table.note("frame numbers", 1e14 * _apart(pairs), f"{line}  # {pairs}")
+    pairs = {name: (value, getattr(certificate, name), 1.0) for name, value in measured.items()}
+    table.note("frame costates", 1e6 * _apart(pairs), f"{line}  # {pairs}")
+    if found.gap is not None and found.reference is not None and found.length is not None:
         # an ulp of the reference counts for as much as the answer is longer
-        reference = max(judged.reference, scenario.radius)
-        scale = reference / ulp(judged.length, scenario.radius)
-        scale /= max(1.0, judged.length / reference)
+        reference = max(found.reference, scenario.radius)
+        scale = reference / ulp(found.length, scenario.radius)
+        scale /= max(1.0, found.length / reference)
         gap = float(rows.gap[row])
-        apart = math.inf if math.isnan(gap) else abs(gap - judged.gap) * scale
-        table.note("frame gap", apart, f"{line}  # gap {gap} {judged.gap}")
+        apart = math.inf if math.isnan(gap) else abs(gap - found.gap) * scale
+        table.note("frame gap", apart, f"{line}  # gap {gap} {found.gap}")
     low, high = certificate.reference_low, certificate.reference_high
     least, most = float(certified.reference_low[row]), float(certified.reference_high[row])
     text = f"{line}  # frame {least!r} {most!r}, balls {low!r} {high!r}, truth {one.truth}"
@@ -150,3 +176,14 @@ def _same(
     if one.truth is not None:
         off = max(least - one.truth[0], one.truth[1] - most, 0.0)
         table.note("frame interval holds truth", off / ulp(one.truth[1], scenario.radius), text)
+
+
+def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:
+    """The largest difference: in its unit, or as a share of the number; infinite if one lacks."""
+    worst = 0.0
+    for frame, scalar, unit in pairs.values():
+        if scalar is None or math.isnan(frame):
+            worst = max(worst, 0.0 if scalar is None and math.isnan(frame) else math.inf)
+        elif frame != scalar:
+            worst = max(worst, abs(frame - scalar) / max(unit, abs(scalar)))
+    return worst

@@ -33,6 +33,8 @@ CHECKS = {
     "enclosure width": Check(8, "spread", "away from edges, beside that of sampled targets"),
     "bounds": Check(0, "wrong", "false above the truth, never below"),
     "frame judgement": Check(0, "wrong", "verdict, region, word, proof and flags equal scalar's"),
+    "frame numbers": Check(1, "1e-14", "lengths, miss, margin, excess equal scalar's"),
+    "frame costates": Check(1, "1e-6", "costates, residuals and cut equal scalar's"),
     "frame gap": Check(8, "ulp", "of lengths: frame equals scalar"),
     "frame interval": Check(0, "wrong", "there is one where balls give one"),
     "frame interval holds truth": Check(0, "ulp", "of all sampled targets"),

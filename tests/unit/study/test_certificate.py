@@ -6,28 +6,26 @@ A certificate is of the path itself: no adversary that looks like a shortest pat
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from brute_force import shortest_by_search
 from cases import EDGES, PAPER, scenario_frame
-from hard_cases import hard_frame
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.registry import load
 from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
 from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
-from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import CLAIMS, Path, Paths
+from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
-from dubins_study.study.scenario import Pose, Scenario, check_frame, scenarios
+from dubins_study.study.scenario import Pose, Scenario, check_frame
 from dubins_study.study.tolerances import ARRIVES, Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
+from tests.adversary.frames import checks_of_frames, judged
+from tests.adversary.table import Table
 
 ALL = PAPER | EDGES
 PROBLEM = PAPER["problem 1"]
@@ -306,41 +304,6 @@ def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():
     assert found.pmp_residual is None
 
 
-def assert_certified_alike(frame, paths, near, claim=Claim.LOCAL, branch="best"):
-    """Same words, nulls in the same places, numbers to 1e-6, or `near` zero.
-
-    Costates have no bound where a second arc nears half a turn. An interval of the frame contains
-    that of the row alone.
-    """
-    judged = judge_frame(frame, paths, claim, branch)
-    found = certify_frame(frame, paths, judged, branch)
-    columns = found.columns()
-    for row, scenario in enumerate(scenarios(frame)):
-        code = claim if isinstance(claim, Claim) else CLAIMS[claim[row]]
-        one = certified(scenario, paths.path(row, scenario), branch, code)
-        assert PROOFS[found.proof[row]] is one.proof, scenario
-        assert found.abnormal[row] == one.abnormal
-        if one.reference_low is None or one.reference_high is None:
-            assert np.isnan([found.reference_low[row], found.reference_high[row]]).all()
-        else:
-            assert found.reference_low[row] <= one.reference_low
-            assert one.reference_high <= found.reference_high[row]
-        for name in MEASURED:
-            value, other = getattr(one, name), columns[name][row]
-            expected = math.nan if value is None else value
-            assert other == pytest.approx(expected, rel=1e-6, abs=near, nan_ok=True), (name, row)
-
-
-@pytest.mark.parametrize("branch", BRANCHES)
-def test_a_frame_is_certified_as_one_by_one(branch):
-    """Closed-form answers of the hard frame, made longer here and there."""
-    frame = hard_frame(400, seed=21)
-    solution = load("analytic").solve_frame(frame, branch)
-    stretch = np.where(np.arange(400) % 5 == 0, 1.01, 1.0)
-    paths = replace(solution.paths, length=solution.paths.length * stretch)
-    assert_certified_alike(frame, paths, 1e-6, solution.claim, branch)
-
-
 RATES = st.one_of(
     st.sampled_from([0.0, -0.0, 1.0, -1.0, 1 + 5e-10, 1 - 2e-9, -1 + 1e-9, 3e-10, 1e-7, 0.5]),
     st.sampled_from([math.nan, math.inf, -math.inf, 1e308, -1e300, 5e-324]),
@@ -358,10 +321,12 @@ RADII = st.sampled_from([1.0, 1e-150, 1e150, 0.3, 7e5])
 @given(st.lists(st.tuples(RATES, LENGTHS, RATES, LENGTHS, RADII, st.floats(-9, 9)), min_size=1))
 def test_a_frame_measures_what_one_path_measures(rows):
     """Of ordinary and hostile paths of two arcs: nulls in the same places, numbers alike."""
-    u1, l1, u2, l2, radius, heading = map(np.array, zip(*rows, strict=True))
+    table, answers = Table(), []
     with np.errstate(over="ignore", invalid="ignore"):
-        paths = Paths(np.array([u1, u2]) / radius, np.array([l1, l2]) * radius)
-    at = zip(heading.tolist(), radius.tolist(), strict=True)
-    asked = [Scenario(0, 0, h, 0.7 * R, R / 3, R) for h, R in at]
-    frame = check_frame(scenario_frame(asked))
-    assert_certified_alike(frame, paths, 1e-9)
+        for u1, l1, u2, l2, R, heading in rows:
+            scenario = Scenario(0, 0, heading, 0.7 * R, R / 3, R)
+            path = Path(scenario.start, np.array([u1, u2]) / R, np.array([l1, l2]) * R)
+            answers.append(judged("hostile", scenario, "best", path, Claim.LOCAL))
+    checks_of_frames(table, answers)
+
+    assert table.wrong == 0, str(table)
