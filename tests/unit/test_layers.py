@@ -48,7 +48,7 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(4_610, 29),
+    "study": Size(4_570, 29),
     "solvers": Size(9_220, 62),
     "experiments": Size(5_841, 38),
     "conformance": Size(1_870, 9),

@@ -40,7 +40,7 @@ class Unspeakable:
         ("iterations", 2**80, "TypeError: iterations is 1208925819614629174706176; expected int64"),
         ("claimed_length", "long", "TypeError: claimed_length is 'long'; expected double"),
         ("lengths", [1.0, "b"], "TypeError: lengths is [1.0, 'b']; expected list<item: double>"),
-        ("native_status", Unspeakable(), "TypeError: native_status is a Unspeakable; expected"),
+        ("native_status", Unspeakable(), "TypeError: native_status is a value of type Unspeakable"),
     ],
 )
 def test_a_row_that_does_not_fit_is_one_that_raised(column, value, message):

@@ -10,47 +10,14 @@ from cases import scenario_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study import solve, solve_frame
+from dubins_study import solve
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.certificate_frame import certify_frame
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.path import Path, Paths
-from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError, check_frame
+from dubins_study.study.scenario import Scenario, ScenarioError, check_frame
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
-
-SHARES = st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda w: sum(map(abs, w)) > 0.1)
-
-
-def at_the_limit(shares, radius, heading) -> Scenario:
-    """A scenario whose coordinates together are as large as they may be."""
-    size = sum(map(abs, shares))
-    for _ in range(9):  # the sum of the scaled shares may round above the limit
-        x, y, target_x, target_y = (w / size * LARGEST_EXTENT * radius for w in shares)
-        try:
-            return Scenario(x, y, heading, target_x, target_y, radius)
-        except ScenarioError:
-            size *= 1 + 2e-16
-    raise AssertionError
-
-
-@pytest.mark.slow
-@given(
-    SHARES,
-    st.floats(-150, 136).map(lambda exponent: 10.0**exponent),
-    st.one_of(st.floats(-7, 7), st.sampled_from([0.0, math.pi / 2, 1e150])),
-    st.sampled_from(BRANCHES),
-)
-def test_at_the_largest_extent_answers_arrive(shares, radius, heading, branch):
-    """An exact answer is never said to miss, from the scalar nor from the frame."""
-    scenario = at_the_limit(shares, radius, heading)
-    answer = solve(scenario, branch=branch)
-    row = solve_frame(scenario_frame([scenario]), branch=branch, certified=True).iloc[0]
-
-    assert scenario.extent >= 0.99 * LARGEST_EXTENT * radius
-    assert answer.verdict in (Verdict.OPTIMAL, Verdict.NONE_EXISTS)
-    assert not answer.false_claim
-    assert (row["verdict"], row["proof"]) == (answer.verdict, answer.proof)
 
 
 def test_beyond_the_largest_extent():

@@ -20,6 +20,7 @@ from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Proof, Verdict
 
 _DEFAULT = Tolerances()
+_PROOFS = tuple(Proof)
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
 # interior-point method adds to a segment leaves its square, 1e-6 (docs/derivation.md, section 9).
 PMP_TOLERANCE = 1e-7
@@ -108,9 +109,9 @@ def certify(
         allowed=allowed,
         radius=radius,
     )
-    levels = zip(Proof, (*proof_levels(found, branch), True), strict=True)
+    levels = *proof_levels(found, branch), True
     return Certificate(
-        proof=next(proof for proof, holds in levels if holds),
+        proof=_PROOFS[levels.index(True)],
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from functools import lru_cache
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any
 
 from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import enclose
@@ -22,7 +22,7 @@ from dubins_study.study.closed_form.shortest import (
 )
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import DRIVEN, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
@@ -125,46 +125,30 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
-    best = _closed_form(scenario, branch)
+    optimum, known = _closed_form(scenario, branch)
+    if path is not None and drivable(path):
+        return _judge_path(scenario, path, claim, branch, tolerances, optimum, known)
+    verdict = Verdict.MISSES
     if path is None:
-        agrees = claim is Claim.INFEASIBLE and (
-            best.optimum is None or enclose(scenario, branch).absent
-        )
+        agrees = claim is Claim.INFEASIBLE and (optimum is None or enclose(scenario, branch).absent)
         verdict = Verdict.NONE_EXISTS if agrees else Verdict.NONE
-    elif drivable(path):
-        return _judge_path(scenario, path, claim, branch, tolerances, best)
-    else:
-        verdict = Verdict.MISSES
-    return Judgement(
-        verdict=verdict,
-        false_claim=is_false(claim, verdict),
-        reference_word=best.reference_word,
-        reference=best.reference,
-        region=best.region,
-        margin=best.margin,
-    )
-
-
-class _ClosedForm(NamedTuple):
-    """A question's shortest path, and where its target lies; None where the branch has no path."""
-
-    optimum: Shortest | None
-    reference_word: str | None
-    reference: float | None
-    region: str
-    margin: float
+    return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
 
 
 @lru_cache(maxsize=16384)
-def _closed_form(scenario: Scenario, branch: str) -> _ClosedForm:
-    """What the closed form says of a question; many cells of a run ask the same one."""
+def _closed_form(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
+    """A question's shortest path, and the columns of a judgement that only the question decides.
+
+    Many cells of a run ask the same question.
+    """
     target = local(scenario)
-    region = region_of(target.w, target.mirrored.w)
-    margin = margin_local(target.X, abs(target.Y))
     optimum = shortest_local(target, branch)
-    if optimum is None:
-        return _ClosedForm(None, None, None, region, margin)
-    return _ClosedForm(optimum, optimum.word, optimum.total * scenario.radius, region, margin)
+    return optimum, {
+        "region": region_of(target.w, target.mirrored.w),
+        "margin": margin_local(target.X, abs(target.Y)),
+        "reference_word": None if optimum is None else optimum.word,
+        "reference": None if optimum is None else optimum.total * scenario.radius,
+    }
 
 
 def _judge_path(
@@ -173,17 +157,12 @@ def _judge_path(
     claim: Claim,
     branch: str,
     tolerances: Tolerances,
-    best: _ClosedForm,
+    optimum: Shortest | None,
+    known: dict[str, Any],
 ) -> Judgement:
     """Judge a path that can be driven."""
-    optimum, reference_word, reference, region, margin = best
-    radius = scenario.radius
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
-    rates = [k * radius for k, s in zip(curvatures, lengths, strict=True) if s > 0]
-    excess = curvature_excess(rates, branch)
-    length = path.total_length
+    end, miss, excess = _measured(scenario, path, branch)
+    radius, length = scenario.radius, path.total_length
     relaxed = None
     if (
         arrives(miss, radius, scenario.extent, length, tolerances.miss)
@@ -197,6 +176,7 @@ def _judge_path(
     gap, verdict, wrong_basin = None, Verdict.MISSES, False
     if relaxed is not None:
         reference = _known_to_delta(scenario, branch, length, relaxed, tolerances.gap)
+        known = known | {"reference": reference}
         gap = (length - reference) / max(reference, radius)
         verdict = Verdict.OPTIMAL
         if gap > tolerances.gap:
@@ -205,10 +185,6 @@ def _judge_path(
     return Judgement(
         verdict=verdict,
         false_claim=is_false(claim, verdict),
-        reference_word=reference_word,
-        reference=reference,
-        region=region,
-        margin=margin,
         word=word,
         length=length,
         travel_time=length / scenario.speed,
@@ -216,7 +192,16 @@ def _judge_path(
         miss=miss,
         curvature_excess=excess,
         wrong_basin=wrong_basin,
+        **known,
     )
+
+
+def _measured(scenario: Scenario, path: Path, branch: str) -> tuple[Pose, float, float]:
+    """A path's end, its distance from the target, and `curvature_excess`."""
+    end = path.end
+    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+    pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    return end, miss, curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
 
 
 def _known_to_delta(
@@ -307,12 +292,9 @@ def miss_reason(
     if path.start != scenario.start:
         return "the path starts elsewhere"
     radius = scenario.radius
-    pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
-    excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
+    _, miss, excess = _measured(scenario, path, branch)
     if excess > tolerances.curvature:
         return f"the curvature is {excess:.3g} / R beyond what the branch allows"
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
     if miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.total_length):
         return f"the path ends {miss / radius:.3g} R from the target"
     return "the path is too long to be driven to within a radius, or the branch has none"

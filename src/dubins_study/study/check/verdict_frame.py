@@ -48,6 +48,7 @@ VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")
 ODD = 254  # verdict of a row that is left to the scalar check
 NO_WORD = NO_PATH
+_TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": PATH_WORDS, "reference_word": WORDS}
 _OPTIMAL, _LONGER, _MISSES = (
     VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
 )
@@ -189,14 +190,10 @@ def _scenario(columns: dict[str, FloatArray], row: int) -> Scenario:
 
 
 def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
-    result.verdict[row] = VERDICTS.index(judged.verdict)
-    result.region[row] = REGIONS.index(judged.region)
-    result.word[row] = NO_WORD if judged.word is None else PATH_WORDS.index(judged.word)
-    result.reference_word[row] = (
-        NO_WORD if judged.reference_word is None else WORDS.index(judged.reference_word)
-    )
-    result.wrong_basin[row] = judged.wrong_basin
-    for name in ("length", "travel_time", "reference", "gap", "miss", "curvature_excess", "margin"):
+    for name, texts in _TEXTS.items():
+        text = getattr(judged, name)
+        getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
+    for name in set(FrameJudgement._fields) - {*_TEXTS, "false_claim"}:
         value = getattr(judged, name)
         getattr(result, name)[row] = np.nan if value is None else value
 

@@ -83,32 +83,17 @@ _STEEP = 0.7
 _FOUR_DELTA = 80.0 * EPS
 
 
-def shortest_rows(
-    x: ArrayLike,
-    y: ArrayLike,
-    heading: ArrayLike,
-    target_x: ArrayLike,
-    target_y: ArrayLike,
-    radius: ArrayLike,
-    *,
-    branch: str = "best",
-    out: Rows | None = None,
-) -> Rows:
+def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None) -> Rows:
     """The shortest path of every row, as `study.closed_form.shortest.shortest` finds it.
 
     Args:
-        x, y, heading: start poses, shape (n,), length unit and rad.
-        target_x, target_y: targets, shape (n,), length unit.
-        radius: turning radii, shape (n,), length unit.
+        columns: those of `ScenarioArrays`, in their order, shape (n,).
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Nothing is checked: a row with NaN or a radius that is not positive yields NaN.
-
-    Raises:
-        ValueError: if the shapes differ or there is no such branch.
+    Nothing is checked but shapes: a row with NaN or a radius that is not positive yields NaN.
     """
-    scenarios = ScenarioArrays(*map(loop_input, (x, y, heading, target_x, target_y, radius)))
+    scenarios = ScenarioArrays(*map(loop_input, columns))
     n = scenarios.x.size
     rows = Rows.empty(n) if out is None else out
     arrays: list[NDArray[Any]] = [*scenarios, *rows]

@@ -13,6 +13,7 @@ import pyarrow.compute as pc
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import KEY, NOT_SOLVERS, ROW, Key, arrow_schema, names
 from dubins_study.study.scenario import Pose
+from dubins_study.study.values import short
 
 Row = dict[str, Any]
 
@@ -53,7 +54,7 @@ def fitting(row: Mapping[str, Any]) -> Row:
         try:
             plain[field.name] = pa.array([_clean(value)], type=field.type)[0].as_py()
         except Exception:  # a plug-in's value may fail in any way, even in its own repr
-            misfit = misfit or f"{field.name} is {_shown(value)}; expected {field.type}"
+            misfit = misfit or f"{field.name} is {_clean(short(value))}; expected {field.type}"
     return raised_row(plain, f"TypeError: {misfit}") if misfit else plain
 
 
@@ -76,13 +77,6 @@ def row_path(row: Mapping[str, Any]) -> Path | None:
     if row["gap"] is None:
         return None
     return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
-
-
-def _shown(value: Any) -> str:
-    try:
-        return _clean(f"{value!r:.80}")  # type: ignore[no-any-return]
-    except Exception:  # see `fitting`
-        return f"a {type(value).__name__}"
 
 
 def _clean(value: Any) -> Any:
