@@ -13,8 +13,7 @@ import pytest
 
 from dubins_study.report.data.results import Results, load
 from dubins_study.report.interactive import section
-from dubins_study.report.interactive.packing import GRID, drawn, packed
-from dubins_study.report.interactive.sample import WORST, sample
+from dubins_study.report.interactive.sample import GRID, WORST, drawn, packed, sample
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose, Scenario
 from dubins_study.study.words import Claim

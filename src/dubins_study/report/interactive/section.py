@@ -19,8 +19,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic,
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.report.interactive.packing import packed
-from dubins_study.report.interactive.sample import SCENARIO, WORST, sample
+from dubins_study.report.interactive.sample import SCENARIO, WORST, packed, sample
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
 # gzip. More points than these would also be slow to draw.

@@ -1,10 +1,14 @@
-"""A table as CSV and Markdown; all text from outside is escaped here."""
+"""Tables as CSV and Markdown, where text from outside is escaped, and the dictionary of all."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
-from dubins_study.report.elements.content import Table
+import pandas as pd
+
+from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.content import Section, Table
 
 # Markdown's special characters: anywhere, at the start of a line, and after a list's number.
 _MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
@@ -47,3 +51,42 @@ def to_markdown(table: Table) -> str:
     rows = [[markdown(column.title) for column in table.columns], rule]
     rows += [[markdown(text) for text in row] for row in table.texts()]
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+_SHOWN = (
+    Column("file", "table", kind="code"),
+    Column("column", "column", kind="code"),
+    Column("heading", "heading on the page", kind="text"),
+    Column("section", "section", kind="text"),
+)
+# What the ends of a key say of a column that the page shows as part of another one.
+_ENDS = {
+    "_low": "lower end of the 95 % interval",
+    "_high": "upper end of the 95 % interval",
+    "_share": "as a share of 1",
+    "_of": "number of questions",
+    "_s": "seconds",
+}
+
+
+def dictionary(sections: Iterable[Section]) -> Table:
+    """One line for every column of every CSV file, in the order of the page."""
+    lines = [
+        {"file": block.name, "column": key, "heading": heading, "section": section.title}
+        for section in sections
+        for block in section.blocks
+        if isinstance(block, Table)
+        for key, heading in _headings(block).items()
+    ]
+    frame = pd.DataFrame(lines, columns=["file", "column", "heading", "section"])
+    return Table("dictionary", "The columns of the tables.", frame, _SHOWN)
+
+
+def _headings(table: Table) -> dict[str, str]:
+    """Key -> heading, or the end of the key in words where the page shows no heading."""
+    shown = {column.key: " ".join(column.title.split()) for column in table.columns}
+    hidden = {
+        key: next((text for end, text in _ENDS.items() if key.endswith(end)), "")
+        for key in table.numbers
+    }
+    return shown | {key: text for key, text in hidden.items() if key not in shown}

@@ -6,7 +6,6 @@ import gc
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -18,7 +17,6 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Place, Section, Table
 from dubins_study.report.elements.formats import some
 from dubins_study.report.elements.style import figure_bytes, fix_layout
-from dubins_study.report.page.dictionary import dictionary
 from dubins_study.report.page.drawings import Drawings
 from dubins_study.report.page.environment import (
     FRONT_PAGE,
@@ -28,7 +26,7 @@ from dubins_study.report.page.environment import (
     styles,
 )
 from dubins_study.report.page.glossary import GLOSSARY
-from dubins_study.report.page.markup import to_csv, to_markdown
+from dubins_study.report.page.markup import dictionary, to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import CITATION, TITLE
@@ -75,32 +73,17 @@ def render(
         ReportError: if `out` cannot be written.
     """
     given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
-    with _few_collections():
-        return _render(given, out, progress)
-
-
-@contextmanager
-def _few_collections() -> Iterator[None]:
-    """Collect garbage less often inside the `with` block; restore the caller's settings afterwards.
-
-    A report makes millions of objects and few circles of them: with the default thresholds a sixth
-    of its time goes to looking for circles.
-    """
+    # A report makes millions of objects and few circles of them: with Python's own thresholds a
+    # sixth of its time goes to looking for circles.
     thresholds = gc.get_threshold()
     gc.set_threshold(100_000, 50, 100)
     try:
-        yield
+        results, empty = load_with_rows(given)
+        target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+        every = (*(results.folders if results else ()), *empty)
+        return write_page(target, lambda: _sections(results, progress), every)
     finally:
         gc.set_threshold(*thresholds)
-
-
-def _render(
-    given: Sequence[str | FilePath], out: str | FilePath | None, progress: Progress | None
-) -> FilePath:
-    results, empty = load_with_rows(given)
-    target = FilePath(given[0]) / "report" if out is None else FilePath(out)
-    folders = (*(results.folders if results else ()), *empty)
-    return write_page(target, lambda: _sections(results, progress), folders)
 
 
 def write_page(
@@ -231,20 +214,16 @@ def _documents(
     sections: Sequence[Section], runs: Sequence[Folder], content: Mapping[str, object]
 ) -> Iterator[tuple[str, str]]:
     """The report's documents: name and text; the page about the paper only if it has a section."""
-
-    def places(*wanted: Place) -> list[Section]:
-        return [section for section in sections if section.place in wanted]
-
-    paper = places(Place.PAPER)
-    front = {"open": places(Place.FRONT), "details": places(Place.DETAILS)}
-    pages = {
-        FRONT_PAGE: front | {"others": [(PAPER_PAGE, "The paper, recomputed")] if paper else []}
-    }
+    front, details, paper = (
+        [section for section in sections if section.place is place]
+        for place in (Place.FRONT, Place.DETAILS, Place.PAPER)
+    )
+    pages = [(FRONT_PAGE, front, details, [(PAPER_PAGE, "The paper, recomputed")] if paper else [])]
     if paper:
-        pages[PAPER_PAGE] = {"open": paper, "details": [], "others": [(FRONT_PAGE, "The study")]}
-    for name, parts in pages.items():
-        template = _templates().get_template("index.html.j2")
-        yield name, template.render(page=name, **content, **parts)
+        pages.append((PAPER_PAGE, paper, [], [(FRONT_PAGE, "The study")]))
+    for name, opened, folded, others in pages:
+        parts = {"page": name, "open": opened, "details": folded, "others": others}
+        yield name, _templates().get_template("index.html.j2").render(**content, **parts)
     yield "report.md", _templates().get_template("report.md.j2").render(**content)
     yield "report.tex", document(_templates(), sections, runs)
 

@@ -39,11 +39,6 @@ _ACCENTS = {
     **{"\u0307": ".", "\u0308": '"', "\u030a": "r", "\u030b": "H", "\u030c": "v", "\u0327": "c"},
 }
 _DOTLESS = {"i": r"\i", "j": r"\j"}
-_GREEK = (
-    *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
-    *("lambda", "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi"),
-    "omega",
-)
 # Greek capitals that look like Latin letters have no command.
 _LATIN_SHAPES = str.maketrans("ΑΒΕΖΗΙΚΜΝΟΡΤΧ", "ABEZHIKMNOPTX")
 _JOINED = "-,'"  # two of these in a row are one character to TeX
@@ -104,11 +99,10 @@ def _accented(character: str) -> str:
 
 def _greek(character: str) -> str:
     """A Greek letter without accents; empty for anything else."""
-    name = unicodedata.name(character, "").replace("LAMDA", "LAMBDA")
-    script, _, letter = name.partition(" LETTER ")
-    if letter.lower() not in _GREEK or script not in ("GREEK SMALL", "GREEK CAPITAL"):
+    if not ("Α" <= character <= "Ω" or "α" <= character <= "ω"):
         return ""
-    return rf"$\{letter.lower() if script == 'GREEK SMALL' else letter.capitalize()}$"
+    letter = unicodedata.name(character, "").rpartition(" ")[2].replace("LAMDA", "LAMBDA")
+    return rf"$\{letter.lower() if character >= 'α' else letter.capitalize()}$" if letter else ""
 
 
 # mm: what is printed of a page of A4. The width is that of two columns of a journal.

@@ -1,5 +1,5 @@
 "use strict";
-// window.attempts: the embedded attempts. `open()` unpacks them once; `report/interactive/packing.py`
+// window.attempts: the embedded attempts. `open()` unpacks them once; `report/interactive/sample.py`
 // says how they are packed.
 window.attempts = (() => {
   // The text of an embedded element that holds gzip in base64.
