@@ -50,7 +50,7 @@ BUDGETS = {
 BUDGETS |= {
     "study": Size(4_570, 29),
     "solvers": Size(9_220, 62),
-    "experiments": Size(5_841, 38),
+    "experiments": Size(5_834, 38),
     "conformance": Size(1_870, 9),
     "report": Size(13_270, 75),
     "package": Size(40_270, 263),

@@ -120,17 +120,7 @@ class First(StrictModel):
 
 
 class Experiment(StrictModel):
-    """The keys of an experiment's TOML file.
-
-    `solvers` are specs: `*` means every registered solver; a spec with `{a,b}` means one solver
-    with a and one with b. If `initial_guesses` holds `warm`, the scenarios of each block
-    are solved one after another, each from the path of the scenario before it. A solve is stopped
-    when it takes longer than `time_limit_s`, or when its process and the children of that process
-    hold more than `memory_limit_gib`. `section` names the report's section about this experiment.
-    `first` is about solvers that are asked only a part of each sample.
-    `matrix` says that the experiment compares every formulation with every engine: the manifest
-    then lists all pairs, and why some cannot be asked.
-    """
+    """The keys of an experiment's TOML file."""
 
     title: str = Field(min_length=1)
     """Title of the experiment's part of the report."""
@@ -141,7 +131,7 @@ class Experiment(StrictModel):
     scenarios: list[Block] = Field(min_length=1)
     """The scenarios, block by block."""
     solvers: list[str] = Field(min_length=1)
-    """Specs of the solvers that are asked; `*` is every registered one."""
+    """Specs of the solvers; `*` is every registered one, `{a,b}` one with a and one with b."""
     branches: list[str] = Field(default=["best"], min_length=1)
     """Which paths are asked for: `best`, or words: `LS`, `RS`, `LR`, `RL`."""
     initial_guesses: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)

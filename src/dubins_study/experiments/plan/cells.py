@@ -41,13 +41,17 @@ _MOST_SEARCHED = 100_000  # scenarios of a block, which take a second
 class BlockPlan(NamedTuple):
     """What an experiment asks about the scenarios of one block."""
 
-    key: str  # of the block in the experiment's file: `scenarios.0`, or `first`
-    path: KeyPath  # the steps of that key
+    path: KeyPath  # of the block's key in the experiment's file
     block: Block
     branches: tuple[str, ...]
     initial_guesses: tuple[str, ...]  # not used where the block has `guess_lengths`
     repeats: int
     solvers: tuple[SolverDescription, ...]
+
+    @property
+    def key(self) -> str:
+        """The block's key in messages: `scenarios.0`, or `first`."""
+        return ".".join(map(str, self.path))
 
     @property
     def cells(self) -> int:
@@ -88,10 +92,9 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
     total = 0
     for number, block in enumerate(experiment.blocks):
         path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
-        key, profile = ".".join(map(str, path)), experiment.profile
+        profile = experiment.profile
         specs = expand_solvers(block.solvers or experiment.solvers, profile)
         plan = BlockPlan(
-            key,
             path,
             block,
             tuple(block.branches or experiment.branches),
@@ -104,8 +107,8 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
             total += plan.cells
         else:  # told before it is expanded, since it may be too large for the memory
             sentence = (
-                f"{key}: {block_size(block)} scenarios and {plan.cells} cells (a cell for every "
-                "solver, branch, initial guess and repeat), "
+                f"{plan.key}: {block_size(block)} scenarios and {plan.cells} cells (a cell for "
+                "every solver, branch, initial guess and repeat), "
                 f"{total + plan.cells} cells up to here; expected at most {MOST_CELLS} in all"
             )
             problems.append(Problem(path, sentence))
