@@ -21,7 +21,7 @@ from tests.faults.launch import (
     until,
 )
 
-MOMENTS = 7
+MOMENTS = 4
 CELLS = 80
 
 
