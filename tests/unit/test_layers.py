@@ -51,7 +51,7 @@ BUDGETS |= {
     "study": Size(4_570, 29),
     "solvers": Size(9_220, 62),
     "experiments": Size(5_834, 38),
-    "conformance": Size(1_870, 9),
+    "conformance": Size(1_830, 9),
     "report": Size(13_270, 75),
     "package": Size(40_270, 263),
     "tests": Size(30_000, 200),
