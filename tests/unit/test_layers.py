@@ -52,7 +52,7 @@ BUDGETS |= {
     "solvers": Size(9_220, 62),
     "experiments": Size(5_834, 38),
     "conformance": Size(1_830, 9),
-    "report": Size(13_270, 75),
+    "report": Size(13_230, 73),
     "package": Size(40_270, 263),
     "tests": Size(30_000, 200),
 }
