@@ -19,37 +19,23 @@ def test_markup_is_seen_and_its_text_is_not(text):
     assert not odd_parts(f"<p title='{escape(text)}'>{escape(text)}</p>")
 
 
-@pytest.mark.parametrize(
-    "html",
-    [
-        f"<button title='' onmouseover='{MARK}()'>",
-        "<p onclick='f()'>",
-        "<form onsubmit='f()'>",
-        "<a href='javascript:f()'>",
-        "<a href='https://other.example'>",
-        "<a href='tables/../../x.csv'>",
-        "<img src='x.png'>",
-        "<img src='data:text/html,x'>",
-        "<script src='x.js'></script>",
-        f"<script>let name = '{MARK}';</script>",
+RUNS_OR_LOADS = (
+    *(f"<button title='' onmouseover='{MARK}()'>", "<p onclick='f()'>", "<form onsubmit='f()'>"),
+    *("<a href='javascript:f()'>", "<a href='https://other.example'>"),
+    *("<a href='tables/../../x.csv'>", "<img src='x.png'>", "<img src='data:text/html,x'>"),
+    *("<script src='x.js'></script>", f"<script>let name = '{MARK}';</script>"),
+    *(
         f"<div style='color: {MARK}'>",
         f"<script type='application/json'>{{}}</script><b>{MARK}</b>",
-        f"<script type='text/plain'></script><script>{MARK}</script>",
-    ],
+    ),
+    f"<script type='text/plain'></script><script>{MARK}</script>",
 )
-def test_what_runs_or_loads_is_seen(html):
-    assert odd_parts(html)
+WRITTEN_BY_TEMPLATES = (
+    *("<form onsubmit='return false'>", "<a href='tables/times.csv'>", "<a href='#times'>"),
+    *(f"<script type='application/json'>\"{MARK}\"</script>", "<script>const ours = 1;</script>"),
+)
 
 
-@pytest.mark.parametrize(
-    "html",
-    [
-        "<form onsubmit='return false'>",
-        "<a href='tables/times.csv'>",
-        "<a href='#times'>",
-        f"<script type='application/json'>\"{MARK}\"</script>",
-        "<script>const ours = 1;</script>",
-    ],
-)
-def test_what_templates_write_passes(html):
-    assert not odd_parts(html)
+def test_what_runs_or_loads_is_seen():
+    assert [html for html in RUNS_OR_LOADS if not odd_parts(html)] == []
+    assert [html for html in WRITTEN_BY_TEMPLATES if odd_parts(html)] == []
