@@ -6,7 +6,7 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import best_solvers
-from dubins_study.report.topics.radius import answers, radius_section, sweep, sweep_rows
+from dubins_study.report.topics.radius import answers, radius_section, sweep_rows, visibly_wrong
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt
@@ -43,10 +43,11 @@ def loaded(results):
 def test_only_visibly_wrong_answers_are_drawn(loaded):
     """Half a percent lies on the line of the shortest lengths; the table counts it."""
     (rows,) = sweep_rows(loaded.rows).values()
-    drawn = sweep("problem 5", rows).wrong
+    drawn = visibly_wrong(rows)
     table = answers(rows).set_index("solver")
 
-    assert drawn[["radius", "arrives"]].to_numpy().tolist() == [[40.0, True], [55.0, False]]
+    assert drawn["radius"].tolist() == [40.0, 55.0]
+    assert drawn["gap"].notna().tolist() == [True, False]
     counts = table.loc["turn-rate-qp", ["attempts", "right", "little", "longer", "lost"]]
     assert counts.tolist() == [3, 0, 1, 1, 1]
     assert table.loc["turn-rate-qp", "most"] == 0.5

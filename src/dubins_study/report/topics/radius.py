@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,11 @@ from matplotlib.ticker import MaxNLocator
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
-from dubins_study.report.elements.content import General, Picture, Section, Table, Topic
+from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import LINES, Palette
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.elements.style import (
-    HALF,
     INK,
     MUTED,
     WIDE,
@@ -27,7 +25,6 @@ from dubins_study.report.elements.style import (
     duration,
     log_axis,
     mark_limit,
-    new_figure,
     plain_log_axis,
 )
 from dubins_study.report.statistics.methods import best_solvers
@@ -52,18 +49,6 @@ COLUMNS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Sweep:
-    """What the figure of one sweep draws; lengths and radii in the scenario's unit."""
-
-    label: str  # of its scenarios
-    circle: float  # the radius at which a turning circle passes through the target, R*
-    shortest: pd.DataFrame  # radius, length, word; one row per radius, rising
-    single_words: pd.DataFrame  # word, radius, length (NaN where the word does not exist)
-    wrong: pd.DataFrame  # solver, radius, length, arrives; the answers that are visibly wrong
-    times: pd.DataFrame  # solver, radius, wall_s (median of cold attempts, s)
-
-
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
     """(experiment, label) -> rows, for each label with one start and target at many radii."""
     best = rows[rows["branch"] == "best"]
@@ -76,33 +61,21 @@ def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
     }
 
 
-def sweep(label: str, rows: pd.DataFrame) -> Sweep:
-    """The sweep of some rows of `sweep_rows`; its shortest lengths are the closed form's if any."""
+def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
+    """A row of a sweep for each radius, rising, with the closed form's `length` if there is one."""
     known = rows[rows["reference_word"].notna()].sort_values("radius").drop_duplicates("radius")
     exact = rows[rows["solver"] == EXACT].drop_duplicates("radius").set_index("radius")["length"]
-    length = known["radius"].map(exact).fillna(known["reference"]).astype(float)
-    wrong = rows[~rows["verdict"].isin(SUCCESSES) & ~(rows["gap"] <= VISIBLE)]
-    place: dict[str, Any] = {key: float(rows[key].iloc[0]) for key in _PLACE}
-    radii = np.geomspace(known["radius"].min(), known["radius"].max(), 300)
-    return Sweep(
-        label,
-        circle_radius(**place),
-        pd.DataFrame(
-            {"radius": known["radius"], "length": length, "word": known["reference_word"]}
-        ),
-        pd.DataFrame(
-            {
-                "word": word,
-                "radius": radius,
-                "length": math.nan if path is None else path.total * radius,
-            }
-            for word in _WORD_LINE
-            for radius in radii
-            for path in [shortest(Scenario(**place, radius=radius), word)]
-        ),
-        wrong[["solver", "radius", "length"]].assign(arrives=wrong["gap"].notna()),
-        cold(rows).groupby(["solver", "radius"], observed=True)["wall_s"].median().reset_index(),
-    )
+    return known.assign(length=known["radius"].map(exact).fillna(known["reference"]).astype(float))
+
+
+def visibly_wrong(rows: pd.DataFrame) -> pd.DataFrame:
+    """The answers that do not lie on the line of the shortest lengths, or do not arrive."""
+    return rows[~rows["verdict"].isin(SUCCESSES) & ~(rows["gap"] <= VISIBLE)]
+
+
+def _place(rows: pd.DataFrame) -> dict[str, Any]:
+    """The start and the target of one sweep."""
+    return {key: float(rows[key].iloc[0]) for key in _PLACE}
 
 
 def cold(rows: pd.DataFrame) -> pd.DataFrame:
@@ -128,21 +101,25 @@ def answers(rows: pd.DataFrame) -> pd.DataFrame:
 
 def radius_section(results: Results) -> Section | None:
     """One figure per sweep, and how the answers along the sweeps are wrong."""
-    rows_of_sweeps = sweep_rows(results.rows)
-    if not rows_of_sweeps:
+    sweeps = sweep_rows(results.rows)
+    if not sweeps:
         return None
-    rows, palette = pd.concat(list(rows_of_sweeps.values())), Palette.of_page(results)
-    sweeps = [sweep(label, group) for (_, label), group in rows_of_sweeps.items()]
+    rows, palette = pd.concat(list(sweeps.values())), Palette.of_page(results)
     blocks: list[Picture | Table] = []
-    for number, each in enumerate(sweeps, start=1):
-        figure = new_figure(HALF, 2.9)
-        _draw_sweep(figure.add_subplot(), each, palette)
-        alt = f"Length over radius, {each.label}"
-        name = f"{each.label[:1].upper()}{each.label[1:]}"
-        caption = f"{name}. Length units; R* = {digits(5)(each.circle)}."
-        blocks.append(Picture(f"radius-{number}", caption, figure, alt, half=True))
-    if any(np.isfinite(each.circle) for each in sweeps):
-        blocks.append(_time_picture(sweeps, best_solvers(cold(rows)), palette))
+    times = []
+    for number, ((_, label), group) in enumerate(sweeps.items(), start=1):
+        # The radius at which a turning circle passes through the target; else infinite.
+        circle = circle_radius(**_place(group))
+        name = f"{label[:1].upper()}{label[1:]}"
+        caption, alt = f"{name}. Length units; R* = {digits(5)(circle)}.", "Length over radius"
+        style: Style = {"caption": caption, "alt": f"{alt}, {label}", "height": 2.9}
+        blocks.append(picture(f"radius-{number}", _draw_sweep, group, circle, palette, **style))
+        if np.isfinite(circle):
+            placed = cold(group.assign(place=group["radius"] / circle))
+            medians = placed.groupby(["solver", "place"], observed=True)["wall_s"].median()
+            times.append(medians.reset_index())
+    if times:
+        blocks.append(_time_picture(pd.concat(times), best_solvers(cold(rows)), palette))
     caption = (
         "What the solvers answer along the sweeps, cold and warm: the shortest path within the "
         "check's tolerance, a longer one, or none that arrives. The gap is relative."
@@ -166,32 +143,35 @@ def radius_section(results: Results) -> Section | None:
     return Section("radius", title, text, tuple(blocks), lead)
 
 
-def _draw_sweep(ax: Axes, sweep: Sweep, palette: Palette) -> None:
+def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
     """Draw the shortest length over radius, its words and R*, and every answer visibly wrong.
 
     The line breaks where the word changes, at the geometric mean of two radii, since the length
     may jump there.
     """
-    radii, lengths = sweep.shortest["radius"].to_numpy(), sweep.shortest["length"].to_numpy()
+    known, wrong = shortest_lengths(rows), visibly_wrong(rows)
+    radii, lengths = known["radius"].to_numpy(), known["length"].to_numpy()
     above = ax.get_xaxis_transform()
     ax.set(xscale="log", xlim=(radii[0], radii[-1]), xlabel="turning radius R", ylabel="length")
     plain_log_axis(ax.xaxis)
     edges = np.sqrt(np.append(radii[0], radii) * np.append(radii, radii[-1]))
-    for first, past, word in runs_of(sweep.shortest["word"].tolist()):
+    for first, past, word in runs_of(known["reference_word"].tolist()):
         low, high, shade = edges[first], edges[past], _WORD_SHADE.get(word, 0.02)
         ax.axvspan(low, high, color=MUTED, alpha=shade, linewidth=0, zorder=0)
         ax.text(np.sqrt(low * high), 0.97, word, transform=above, va="top", ha="center")
         ax.plot(radii[first:past], lengths[first:past], color=INK, zorder=3)
+    dense = np.geomspace(radii[0], radii[-1], 300)
     for word, line in _WORD_LINE.items():
-        group = sweep.single_words[sweep.single_words["word"] == word]
+        paths = [shortest(Scenario(**_place(rows), radius=radius), word) for radius in dense]
+        totals = [math.nan if path is None else path.total for path in paths]
         dashes: Style = {"color": MUTED, "linestyle": line, "linewidth": 0.9, "zorder": 2}
-        ax.plot(group["radius"], group["length"], **dashes)
-    _draw_wrong(ax, sweep.wrong, palette)
-    if radii[0] < sweep.circle < radii[-1]:  # infinite for a target straight ahead
-        mark_limit(ax, sweep.circle)
+        ax.plot(dense, dense * totals, **dashes)
+    _draw_wrong(ax, wrong, palette)
+    if radii[0] < circle < radii[-1]:
+        mark_limit(ax, circle)
         name: Style = {"transform": above, "ha": "center", "fontsize": 8, "color": MUTED}
-        ax.text(sweep.circle, 1.02, f"R* = {digits(4)(sweep.circle)}", **name)
-    foot, top = lengths.min(), float(np.nanmax([lengths.max(), *sweep.wrong["length"]]))
+        ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", **name)
+    foot, top = lengths.min(), float(np.nanmax([lengths.max(), *wrong["length"]]))
     if foot > 0:  # a logarithmic scale shows the jump and lengths that grow with the radius
         ax.set(yscale="log", ylim=(0.75 * foot, top * (top / foot) ** 0.15 * 1.2))
         plain_log_axis(ax.yaxis)
@@ -205,7 +185,7 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
     looks, names = palette.looks(wrong["solver"]), palette.names(wrong["solver"])
     for solver, look in looks.items():
         group = wrong[wrong["solver"] == solver]
-        arrived, lost = group[group["arrives"]], group[~group["arrives"]]
+        arrived, lost = group[group["gap"].notna()], group[group["gap"].isna()]
         dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
         dots |= {"label": names[solver][:_MOST_LETTERS]}
         ax.plot(arrived["radius"], arrived["length"], **dots)
@@ -217,12 +197,9 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
         ax.legend(loc="lower right", fontsize=6.5, handletextpad=0.3)
 
 
-def _time_picture(sweeps: list[Sweep], solvers: list[str], palette: Palette) -> Picture:
-    """The median time of all sweeps over R / R*, a line per solver."""
-    times = pd.concat(
-        [each.times.assign(place=each.times["radius"] / each.circle) for each in sweeps]
-    )
-    times = times[times["solver"].isin(solvers) & (times["place"] > 0)]
+def _time_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
+    """The median time of all sweeps over R / R* (the column place), a line per solver."""
+    times = times[times["solver"].isin(solvers)]
     bins = 10 ** (np.round(_BINS * np.log10(times["place"])) / _BINS)
     table = by_solver(times.groupby(["solver", bins])["wall_s"].median().reset_index())
     table["name"] = table["solver"].map(palette.names(solvers))
