@@ -1,4 +1,4 @@
-"""Radius sweeps: which answers are drawn, curves that break, and the solvers that have a curve."""
+"""Radius sweeps: which answers are drawn, the solvers that have a curve, cold against warm."""
 
 from __future__ import annotations
 
@@ -6,7 +6,14 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import best_solvers
-from dubins_study.report.topics.radius import answers, radius_section, sweep_rows, visibly_wrong
+from dubins_study.report.topics.radius import (
+    answers,
+    radius_section,
+    sweep_rows,
+    visibly_wrong,
+    warm_section,
+    warm_starts,
+)
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt
@@ -82,3 +89,48 @@ def test_a_sweep_is_a_figure_of_lengths_and_all_are_one_of_times(loaded):
     assert time.axes[0].get_ylabel() == "median time"
     assert "closed form" in {text.get_text() for text in time.legends[0].get_texts()}
     assert section.lead
+
+
+def sweep_scenario(radius):
+    return Scenario(0, 0, 0, -3, 4, radius, label="sweep")
+
+
+def warm_rows():
+    """A solver that saves, one that pays, two that are the same: one counts no iterations, the
+    other none for a cold start."""
+    made = []
+    for place, radius in enumerate((1.0, 1.1, 1.2, 1.3, 1.4)):
+        where = sweep_scenario(radius)
+        for start, time, work in (("cold", 0.01, 10), ("warm", 0.001 * (place + 1), 5)):
+            made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
+        for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
+            made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
+        made += [
+            attempt(where, solver, initial_guess=start, iterations=iterations)
+            for solver, counts in (("shooting", (None, None)), ("nlp", (0, 3)))
+            for start, iterations in zip(("cold", "warm"), counts, strict=True)
+        ]
+        made.append(attempt(where, "never-warm"))
+    return made
+
+
+def test_ratios_by_hand(results):
+    """Ratios 0.1 to 0.5 in five steps; iterations halved; without a number there is no ratio.
+
+    A solver that is never warm is left out.
+    """
+    table = warm_starts(load([results("radius-sweep", warm_rows())]).rows).set_index("solver")
+
+    assert table.index.tolist() == ["ipopt", "nlp", "shooting", "slsqp"]
+    assert table.loc["ipopt", ["questions", "ratio", "work"]].tolist() == pytest.approx(
+        [5, 0.3, 0.5]
+    )
+    assert table.loc[["shooting", "nlp"], "work"].isna().all()
+
+
+def test_only_rows_with_both_starts_make_a_section(results):
+    cold = [row for row in warm_rows() if row["initial_guess"] == "cold"]
+    both, plain = (load([results(n, each)]) for n, each in (("both", warm_rows()), ("cold", cold)))
+
+    assert warm_section(both).blocks[0].name == "warm-starts"
+    assert warm_section(plain) is None

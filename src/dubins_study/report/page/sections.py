@@ -35,7 +35,6 @@ _MODULES = (
     "topics.paper_figures",
     # studies of one thing each
     "topics.radius",
-    "topics.warm",
     "topics.convergence",
     "topics.plane",
     "topics.basins",
