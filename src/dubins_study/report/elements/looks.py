@@ -45,7 +45,8 @@ def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
     """Solver -> engine, formulation, initial guess, and the settings that differ; all distinct."""
     rows = methods.reset_index(names="solver").to_dict("records")
-    return distinct([str(row["solver"]) for row in rows], [short_label(row) for row in rows])
+    labels = distinct([short_label(row) for row in rows])
+    return {str(row["solver"]): label for row, label in zip(rows, labels, strict=True)}
 
 
 def short_label(row: Mapping[Hashable, Any]) -> str:
@@ -64,16 +65,16 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     return one_line(next(short_enough, names[0]))
 
 
-def distinct(solvers: Sequence[str], labels: Sequence[str]) -> dict[str, str]:
-    """Solver -> label; labels that several solvers share get a number."""
+def distinct(labels: Sequence[str]) -> list[str]:
+    """The labels; those that are there several times get a number."""
     shared = Counter(labels)
     taken = {label for label, number in shared.items() if number == 1}
-    names = {}
-    for solver, label in zip(solvers, labels, strict=True):
+    names = []
+    for label in labels:
         name, number = label, 1
         while shared[label] > 1 and (number == 1 or name in taken):
             name, number = f"{label} #{number}", number + 1
-        names[solver] = name
+        names.append(name)
         taken.add(name)
     return names
 
@@ -105,8 +106,7 @@ def common_part(names: Sequence[str]) -> tuple[str, list[str]]:
 
     A name has engine, guess and settings, with commas between them.
     """
-    plain = [one_line(name, _MOST_IN_PANEL) for name in names]
-    names = list(distinct([str(place) for place in range(len(plain))], plain).values())
+    names = distinct([one_line(name, _MOST_IN_PANEL) for name in names])
     tails = {name.partition(", ")[2] for name in names}
     # An engine of which only the usual guess is known, or that needs none, does not name it.
     shared = tails - {""} if tails > {_USUAL_START} else tails
@@ -169,14 +169,8 @@ class Palette:
     @classmethod
     def of_page(cls, results: Results) -> Self:
         """The palette of all engines of a page, by its solvers' specs."""
-        names = names_of(results)
-        engines = {str(spec): str(engine) for spec, engine in names["engine"].items()}
-        labels = {str(spec): str(label) for spec, label in names["label"].items()}
-        hues = cls.of(engines.values()).hues
-        # A solver's name without its settings stands for the engine of its first spec.
-        first = {parse_spec(spec)[0]: engines[spec] for spec in reversed(solver_order([*engines]))}
-        hues = {name: hues[engine] for name, engine in first.items()} | hues
-        return cls(hues, engines, labels)
+        engines = {str(s): str(engine) for s, engine in names_of(results)["engine"].items()}
+        return cls(cls.of(engines.values()).hues, engines, labels_of(results))
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:
