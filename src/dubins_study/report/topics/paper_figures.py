@@ -20,7 +20,6 @@ from dubins_study.report.elements.looks import LINES
 from dubins_study.report.elements.style import (
     BLUE,
     GREEN,
-    HALF,
     INK,
     MUTED,
     PAPER,
@@ -55,7 +54,12 @@ def plot_paths(
         text = f"{names[int(row['rank']) - 1]}: {_word_and_length(row)}"
         points = row["path"].sample(400)
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
-    _scene(ax, paths)
+    first = paths.iloc[0]
+    for side in (1, -1):
+        _turning_circle(ax, first["path"], side * first["radius"], RULE)
+    _start_and_target(ax, paths)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.07)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
 
 
@@ -77,7 +81,7 @@ def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
         _turning_circle(ax, path, radius * math.copysign(1.0, path.curvature[0]), colour)
     low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
     pad = 0.08 * float(np.max(high - low))
-    _start_and_target(ax, paths, 2 * pad)
+    _start_and_target(ax, paths)
     ax.set_aspect("equal", adjustable="box", anchor="NW")  # as wide as the paths
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - 2 * pad, high[1] + pad))
 
@@ -96,48 +100,22 @@ def plot_feasible(ax: Axes, paths: pd.DataFrame) -> None:
     ax.margins(0.09)
 
 
-def aspect_of(paths: pd.DataFrame) -> float:
-    """Height over width of what `plot_paths` draws."""
-    points = np.vstack([path.sample(200)[:, :2] for path in paths["path"]])
-    path, radius = paths.iloc[0]["path"], paths["radius"].max()
-    for side in (radius, -radius):
-        centre = np.array(_centre(path, side))
-        points = np.vstack((points, centre - radius, centre + radius))
-    width, height = np.ptp(points, axis=0)
-    return float(height / width)
-
-
 def _word_and_length(row: Any) -> str:
     return f"{row['branch']}, {digits(4)(row['length'])}"
 
 
-def _scene(ax: Axes, paths: pd.DataFrame) -> None:
-    """The turning circles, the start and the target; limits that hold all of these paths."""
-    first = paths.iloc[0]
-    for side in (1, -1):
-        _turning_circle(ax, first["path"], side * first["radius"], RULE)
-    corners = np.vstack([path.sample(200)[:, :2] for path in paths["path"]])
-    ax.update_datalim(corners)
-    ax.margins(0.07)
-    low, high = np.array(ax.dataLim.min), np.array(ax.dataLim.max)
-    _start_and_target(ax, paths, 0.11 * float(np.max(high - low)))
-
-
-def _centre(path: Path, side: float) -> tuple[float, float]:
-    """The centre of a turning circle; `side` is its radius, positive on the left."""
-    x, y, heading = path.start
-    return x - side * math.sin(heading), y + side * math.cos(heading)
-
-
 def _turning_circle(ax: Axes, path: Path, side: float, colour: str) -> None:
+    """A turning circle at the start; `side` is its radius, positive on the left."""
+    x, y, heading = path.start
+    centre = x - side * math.sin(heading), y + side * math.cos(heading)
     look: dict[str, Any] = {"edgecolor": colour, "linewidth": 0.8, "zorder": 1}
     look |= {"alpha": 1.0 if colour == RULE else 0.45}
-    ax.add_patch(Circle(_centre(path, side), abs(side), fill=False, **look))
+    ax.add_patch(Circle(centre, abs(side), fill=False, **look))
 
 
-def _start_and_target(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
-    """The start with an arrow of length `reach` (length unit), and the target as a ring."""
-    first = paths.iloc[0]
+def _start_and_target(ax: Axes, paths: pd.DataFrame) -> None:
+    """The start with an arrow a ninth as long as what is drawn already; the target as a ring."""
+    first, reach = paths.iloc[0], max(ax.dataLim.size) / 9
     x, y, heading = first["path"].start
     tip = (x + reach * math.cos(heading), y + reach * math.sin(heading))
     head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
@@ -146,14 +124,13 @@ def _start_and_target(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
     target = (first["target_x"], first["target_y"])
     ax.plot(*target, **_TARGET_RING)
     ax.plot(*target, marker="o", color=INK, markersize=2.5, zorder=5)
-    ax.set_aspect("equal", adjustable="datalim")
     ax.set(xlabel="x", ylabel="y")
 
 
 # Any target ahead and to the left shows what Figure 3.1 shows; the paper gives no numbers.
 _FEASIBLE = Scenario(heading=math.radians(75), target_x=4.6, target_y=2.4)
 _NEAR = 28.0  # length units around the start, where the paths of test problem 5 differ
-_LABELS, _LEAST, _MOST = 0.95, 1.6, 3.1  # inches: the legend and labels of a panel; a panel
+_HEIGHT = 2.9  # inches
 
 
 def feasible_picture() -> Picture:
@@ -171,7 +148,7 @@ def feasible_picture() -> Picture:
         "drives straight to X₃ = T: the feasible paths LS and RS. Faint: the turning circles."
     )
     alt = "The paths LS and RS from a start to a target"
-    return picture("paths-feasible", plot_feasible, frame, caption=caption, alt=alt, height=2.9)
+    return picture("paths-feasible", plot_feasible, frame, caption=caption, alt=alt, height=_HEIGHT)
 
 
 def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
@@ -185,7 +162,7 @@ def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
         caption=f"Figure 6.{problem}. Optimal (solid) and feasible (dashed) path with their "
         "lengths; length units.",
         alt=f"Paths of test problem {problem}",
-        height=_LABELS + min(max((HALF - 0.5) * aspect_of(paths) * 1.1, _LEAST), _MOST),
+        height=_HEIGHT,
     )
 
 
