@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import pytest
 
 from dubins_study.report.data.results import load
+from dubins_study.report.topics.certificates import certificates_section
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
-from tests.unit.report.topic_page import section_text, topic_page
 
 PROVED = {
     "proof": "proved",
@@ -98,28 +97,22 @@ def test_width_of_enclosures(results):
     assert alone["width"].tolist() == pytest.approx([4e-16])
 
 
-TOPIC = "certificates"
-text_of = partial(section_text, TOPIC, "certificates")
-
-
-def test_the_section_says_what_the_rows_say(results, tmp_path):
-    text = text_of(results("tiny", rows()), tmp_path / "a")
+def test_the_section_says_what_the_rows_say(results):
+    text = certificates_section(load([results("tiny", rows())])).text
 
     assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
     assert "is 4.4e−16 of it: as much as the rounding of the data leaves open." in text
     assert "both sides of a jump" not in text
     assert "at most 1.0e−7 (slsqp, word NLPs, whose median is 5.0e−8)" in text
-    assert "of 2 lower bounds 1 lie above" in text
+    assert "Of 2 lower bounds that solvers report 1 lie above" in text
 
     wide = [row | {"reference_low": 0.5} for row in rows()[:2]]
-    text = text_of(results("wide", wide), tmp_path / "b")
+    text = certificates_section(load([results("wide", wide)])).text
     assert "2 intervals hold the lengths on both sides of a jump" in text
     assert "lower bounds" not in text
 
 
-@pytest.mark.slow
-def test_rows_without_certificates_have_no_section(results, tmp_path):
+def test_rows_without_certificates_have_no_section(results):
     folder = results("tiny", [attempt(s) for s in paper_scenarios()])
-    page = topic_page(folder, tmp_path / "out", TOPIC)
 
-    assert '<section id="certificates"' not in page.read_text(encoding="utf-8")
+    assert certificates_section(load([folder])) is None

@@ -75,43 +75,34 @@ def _proved(frame: pd.DataFrame) -> str:
 
 
 def _enclosed(frame: pd.DataFrame) -> str:
-    if not frame["enclosed"].sum():
-        return ""
     widest, jumps = frame["width"].max(), int(frame["open"].max())
-    sentences = []
-    if widest == widest:  # not NaN: some interval is narrow
-        sentences.append(
-            f"The widest interval around a shortest length is {digits(2)(widest)} of it: as much "
-            "as the rounding of the data leaves open."
-        )
-    if jumps:
-        sentences.append(
-            f"{jumps} intervals hold the lengths on both sides of a jump, since the target is "
-            "nearer to a turning circle, or to the axis, than the data can tell."
-        )
-    return " ".join(sentences)
+    return sentences(
+        f"The widest interval around a shortest length is {digits(2)(widest)} of it: as much as "
+        "the rounding of the data leaves open."
+        if widest == widest  # not NaN: some interval is narrow
+        else "",
+        f"{jumps} intervals hold the lengths on both sides of a jump, since the target is nearer "
+        "to a turning circle, or to the axis, than the data can tell."
+        if jumps
+        else "",
+    )
 
 
 def _reported(frame: pd.DataFrame) -> str:
-    parts = []
-    compared = frame[frame["multipliers"] > 0]
-    if len(compared):
-        ranked = compared.sort_values("costate_error").to_dict("records")
-        best, worst = ranked[0], ranked[-1]
-        part = (
-            "the multipliers of an extremal are off its own costates by at most "
-            f"{digits(2)(worst['costate_error'])} ({worst['label']}, whose median is "
-            f"{digits(2)(worst['costate_median'])})"
-        )
-        if len(compared) > 1:
-            part += f", at best by {digits(2)(best['costate_error'])} ({best['label']})"
-        parts.append(part)
-    if bounds := int(frame["bounds"].sum()):
-        false = int(frame["false_bounds"].sum())
-        parts.append(
-            f"of {count(bounds)} lower bounds {count(false)} lie above the shortest length"
-        )
-    return f"What solvers report in addition to a path: {'; '.join(parts)}." if parts else ""
+    compared = frame[frame["multipliers"] > 0].sort_values("costate_error")
+    bounds, false = int(frame["bounds"].sum()), int(frame["false_bounds"].sum())
+    return sentences(
+        *(
+            "The multipliers that solvers report with an extremal are off its own costates by at "
+            f"most {digits(2)(worst['costate_error'])} ({worst['label']}, whose median is "
+            f"{digits(2)(worst['costate_median'])})."
+            for worst in compared.tail(1).to_dict("records")
+        ),
+        f"Of {count(bounds)} lower bounds that solvers report {count(false)} lie above the "
+        "shortest length."
+        if bounds
+        else "",
+    )
 
 
 TOPIC = Topic("certificates", certificates_section, General.POOLED)
