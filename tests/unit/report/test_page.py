@@ -204,6 +204,8 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     ]
     experiment = {"name": "radius-sweep", "title": HOSTILE, "question": HOSTILE, "text": HOSTILE}
     hostile = {"command": HOSTILE, "machine": {HOSTILE: HOSTILE}, "git": {"branch": HOSTILE}}
+    fields = ("run_id", "started", "state", "engine", "governor")
+    hostile["runs"] = [dict.fromkeys(fields, HOSTILE) | {"machine": {"processor": HOSTILE}}]
     folder = results("radius-sweep", rows, experiment=experiment, **hostile)
 
     page = render([folder], out=tmp_path / "out").read_text(encoding="utf-8")
@@ -215,6 +217,8 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     for svg in (tmp_path / "out" / "figures").glob("*.svg"):
         assert "<script" not in svg.read_text(encoding="utf-8")
         assert "mathdefault" not in svg.read_text(encoding="utf-8")
+    tex = (tmp_path / "out" / "tables" / "runs.tex").read_text(encoding="utf-8")
+    assert "\\input" not in tex.replace("\\textbackslash{}input", "")
     for line in (tmp_path / "out" / "tables" / "failures.md").read_text().splitlines():
         assert len(re.findall(r"(?<!\\)\|", line)) == 8  # seven cells
 
@@ -295,7 +299,16 @@ ODD = {
     "behind": [attempt(s) for s in _same_place(-5, 0)],
     "at-the-start": [attempt(s) for s in _same_place(0, 0)],
     "warm-only": [attempt(s, initial_guess="warm") for s in paper_scenarios()],
-    "discretisation": [lost(s, "turn-rate-qp[n=10]") for s in paper_scenarios()],
+    **{
+        study: [lost(s, solver, initial_guess=guess) for s in paper_scenarios()]
+        for study, solver, guess in (
+            ("basins", "slsqp[model=joint,order=LRS,initial_guess=given]", "0.0 0.0 5.0"),
+            ("convergence", "turn-rate-qp[n=10]", "cold"),
+            ("discretisation", "turn-rate-qp[n=10]", "cold"),
+            ("proofs", "disjunctive", "cold"),
+            ("scale", "nlp", "cold"),
+        )
+    },
     "many": [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)],
 }
 

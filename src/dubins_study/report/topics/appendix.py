@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -114,23 +114,15 @@ def runs_section(results: Results) -> Section | None:
     )
     noisy = frame[frame["spread"] > NOISY]
     if len(noisy):
-        text += " ".join(_sentence(row) for row in noisy.to_dict("records"))
+        text += " ".join(
+            f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: its "
+            "machine was not quiet, and times of it that differ by less say nothing."
+            for run in noisy.to_dict("records")
+        )
     elif frame["spread"].notna().any():
         text += f"No run varied by more than {share(NOISY)}."
     else:
         text += "No run here was long enough to tell."
-    lead = "Look here, before you quote a time, whether the machine that took it was steady."
-    return Section("runs", "The runs and their machines", text, (_runs_table(frame),), lead)
-
-
-def _sentence(run: Mapping[Hashable, Any]) -> str:
-    return (
-        f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: its machine "
-        "was not quiet, and times of it that differ by less say nothing."
-    )
-
-
-def _runs_table(frame: pd.DataFrame) -> Table:
     shown = (
         *columns(kind="code", experiment="experiment", run="run"),
         *columns(_minute, kind="text", started="started (UTC)"),
@@ -146,8 +138,9 @@ def _runs_table(frame: pd.DataFrame) -> Table:
         "last minute, at the start and at the end; the governor sets the cores' clock; varied by "
         f"more than {share(NOISY)} is marked."
     )
-    noisy = marks(frame[["spread"]] > NOISY, "spread")
-    return Table("runs", caption, frame, shown, noisy)
+    table = Table("runs", caption, frame, shown, marks(frame[["spread"]] > NOISY, "spread"))
+    lead = "Look here, before you quote a time, whether the machine that took it was steady."
+    return Section("runs", "The runs and their machines", text, (table,), lead)
 
 
 def _minute(started: Any) -> str:
@@ -192,17 +185,9 @@ def limits_section(_: Results | None) -> Section:
         "Below is the data dictionary: every column of the rows in a results folder's Parquet "
         f"files, schema {VERSION}."
     )
-    return Section("limits", "Limits and data dictionary", text, (_limits(), _dictionary()), lead)
-
-
-def _limits() -> Table:
     frame = pd.DataFrame(_LIMITS, columns=["numbers", "unknown"])
-    shown = columns(kind="prose", numbers="the numbers are of", unknown="they do not say")
-    return Table("limits", "What holds for the whole page.", frame, shown, stacked=True)
-
-
-def _dictionary() -> Table:
-    frame = pd.DataFrame(ROW, columns=list(ROW[0]._fields))
+    sides = columns(kind="prose", numbers="the numbers are of", unknown="they do not say")
+    limits = Table("limits", "What holds for the whole page.", frame, sides, stacked=True)
     shown = (
         *columns(kind="code", name="column"),
         *columns(kind="text", type="type", unit="unit"),
@@ -212,7 +197,9 @@ def _dictionary() -> Table:
         "The columns of the rows. Missing and non-finite numbers are null; a unit of 1 is a share "
         "or a ratio."
     )
-    return Table("columns", caption, frame, shown)
+    frame = pd.DataFrame(ROW, columns=list(ROW[0]._fields))
+    tables = limits, Table("columns", caption, frame, shown)
+    return Section("limits", "Limits and data dictionary", text, tables, lead)
 
 
 SOLVERS_TOPIC = Topic("the solvers and their settings", solvers_section, General.EVERY)
