@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
@@ -18,6 +17,7 @@ from dubins_study.report.topics.basins import (
     OPTIMUM,
     OTHER,
     TURNS,
+    basins_section,
     capping,
     ends,
     is_capped,
@@ -27,8 +27,7 @@ from dubins_study.report.topics.basins import (
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import astray, attempt, lost, paper_scenarios
-from tests.unit.report.topic_page import topic_page
+from tests.unit.report.results_folder import astray, attempt, paper_scenarios
 
 THREE, FOUR = paper_scenarios()[2:4]
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
@@ -105,18 +104,9 @@ def test_every_end_is_told_apart(results):
     ]
     np.testing.assert_array_equal(table["turns"], [0, 2, 1, *[math.nan] * 6])
     assert table[["z1", "z2", "z3"]].iloc[5].tolist() == [1.0, 2.0, 5.0]
-
-
-def test_shares_by_hand(results):
-    line = shares(ends(load([results("basins", every_end())]).rows)).iloc[0]
-
+    line = shares(table).iloc[0]
     assert (line["guesses"], line["optimal"], line["refuted"]) == (9, 1 / 9, 3)
-    assert (line["turns_1"], line["turns_2"], line["turns_more"], line["most_turns"]) == (
-        1,
-        1,
-        0,
-        2,
-    )
+    assert line[["turns_1", "turns_2", "turns_more", "most_turns"]].tolist() == [1, 1, 0, 2]
 
 
 def test_what_a_cap_changes_by_hand(results):
@@ -144,30 +134,13 @@ def test_cold_starts_are_not_of_the_study(results):
     assert ends(load([results("basins", [attempt(THREE)])]).rows).empty
 
 
-TOPIC = "where initial guesses lead"
-
-
-def test_the_section_tells_what_the_rows_hold(results, tmp_path):
+def test_the_section_tells_what_the_rows_hold(results):
     """Its numbers are of these rows; without refuted claims it does not speak of any."""
-    page = topic_page(results("basins", every_end()), tmp_path / "a", TOPIC)
+    text = basins_section(load([results("basins", every_end())])).text
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = topic_page(results("honest", honest, section="basins"), tmp_path / "b", TOPIC)
+    plain = basins_section(load([results("honest", honest)])).text
 
-    text = page.read_text(encoding="utf-8")
-    assert '<section id="basins"' in text
     assert "3 statements are refuted" in text
     assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in text
-    text = plain.read_text(encoding="utf-8")
-    assert "refuted" not in text.split('<section id="basins"')[1].split("<figure")[0]
-    assert "is found from 100 % of the initial guesses" in text
-
-
-@pytest.mark.slow
-def test_lost_rows_are_drawn_as_given_up(results, tmp_path):
-    """A crash takes length and claim with it; the report is still made."""
-    rows = [lost(THREE, SPEC, initial_guess="0.0 0.0 5.0")]
-    page = topic_page(results("basins", rows), tmp_path / "out", TOPIC)
-
-    (row,) = pd.read_csv(tmp_path / "out" / "tables" / "basins.csv").to_dict("records")
-    assert row["gives up"] == row["guesses"] == 1
-    assert ">gives up<" in page.read_text(encoding="utf-8")  # the map's legend
+    assert "refuted:" not in plain
+    assert "is found from 100 % of the initial guesses" in plain

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ import pytest
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.bias import (
     barrier,
+    bias_section,
     by_barrier,
     last_barrier,
     left_over,
@@ -22,7 +22,6 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
-from tests.unit.report.topic_page import section_text, topic_page
 
 TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
 DEFAULT = "ipopt[model=joint,order=LRS,units=scenario]"
@@ -107,27 +106,23 @@ def test_numbers_by_hand(results):
     assert others["most"].tolist() == pytest.approx([1e-3, 0])
 
 
-TOPIC = "the interior-point bias"
-text_of = partial(section_text, TOPIC, "bias")
+def test_the_section_says_what_the_rows_say(results):
+    """Where the prediction holds it says so, with numbers; where it does not, not.
 
-
-def test_the_section_says_what_the_rows_say(results, tmp_path):
-    """Where the prediction holds it says so, with numbers; where it does not, not."""
-    good = text_of(results("bias", by_theory()), tmp_path / "a")
-    bad = text_of(results("off", by_theory(2.0), section="bias"), tmp_path / "b")
+    A part of the rows is enough; without an answer there is no section.
+    """
+    lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
+    good, bad, part = (
+        bias_section(load([results(name, rows)])).text
+        for name, rows in (
+            ("good", by_theory()),
+            ("bad", by_theory(2.0)),
+            ("part", [lost, *by_theory()[:3]]),
+        )
+    )
 
     assert "Over 7 attempts z₂ is within a relative" in good
     assert "though the solver calls 1 of them failures" in good
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
-
-
-@pytest.mark.slow
-def test_a_part_of_the_rows_is_enough(results, tmp_path):
-    """Lost answers, no defaults, no other methods: what is left is drawn, and nothing is not."""
-    lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
-    told = results("told", [lost, *by_theory()[:3]], section="bias")
-    none = results("none", [lost], section="bias")
-
-    assert "Over 3 attempts" in text_of(told, tmp_path / "a")
-    page = topic_page(none, tmp_path / "b", TOPIC).read_text(encoding="utf-8")
-    assert '<section id="bias"' not in page
+    assert "Over 3 attempts" in part
+    assert bias_section(load([results("none", [lost])])) is None

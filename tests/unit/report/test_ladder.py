@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-
-import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.ladder import SIDES, down_to, ladder, rungs
+from dubins_study.report.topics.ladder import SIDES, down_to, ladder, ladder_section, rungs
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
-from tests.unit.report.topic_page import section_text
 
 FRONT, REAR = 0.5, 4.0
 MARGINS = (1e-2, 1e-4, 1e-8)
@@ -77,35 +73,27 @@ def test_findings_and_the_worst_of_a_rung(results):
     other = shortest_path(inside, "RS")
     made = [
         row(inside, "slsqp", gap=1e-3, verdict="longer"),
-        row(inside, "slsqp", other, repeat=1),
+        row(inside, "slsqp", other, repeat=1, false_claim=True),
         row(inside, "nlp", path=None),
         row(target(FRONT, -1e-4), "nlp"),
     ]
-    attempts = rungs(load([results("ladder", made)]).rows)
+    loaded = load([results("ladder", made)])
+    attempts = rungs(loaded.rows)
     table = ladder(attempts)
 
+    assert "Of all 4 claims 1 are false." in ladder_section(loaded).text
     assert attempts["finding"].tolist() == ["coarse", "wrong basin", "no path", "right"]
     assert table["finding"].tolist() == ["wrong basin", "no path", "right"]
     assert down_to(table)["front, inside"].isna().all()
 
 
-text_of = partial(section_text, "the ladder toward a circle", "ladder")
-
-
-def test_the_section_says_what_the_rows_say(results, tmp_path):
-    text = text_of(results("ladder", rows()), tmp_path / "a")
+def test_the_section_says_what_the_rows_say(results):
     good = [r for r in rows() if r["solver"] == "collocation"]
-    level = results("good", good, section="ladder")
+    text, level = (
+        ladder_section(load([results(name, each)])).text
+        for name, each in (("ladder", rows()), ("good", good))
+    )
 
     assert "a full turn: 1 answer by a miss of at most 1.0e−8 R." in text
     assert "Of all 24 claims 0 are false." in text
-    assert "no solver trades a miss for the short path" in text_of(level, tmp_path / "b")
-
-
-@pytest.mark.slow
-def test_a_false_claim_is_counted(results, tmp_path):
-    inside = target(FRONT, -1e-2)
-    made = [row(inside, "slsqp", shortest_path(inside, "RS"), false_claim=True)]
-    text = text_of(results("ladder", made), tmp_path / "out")
-
-    assert "Of all 1 claims 1 are false." in text
+    assert "no solver trades a miss for the short path" in level

@@ -18,12 +18,16 @@ from tests.unit.report.results_folder import attempt, load_folders, paper_scenar
 
 
 @pytest.fixture
-def cells():
-    paths = {
+def paths():
+    return {
         (scenario.label, branch): shortest_path(scenario, branch)
         for scenario in paper_scenarios()
         for branch in ("LS", "RS")
     }
+
+
+@pytest.fixture
+def cells(paths):
     return compare(paths)
 
 
@@ -66,13 +70,8 @@ def test_a_crossed_number_shows_why(cells):
         assert len(exact.partition(".")[2]) == (7 if printed == "1.74 ✗" else 6)
 
 
-def test_a_path_off_by_a_hundredth_differs(cells):
+def test_a_path_off_by_a_hundredth_differs(paths):
     """A cell that no misprint explains is not excused."""
-    paths = {
-        (scenario.label, branch): shortest_path(scenario, branch)
-        for scenario in paper_scenarios()
-        for branch in ("LS", "RS")
-    }
     good = paths["problem 2", "LS"]
     paths["problem 2", "LS"] = Path(good.start, good.curvature, good.length + 0.01)
     changed = compare(paths)

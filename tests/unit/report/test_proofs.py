@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import pytest
 
@@ -12,13 +11,13 @@ from dubins_study.report.topics.proofs import (
     PAPER,
     prices,
     proofs,
+    proofs_section,
     proven_gap,
     provers,
 )
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt, paper_scenarios
-from tests.unit.report.topic_page import section_text
 
 DISC = [Scenario(0, 0, 0, x, 1, 1, label="in a disc") for x in (0.1, 0.2, 0.3)]
 
@@ -97,23 +96,7 @@ def test_a_false_bound_proves_nothing(results):
     )
 
 
-text_of = partial(section_text, "what a proof costs", "proofs")
+def test_the_section_says_what_the_rows_say(results):
+    section = proofs_section(load([results("proofs", rows())]))
 
-
-def test_the_section_says_what_the_rows_say(results, tmp_path):
-    text = text_of(results("proofs", rows()), tmp_path / "out")
-
-    assert "proves 9 of the 12 answers" in text
-
-
-@pytest.mark.slow
-def test_lost_rows_make_a_section_too(results, tmp_path):
-    """Nothing came back: no price, no bound, and a page."""
-    gone = dict.fromkeys(("length", "gap", "wall_s", "build_s", "region", "reference_word"))
-    made = [
-        attempt(s, "disjunctive", path=None, claim=Claim.NONE, outcome="crashed", **gone)
-        for s in DISC
-    ]
-    text = text_of(results("proofs", made), tmp_path / "out")
-
-    assert "0 of the 3 answers" in text
+    assert "proves 9 of the 12 answers" in section.text

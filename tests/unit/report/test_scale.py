@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import pytest
 
 from dubins_study.report.data.results import load
-from dubins_study.report.topics.scale import ROUNDING, dependence, spreads
+from dubins_study.report.topics.scale import ROUNDING, dependence, scale_section, spreads
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, lost
-from tests.unit.report.topic_page import section_text
+from tests.unit.report.results_folder import attempt
 
 RADII = (1e-3, 1.0, 1e3)
 UNITS = "slsqp[units=scenario]"
@@ -75,26 +73,14 @@ def test_another_word_is_not_invariant(results):
     assert line["invariant"] == 0
 
 
-text_of = partial(section_text, "scale invariance", "scale")
-
-
-def test_the_section_says_what_the_rows_say(results, tmp_path):
+def test_the_section_says_what_the_rows_say(results):
     """Who is level, who is not and why; with nobody to blame it blames nobody."""
-    text = text_of(results("scale", rows()), tmp_path / "a")
-    level = results("level", rows()[:6], section="scale")
+    text, level = (
+        scale_section(load([results(name, each)])).text
+        for name, each in (("scale", rows()), ("level", rows()[:6]))
+    )
 
     assert "2 of 3 solvers and variants give the same path everywhere" in text
     assert "Not so for slsqp, word NLPs: they" in text
-    assert "in the scenario&#39;s own unit" in text
-    assert "None depends on the unit." in text_of(level, tmp_path / "b")
-
-
-@pytest.mark.slow
-def test_lost_answers_are_no_spread(results, tmp_path):
-    """Nothing came back from one solver: no number is made of it, and the page is."""
-    folder = results("scale", [lost(scenario(R), "nlp") for R in RADII])
-
-    line = dependence(spreads(load([folder]).rows)).iloc[0]
-
-    assert (line["success"], math.isnan(line["spread"])) == (0, True)
-    assert "0 of 1 solvers" in text_of(folder, tmp_path / "out")
+    assert "in the scenario's own unit" in text
+    assert "None depends on the unit." in level

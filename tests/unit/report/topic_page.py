@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -26,16 +25,6 @@ def topic_page(folders: FilePath | list[FilePath], out: FilePath, *titles: str) 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("dubins_study.report.page.render.TOPICS", topics)
         return render(folders, out)
-
-
-def section_text(title: str, key: str, folders: FilePath | list[FilePath], out: FilePath) -> str:
-    """The words of a topic's section before its first figure or table.
-
-    Without markup: a word of the glossary is linked where it first stands on the page.
-    """
-    page = topic_page(folders, out, title).read_text(encoding="utf-8")
-    section = page.split(f'<section id="{key}"')[1]
-    return re.sub(r"<[^>]*>", "", section.split("<figure")[0])
 
 
 @contextmanager

@@ -47,7 +47,6 @@ MARKS = (
     Mark(GIVES_UP, colour="#5d636b", marker="_"),
 )
 ENDS = tuple(mark.key for mark in MARKS)
-REFUTED = (FALSE_MINIMUM, INFEASIBLE, FALSE_PATH)  # claims that the check refutes
 
 COLUMNS = (
     *columns(kind="text", label="scenario"),
@@ -60,8 +59,8 @@ COLUMNS = (
     *columns(count, **{INFEASIBLE: "“no path”", FALSE_MINIMUM: "“minimum”"}),
     *columns(count, **{FALSE_PATH: "“path”", GIVES_UP: "gives up"}),
 )
-# Refuted claim -> what it says.
-_SAID = {
+# Claim that the check refutes -> what it says.
+REFUTED = {
     INFEASIBLE: "that no path exists where one does",
     FALSE_MINIMUM: "that a point is a minimum, though no minimum has its length",
     FALSE_PATH: "that a path arrives, though it misses the target",
@@ -149,7 +148,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
         name=lambda rows: [parse_spec(solver)[0] for solver in rows["solver"]],
         capped=lambda rows: rows["solver"].map(is_capped),
         optimal=lambda rows: rows[OPTIMUM] / rows["guesses"],
-        refuted=lambda rows: rows[list(REFUTED)].sum(axis="columns"),
+        refuted=lambda rows: rows[[*REFUTED]].sum(axis="columns"),
     )
 
 
@@ -228,8 +227,8 @@ def _found(table: pd.DataFrame) -> str:
     """How often the optimum is reached, and what the check refutes, over all solvers."""
     guesses, refuted = table["guesses"].sum(), table["refuted"].sum()
     turned = table[_TURNED].to_numpy().sum() / guesses
-    parts = [f"{count(table[end].sum())} times {what}" for end, what in _SAID.items()]
-    told = [part for end, part in zip(_SAID, parts, strict=True) if table[end].any()]
+    parts = [f"{count(table[end].sum())} times {what}" for end, what in REFUTED.items()]
+    told = [part for end, part in zip(REFUTED, parts, strict=True) if table[end].any()]
     return sentences(
         f"The shortest path is found from {share(table[OPTIMUM].sum() / guesses)} of the initial "
         f"guesses; {share(turned)} of all attempts end in a minimum with full turns in it, with up "

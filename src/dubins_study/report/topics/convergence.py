@@ -143,10 +143,9 @@ def falling(line: pd.DataFrame, value: str) -> pd.DataFrame:
 def orders(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per series and place, from the attempts that `refined` returns.
 
-    Columns measure, series, place, solver, scenarios, order (p of median ~ size^-p, over the sizes
-    at which the median falls), least and most (smallest and largest order of single scenarios over
-    the same sizes, without answers in a wrong basin), wrong (number of these answers), finest
-    (size), value and wall_s (medians at that size), and goal_s: the median time at the smallest
+    Columns series, solver and those of `ORDERS` without label: order p of median ~ size^-p, over
+    the sizes at which the median falls; least and most of single scenarios over the same sizes,
+    without answers in a wrong basin; value and wall_s at the finest size; goal_s at the smallest
     size from which on the median gap is at most 1e-4, NaN if there is no such size.
     """
     table, keys = medians(attempts), ["measure", "series", "place"]

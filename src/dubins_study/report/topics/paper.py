@@ -73,11 +73,10 @@ def _exact_text(cell: Mapping[Hashable, Any], wrong: bool) -> str:
 
 
 def scores(results: Results) -> pd.DataFrame:
-    """One row per solver: how it answers the printed cells.
+    """One row per solver: how many of the printed cells it answers, and as they are printed.
 
-    Columns solver, cells (number of printed cells), answered, printed (number equal to the paper's
-    text), length_off and segment_off (largest errors of f and of z1, z2, z3 against the closed
-    form, length unit).
+    Columns solver, cells, answered, printed, length_off and segment_off (largest errors of f and of
+    z1, z2, z3 against the closed form, length unit).
     """
     rows = results.rows[results.rows["branch"].isin(["LS", "RS"])]
     exact = compare(word_paths(results, EXACT))

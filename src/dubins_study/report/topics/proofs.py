@@ -55,12 +55,7 @@ def provers(rows: pd.DataFrame) -> list[str]:
 
 
 def proofs(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver.
-
-    Columns: solver, attempts, one count per proof of the certificate, success (share), own_bound
-    (share of attempts whose own bound proves a gap of at most 1e-4), gap and gap_most (median and
-    largest proven gap), wall_s with quartiles wall_s_q1 and wall_s_q3 (s), build_s (median, s).
-    """
+    """One row per solver: the columns `PROOF_COLUMNS`; gap is the proven one, times in s."""
     gap = proven_gap(rows)
     counts = pd.get_dummies(proof(rows)).reindex(columns=list(PROOFS), fill_value=0)
     measured = rows.assign(success=success(rows), own_bound=gap <= ENOUGH, proven=gap)
@@ -84,13 +79,11 @@ def proofs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def prices(rows: pd.DataFrame) -> pd.DataFrame:
-    """Each solver's time divided by that of the fastest right answer without a proof.
+    """Each solver's time divided by that of the fastest right answer without a proof: `PRICES`.
 
     The ratios are formed per question from medians over repeats. A question counts only if the
     solver is right in every repeat and a solver without bounds is too. One row per solver and group
     of `target_group`.
-
-    Columns: group, solver, questions, ratio (median), ratio_q1, ratio_q3.
     """
     timed = rows.assign(right=success(rows), group=target_group(rows))
     table = timed.groupby(["group", *_QUESTION, "solver"]).agg(

@@ -60,12 +60,10 @@ def spreads(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def dependence(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, from `spreads`.
+    """One row per solver, from `spreads`: the columns `COLUMNS`.
 
-    Columns: solver, scenarios, invariant (in how many of them the answer is the same at every
-    radius), success (mean share), spread (the largest), words (whether the same word at every
-    radius of each scenario), iterations (largest ratio of most to least over one scenario's radii;
-    NaN if not counted or zero).
+    Words says whether the word is the same at every radius of each scenario; iterations is the
+    largest ratio over one scenario's radii (NaN if not counted or zero).
     """
     low = table["iterations_low"]
     ratio = table["iterations_high"] / low.where(low > 0)
