@@ -191,17 +191,14 @@ class Palette:
         """A look for each solver of a figure; line styles distinguish those of one hue."""
         result: dict[str, Look] = {}
         used: dict[str, int] = {}
+        # Hues that are alike in grey begin with other dashes.
+        dashes = {hue.light: place for place, hue in enumerate(style.ENGINE_HUES)}
         for spec in solver_order(list(specs)):
             colour, marker = self.hues[self.engines.get(spec, parse_spec(spec)[0])]
             place = used[colour] = used.get(colour, -1) + 1
-            # Hues that are alike in grey begin with other dashes.
-            first = self._dashes.get(colour, 0)
-            result[spec] = Look(colour, marker, LINES[(first + place) % len(LINES)])
+            line = LINES[(dashes.get(colour, 0) + place) % len(LINES)]
+            result[spec] = Look(colour, marker, line)
         return result
-
-    @property
-    def _dashes(self) -> dict[str, int]:
-        return {hue.light: place % len(LINES) for place, hue in enumerate(style.ENGINE_HUES)}
 
     def names(self, specs: Iterable[str]) -> dict[str, str]:
         """The names of a figure's solvers: of a short name only what tells them apart."""
