@@ -10,7 +10,7 @@ import pytest
 from dubins_study.report.elements.style import drawing
 from dubins_study.report.paper.printed import PROBLEMS, QUANTITIES, compare, misprints, segments
 from dubins_study.report.topics.paper import printed_times, side_by_side
-from dubins_study.report.topics.paper_figures import feasible_picture, figures_section
+from dubins_study.report.topics.paper_figures import figures_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
@@ -139,14 +139,3 @@ def test_the_papers_figures_name_their_paths(results):
         assert [text.get_text() for text in legend.get_texts()] == lengths
     named = {text.get_text() for text in panels["paths-feasible"][0].texts}
     assert {"P", "X₁", "X₂", "X₃ = T"} <= named
-
-
-def test_the_feasible_paths_reach_the_target_along_tangents():
-    """Figure 3.1's own example: each path ends at T, straight on from its circle."""
-    picture = feasible_picture()
-    (ax,) = picture.figure.axes
-    ends = [line.get_xydata()[-1] for line in ax.lines if len(line.get_xydata()) > 2]
-
-    assert len(ends) == 2
-    assert ends[0] == pytest.approx(ends[1])
-    assert ends[0] == pytest.approx((4.6, 2.4))

@@ -28,32 +28,18 @@ def rows():
     made = []
     for scenario in (*paper_scenarios()[:3], *DISC):
         paper = scenario.label != "in a disc"
-        length = attempt(scenario)["length"]
+        bound = attempt(scenario)["length"] * (1 - 1e-7)
+        own = {"lower_bound": bound, "false_bound": False, "wall_s": 0.04}
+        local = {"claim": Claim.LOCAL, "wall_s": 0.002 if paper else 0.02}
+        fast = {
+            "claim": Claim.LOCAL,
+            "wall_s": 0.001,
+            "path": "exact" if paper else astray(scenario),
+        }
         made += [
-            attempt(
-                scenario,
-                "disjunctive",
-                wall_s=0.04,
-                build_s=0.01,
-                lower_bound=length * (1 - 1e-7),
-                proof="proved",
-                false_bound=False,
-            ),
-            attempt(
-                scenario,
-                "slsqp",
-                claim=Claim.LOCAL,
-                wall_s=0.002 if paper else 0.02,
-                proof="proved",
-            ),
-            attempt(
-                scenario,
-                "shooting",
-                path="exact" if paper else astray(scenario),
-                claim=Claim.LOCAL,
-                wall_s=0.001,
-                proof="proved" if paper else "none",
-            ),
+            attempt(scenario, "disjunctive", proof="proved", **own),
+            attempt(scenario, "slsqp", proof="proved", **local),
+            attempt(scenario, "shooting", proof="proved" if paper else "none", **fast),
         ]
     return made
 
