@@ -123,15 +123,12 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per series, place and size, from the attempts that `refined` returns.
 
     Columns measure, series, place, size, solver (a spec of the series, the same at all sizes),
-    attempts, arrived (share with a value), value (median, infinite if half have none) and wall_s
-    (median, s).
+    value (median, infinite if half have none) and wall_s (median, s).
     """
     first = attempts.groupby("series")["solver"].first()
-    arrived = attempts.assign(arrived=np.isfinite(attempts["value"]))
-    groups = arrived.groupby(["measure", "series", "place", "size"])
-    frame = pd.DataFrame({"attempts": groups.size(), "arrived": groups["arrived"].mean()})
-    frame["value"] = groups["value"].agg(metrics.upper_quantile, q=0.5)
-    frame = frame.assign(wall_s=groups["wall_s"].median()).reset_index()
+    groups = attempts.groupby(["measure", "series", "place", "size"])
+    value = groups["value"].agg(metrics.upper_quantile, q=0.5)
+    frame = pd.DataFrame({"value": value, "wall_s": groups["wall_s"].median()}).reset_index()
     return frame.assign(solver=frame["series"].map(first))
 
 

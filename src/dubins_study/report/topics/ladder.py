@@ -72,8 +72,7 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     scenario's shortest path. `coarse`: longer, but with the same shape. `wrong basin`: longer, with
     another shape. `no path`: no path was returned, or it does not arrive.
 
-    Columns solver, scenario_id, side, rung (margin as a power of ten), finding, false_claim, miss
-    (radii).
+    Columns solver, side, rung (margin as a power of ten), finding, false_claim, miss (radii).
     """
     group = rows[(rows["branch"] == "best") & (rows["margin"] > 0)]
     cos, sin = np.cos(group["heading"]), np.sin(group["heading"])
@@ -87,7 +86,6 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "solver": group["solver"],
-            "scenario_id": group["scenario_id"],
             "side": side + inside.map({True: "inside", False: "outside"}),
             "rung": np.round(np.log10(group["margin"])).astype("int64"),
             "finding": np.select(kinds, FINDINGS[:4], default=FINDINGS[4]),

@@ -51,7 +51,7 @@ _DISCS = ("left disc", "right disc")
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     """The closed form on a dense grid over its targets in the rows; empty if they are no grid.
 
-    Columns: target_x, target_y, word, length, region, margin.
+    Columns: target_x, target_y, word, length, region.
     """
     exact = rows[rows["solver"] == EXACT]
     sides = [np.unique(exact[name].to_numpy(np.float64)) for name in ("target_x", "target_y")]
@@ -74,7 +74,6 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
         word=np.array(WORDS)[best.word],
         length=best.length,
         region=np.array([str(region) for region in REGIONS])[judged.region],
-        margin=judged.margin,
     )
 
 

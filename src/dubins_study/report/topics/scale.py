@@ -40,35 +40,28 @@ COLUMNS = (
 def spreads(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per solver and scenario (label), over its radii.
 
-    Columns: solver, label, radii, success (share), spread (of length / R over the radii at which
-    the answer arrives, relative to its median; NaN if it never does), words (distinct ones,
-    `/` between), iterations_low, iterations_high (NaN if not counted), invariant (all radii alike:
-    every answer arrives, same verdict and word, spread within `ROUNDING`).
+    Columns: solver, label, success (share), spread (of length / R over the radii at which the
+    answer arrives, relative to its median; NaN if it never does), words (whether all are one),
+    iterations (most over least; NaN if not counted or zero), invariant (all radii alike: every
+    answer arrives, same verdict and word, spread within `ROUNDING`).
     """
     arrived = (rows["length"] / rows["radius"]).where(rows["gap"].notna())
     measured = rows.assign(success=success(rows), relative=arrived)
     groups = measured.groupby(["label", "solver"])
-    relative, iterations = groups["relative"], groups["iterations"]
-    frame = pd.DataFrame({"radii": groups["radius"].nunique(), "success": groups["success"].mean()})
+    relative, least = groups["relative"], groups["iterations"].min()
+    frame = pd.DataFrame({"success": groups["success"].mean()})
     frame["spread"] = (relative.max() - relative.min()) / relative.median()
-    frame["words"] = groups["word"].agg(lambda words: "/".join(sorted(words.dropna().unique())))
-    frame["iterations_low"], frame["iterations_high"] = iterations.min(), iterations.max()
-    alike = (groups["verdict"].nunique() == 1) & (groups["word"].nunique() <= 1)
+    frame["words"] = groups["word"].nunique() <= 1
+    frame["iterations"] = groups["iterations"].max() / least.where(least > 0)
+    alike = (groups["verdict"].nunique() == 1) & frame["words"]
     arrive = relative.count() == groups.size()
     frame["invariant"] = alike & arrive & ~(frame["spread"] > ROUNDING)
     return frame.reset_index()
 
 
 def dependence(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, from `spreads`: the columns `COLUMNS`.
-
-    Words says whether the word is the same at every radius of each scenario; iterations is the
-    largest ratio over one scenario's radii (NaN if not counted or zero).
-    """
-    low = table["iterations_low"]
-    ratio = table["iterations_high"] / low.where(low > 0)
-    measured = table.assign(words=~table["words"].str.contains("/"), iterations=ratio)
-    frame = measured.groupby("solver").agg(
+    """One row per solver, from `spreads`: `COLUMNS`, with the largest spread and iterations."""
+    frame = table.groupby("solver").agg(
         scenarios=("label", "size"),
         invariant=("invariant", "sum"),
         success=("success", "mean"),
