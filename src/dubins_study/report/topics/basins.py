@@ -227,14 +227,14 @@ def _found(table: pd.DataFrame) -> str:
     """How often the optimum is reached, and what the check refutes, over all solvers."""
     guesses, refuted = table["guesses"].sum(), table["refuted"].sum()
     turned = table[_TURNED].to_numpy().sum() / guesses
-    parts = [f"{count(table[end].sum())} times {what}" for end, what in REFUTED.items()]
-    told = [part for end, part in zip(REFUTED, parts, strict=True) if table[end].any()]
+    counts = {what: table[end].sum() for end, what in REFUTED.items()}
+    parts = [f"{count(number)} times {what}" for what, number in counts.items() if number]
     return sentences(
         f"The shortest path is found from {share(table[OPTIMUM].sum() / guesses)} of the initial "
         f"guesses; {share(turned)} of all attempts end in a minimum with full turns in it, with up "
         f"to {count(table['most_turns'].max())} of them: nothing in the model says that these are "
         "useless.",
-        f"{count(refuted)} statements are refuted: {'; '.join(told)}."
+        f"{count(refuted)} statements are refuted: {'; '.join(parts)}."
         if refuted
         else "No solver said anything that the check refutes.",
     )
