@@ -13,7 +13,7 @@ import pandas as pd
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
-from dubins_study.report.topics.paper_figures import aspect_of, plot_paths
+from dubins_study.report.topics.paper_figures import plot_paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -80,9 +80,11 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
         for rank, p in enumerate(named_paths.values(), 1)
     )
     with drawing():
-        height = min(max(_WIDTH * aspect_of(paths) + 0.6, _HEIGHT[0]), _HEIGHT[1])
-        figure = new_figure(_WIDTH, height)
-        plot_paths(figure.add_subplot(), paths, names=tuple(named_paths))
+        figure = new_figure(_WIDTH, _HEIGHT[0])
+        ax = figure.add_subplot()
+        plot_paths(ax, paths, names=tuple(named_paths))
+        aspect = ax.dataLim.height / ax.dataLim.width
+        figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
         fix_layout(figure)
         if place is not None:
             image = figure_bytes(figure, place.suffix.removeprefix("."))

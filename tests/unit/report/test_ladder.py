@@ -81,7 +81,7 @@ def test_findings_and_the_worst_of_a_rung(results):
     attempts = rungs(loaded.rows)
     table = ladder(attempts)
 
-    assert "Of all 4 claims 1 are false." in ladder_section(loaded).text
+    assert "Of all 4 claims 2 are false." in ladder_section(loaded).text
     assert attempts["finding"].tolist() == ["coarse", "wrong basin", "no path", "right"]
     assert table["finding"].tolist() == ["wrong basin", "no path", "right"]
     assert down_to(table)["front, inside"].isna().all()
