@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from dubins_study.experiments.definition.axes import Linear, Log
-from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
@@ -48,7 +47,7 @@ def block(name):
 def test_one_by_one_they_are_the_columns(name):
     """Bit by bit, names included; and a name is what its definition says."""
     found = block(name)
-    made = columns(found, "b")
+    made = columns(found)
     single = list(scenarios(found, "b"))
 
     assert len(single) == block_size(found)
@@ -69,12 +68,12 @@ def test_a_name_is_the_hash_of_doubles_and_label():
 
 def test_targets_are_those_of_the_scalar_formulas():
     """Distance and bearing, arc and margin: with `math`, number by number, to the last bit."""
-    polar, made = block("polar"), columns(block("polar"), "b")
+    polar, made = block("polar"), columns(block("polar"))
     product = itertools.product(polar.radius, np.geomspace(0.1, 30, 9), polar.bearing)
     expected = [(R * d * math.cos(bearing), R * d * math.sin(bearing)) for R, d, bearing in product]
     assert list(zip(made["target_x"].tolist(), made["target_y"].tolist(), strict=True)) == expected
 
-    made = columns(block("circular"), "b")
+    made = columns(block("circular"))
     arcs = np.repeat(np.linspace(-3, 3, 20), 4)
     margins = np.tile([-1, -1e-3, 0.0, 2], 20)
     for x, y, arc, margin in zip(made["target_x"], made["target_y"], arcs, margins, strict=True):
@@ -103,30 +102,7 @@ def test_logarithmic_axes_are_numpys(first, last, count):
 
 def test_sobol_points_are_scipys():
     drawn = qmc.Sobol(2, rng=np.random.default_rng(7)).random(128)[:100]
-    headings = columns(block("sobol"), "b")["heading"]
+    headings = columns(block("sobol"))["heading"]
 
     assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
     assert headings[::2].tobytes() == headings[1::2].tobytes()
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"radius": [1, 1, 1e200]}, "scenario 2: radius is 1e+200; expected a number from"),
-        ({"target_x": [1, 1e200]}, "scenario 1: target_x is 1e+200; expected a number of size"),
-        ({"target_x": [0, 1e16]}, r"scenario 1: radius is 1.0; expected at least 1e+03 beside"),
-    ],
-)
-def test_a_wrong_scenario_is_named_by_block_and_row(fields, message):
-    found = Block.model_validate({"target_x": 3, "target_y": 2} | fields)
-    with pytest.raises(ExperimentError, match=f"^b, {message}".replace("+", r"\+")):
-        list(scenarios(found, "b"))
-
-
-def test_a_margin_ends_at_the_centre_of_its_circle():
-    """Refused before any scenario is computed, as a value and as an end of a range."""
-    Block.model_validate({"arc": 1, "margin": [0, -1]})
-    with pytest.raises(ValueError, match=r"margin\s.*expected a number of at least -1.*got -3.0"):
-        Block.model_validate({"arc": 1, "margin": [0, -3]})
-    with pytest.raises(ValueError, match=r"margin\s.*expected a number of at least -1.*got -1.01"):
-        Block.model_validate({"arc": 1, "margin": {"linear": [-1.01, 0, 3]}})

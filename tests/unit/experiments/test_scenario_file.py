@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import pandas as pd
 import pytest
 from hypothesis import given
@@ -104,12 +102,6 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
         "  row 2: radius is 0.0; expected a number above 0",
         "  row 3: radius is empty; expected a number",
     ]
-
-
-def test_so_many_mistakes_are_enough(tmp_path):
-    lines = refusal_of(written(tmp_path, HEAD + "1,2,0,0,0,-1,,\n" * 500)).splitlines()
-
-    assert (lines[0], lines[-1], len(lines)) == ("500 mistakes", "  and 480 more", 22)
 
 
 @pytest.mark.parametrize(
@@ -215,10 +207,3 @@ def test_a_request_without_an_end(request_, message):
     with pytest.raises(ExperimentError) as error:
         plan_run(request_)
     assert message in str(error.value)
-
-
-def test_a_heading_is_what_scenario_takes_it_for(tmp_path):
-    """pi/3 in a cell is the angle, to the last bit."""
-    [first, *_] = scenarios(read_scenarios(written(tmp_path, HEAD + "1,2,0,0,pi/3,1,,\n")))
-
-    assert first.heading == math.pi / 3

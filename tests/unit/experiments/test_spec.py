@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
 from dubins_study.experiments.plan import cells as cells_module
 from dubins_study.experiments.plan.cells import chains, shuffled
-from dubins_study.experiments.plan.scenario_columns import scenario_id
 from dubins_study.experiments.plan.solver_description import expand_solvers
 from dubins_study.solvers.registry import SolverError, load, registered
 from dubins_study.study.body_coordinates import local
@@ -35,10 +34,6 @@ def test_packaged_experiments_are_valid(name):
 
     assert experiment.question.endswith("?")
     assert len({cell.key for cell in cells}) == len(cells)
-
-
-def test_the_issues_experiments_are_there():
-    assert {"paper", "radius-sweep", "random", "plane", "discretisation"} <= set(packaged())
 
 
 def test_products_and_sweeps():
@@ -178,15 +173,11 @@ def test_sizes_are_counted_exactly():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (BLOCK, "title: missing"),
         (HEAD, "scenarios: missing"),
         ("scenarios = 3\n" + HEAD, "line 1: scenarios is 3: expected a list"),
-        ("scenarios = []\n" + HEAD, "line 1: scenarios is []: expected at least one"),
         # a key by the name that it had before has no alias
         (HEAD + BLOCK + "begin = {z1 = 0, z2 = 0, z3 = 1}\n", "scenarios.0.begin: unknown key"),
         (HEAD + "time_limit_s = nan\n" + BLOCK, "time_limit_s is nan"),
-        (HEAD + BLOCK + "radius = { log = [1, 2] }\n", "is [1, 2]: expected [first, last, count]"),
-        (HEAD + BLOCK + "radius = { lin = 1 }\n", "scenarios.0.radius: expected a number, a list"),
         (HEAD + BLOCK + "radius = 2026-01-01\n", "): expected a number, a list of numbers, { lin"),
         (HEAD + BLOCK + "radius = " + "9" * 5000 + "\n", "not TOML"),
         (HEAD + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cel"),
@@ -207,14 +198,6 @@ def test_any_text_gets_one_message(text):
     # no short text can hold all that an experiment needs
     with pytest.raises(ExperimentError, match=r"^any\.toml: "):
         parse("any", "any.toml", text)
-
-
-def test_scenario_ids_depend_on_every_bit():
-    one = Scenario(0, 0, 0, 1, 2, 1)
-
-    assert scenario_id(one) == scenario_id(Scenario(0, 0, 0, 1.0, 2, 1))
-    assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, math.nextafter(1, 2), 2, 1))
-    assert scenario_id(one) != scenario_id(Scenario(0, 0, 0, 1, 2, 1, label="a"))
 
 
 def test_every_solver_of_given_guesses_is_one_that_takes_them():

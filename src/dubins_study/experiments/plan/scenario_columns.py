@@ -12,10 +12,8 @@ import warnings
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
-from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log, Range
+from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     CIRCULAR,
@@ -26,7 +24,7 @@ from dubins_study.experiments.definition.scenario_block import (
     Sample,
 )
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError, check_frame
+from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
 from dubins_study.study.scenario import scenarios as listed_scenarios
 
 _ID_DIGITS = 16
@@ -40,11 +38,7 @@ def scenario_id(scenario: Scenario) -> str:
     followed by the label in UTF-8.
     """
     packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
-    return hashlib.sha256(packed + _utf8(scenario.label)).hexdigest()[:_ID_DIGITS]
-
-
-def _utf8(label: str) -> bytes:
-    return label.encode("utf-8", "replace")  # a lone surrogate cannot be encoded
+    return hashlib.sha256(packed + scenario.label.encode()).hexdigest()[:_ID_DIGITS]
 
 
 def sampled(sample: Sample) -> dict[str, FloatArray]:
@@ -57,18 +51,15 @@ def sampled(sample: Sample) -> dict[str, FloatArray]:
         # scipy warns if the number of points is not a power of 2, which is the author's choice
         warnings.simplefilter("ignore", UserWarning)
         unit = points.random(sample.count)
-    ranges = sample.ranges.items()
-    return {field: _scaled(unit[:, i], over) for i, (field, over) in enumerate(ranges)}
-
-
-def _scaled(unit: FloatArray, over: Range) -> FloatArray:
-    """Scale points of the unit interval to a range."""
-    if isinstance(over, LinearRange):
-        low, high = over.linear
-        return low + unit * (high - low)
-    low, high = over.log
-    values: FloatArray = low * (high / low) ** unit
-    return values
+    scaled: dict[str, FloatArray] = {}
+    for (field, over), share in zip(sample.ranges.items(), unit.T, strict=True):
+        if isinstance(over, LinearRange):
+            low, high = over.linear
+            scaled[field] = low + share * (high - low)
+        else:
+            low, high = over.log
+            scaled[field] = low * (high / low) ** share
+    return scaled
 
 
 # One array of shape (n,) for each name in `NUMBERS`.
@@ -96,51 +87,41 @@ def axis_size(axis: Axis | None) -> int:
     return len(axis) if isinstance(axis, list) else 1
 
 
-def columns(block: Block, key: str) -> Columns:
-    """The scenarios of a block, but for their label; the block's key stands in messages.
+def columns(block: Block) -> Columns:
+    """The scenarios of a block, not checked, and without their label.
 
     From row to row the last of `FIELDS` varies fastest, and the sample's point slowest.
-
-    Raises:
-        ExperimentError: naming key, row, field and value, if a scenario is not valid.
     """
     row, combinations = np.arange(block_size(block)), _combinations(block)
-    fields = _combined(block, row % combinations)
+    combination, fields = row % combinations, Columns()
+    for field in reversed(FIELDS):
+        axis = block.axis(field)
+        if axis is not None:
+            combination, index = np.divmod(combination, axis_size(axis))
+            fields[field] = axis_values(axis)[index]
     if block.sample is not None:
         fields |= {
             name: values[row // combinations] for name, values in sampled(block.sample).items()
         }
-    every = _target_columns(fields)
-    try:
-        check_frame(pd.DataFrame(every, copy=False))
-    except ScenarioError:
-        for i, numbers in enumerate(zip(*every.values(), strict=True)):
-            try:
-                Scenario(**dict(zip(NUMBERS, map(float, numbers), strict=True)), label="")
-            except ScenarioError as error:
-                raise ExperimentError(f"{key}, scenario {i}: {error}") from None
-    return every
+    if "distance" in fields:
+        fields |= _from_bearing(fields)
+    if "arc" in fields:
+        fields |= _beside_circle(fields)
+    return {name: fields[name] for name in NUMBERS}
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
-    """All scenarios of a block, one by one; raises as `columns`."""
+    """All scenarios of a block, one by one; one that is not valid is named by the block's key."""
     if isinstance(block, ListedBlock):
         yield from listed_scenarios(block.listed)
         return
-    values = (array.tolist() for array in columns(block, key).values())
-    for numbers in zip(*values, strict=True):
-        yield Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
-
-
-def _combined(block: Block, row: NDArray[np.int64]) -> Columns:
-    """The values of the block's own fields at combinations given by their numbers."""
-    columns = {}
-    for field in reversed(FIELDS):
-        axis = block.axis(field)
-        if axis is not None:
-            row, index = np.divmod(row, axis_size(axis))
-            columns[field] = axis_values(axis)[index]
-    return columns
+    values = (array.tolist() for array in columns(block).values())
+    for i, numbers in enumerate(zip(*values, strict=True)):
+        try:
+            scenario = Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
+        except ScenarioError as error:
+            raise ExperimentError(f"{key}, scenario {i}: {error}") from None
+        yield scenario
 
 
 def axis_values(axis: Axis) -> FloatArray:
@@ -153,17 +134,6 @@ def axis_values(axis: Axis) -> FloatArray:
         values[-1], values[0] = last, first
         return values
     return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)
-
-
-def _target_columns(fields: Columns) -> Columns:
-    """The columns of `NUMBERS` from those of `FIELDS`, whichever way these give the target."""
-    targets: Columns = {}
-    if "distance" in fields:
-        targets = _from_bearing(fields)
-    if "arc" in fields:
-        targets = _beside_circle(fields)
-    columns = {**fields, **targets}
-    return {name: columns[name] for name in NUMBERS}
 
 
 def _from_bearing(fields: Columns) -> Columns:
