@@ -65,20 +65,14 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """
     if ours(spec):
         return _describe(spec, profile)
-    fields = _described_in_new_process(spec, profile)
-    packages, method = tuple(fields["packages"]), Method(*fields["method"])
-    return SolverDescription(**(fields | {"packages": packages, "method": method}))
-
-
-def _described_in_new_process(spec: str, profile: str) -> dict[str, Any]:
-    """The fields of a plug-in's description, determined in a separate process."""
     with WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize) as worker:
         event = worker.request([spec, profile], Allowance(_LOAD_LIMIT_S), tuple)
     if isinstance(event, Answer):
         fields, message = event.value
         if message is not None:
             raise SolverError(str(message))
-        return dict(fields)
+        packages, method = tuple(fields["packages"]), Method(*fields["method"])
+        return SolverDescription(**(fields | {"packages": packages, "method": method}))
     outcome, solution, _ = event.reply
     if outcome is Outcome.TIMEOUT:
         raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
@@ -121,7 +115,7 @@ def _description(spec: str, profile: str) -> list[Any]:
 
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
-_OPENING = {"}": "{", "]": "["}  # closing bracket -> opening bracket
+_PAIR = re.compile(r"\{[^{}[\]]*\}|\[[^{}[\]]*\]")  # brackets with none inside
 # Each pair of braces multiplies the number of specs, so a short line could fill the memory.
 MOST_SPECS = 1000
 _MAX_SPEC_CHARS = 500
@@ -148,18 +142,12 @@ def _check_brackets(spec: str) -> None:
         raise SolverError(
             f"solver {spec!r:.80}... has {len(spec)} characters; expected at most {_MAX_SPEC_CHARS}"
         )
-    unclosed = []
-    for place, character in enumerate(spec):
-        if character in _OPENING.values():
-            unclosed.append(character)
-        elif character in _OPENING and (not unclosed or unclosed.pop() != _OPENING[character]):
-            raise SolverError(
-                f"solver {spec!r}: {character!r} at character {place + 1} closes nothing; expected "
-                "name[setting=value] or name[setting={a,b}]"
-            )
-    if unclosed:
+    rest, pairs = spec, 1
+    while pairs:
+        rest, pairs = _PAIR.subn("", rest)
+    if re.search(r"[][{}]", rest):
         raise SolverError(
-            f"solver {spec!r}: {unclosed[-1]!r} is not closed; expected name[setting=value] or "
+            f"solver {spec!r}: its brackets do not match; expected name[setting=value] or "
             "name[setting={a,b}]"
         )
 
