@@ -16,7 +16,7 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.folder import count_rows, read_rows
+from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.lock import LOCK, is_locked, locked
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
@@ -112,10 +112,13 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
     """
     sources, target = [FilePath(folder) for folder in folders], FilePath(out)
     manifests = _read_manifests(sources)
-    _check_target(target)
     with _new_folder(target) as fresh, locked(fresh):
         union = _unite(sources, manifests, fresh)
-        _put_in_place(fresh, target)
+        with os_errors_as(f"cannot write to {target}"):
+            if target.is_dir():  # an empty one: one that is not is never replaced
+                target.rmdir()
+            fresh.rename(target)
+            sync_folder(target.parent)
     return union._replace(folder=target)
 
 
@@ -136,43 +139,27 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
     return manifests
 
 
-def _check_target(target: FilePath) -> None:
+@contextmanager
+def _new_folder(target: FilePath) -> Iterator[FilePath]:
+    """A temporary folder next to the target; removed unless it has become the target.
+
+    Those of killed merges to this target are removed too; a running merge holds a lock.
+    """
+    fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
     with os_errors_as(f"cannot write to {target}"):  # e.g. the name is too long
         if target.exists() and not target.is_dir():
             raise ResultsError(f"{target} is no folder; expected a new one or an empty one")
         if target.is_dir() and any(target.iterdir()):
             raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
-
-
-@contextmanager
-def _new_folder(target: FilePath) -> Iterator[FilePath]:
-    """A temporary folder next to the target; removed unless it has become the target."""
-    fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
-    with os_errors_as(f"cannot write to {target}"):
         target.parent.mkdir(parents=True, exist_ok=True)
-        _remove_abandoned(target)
+        for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
+            if (folder / LOCK).exists() and not is_locked(folder):
+                shutil.rmtree(folder, ignore_errors=True)
         fresh.mkdir()
     try:
         yield fresh
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
-
-
-def _remove_abandoned(target: FilePath) -> None:
-    """Remove temporary folders of killed merges to this target; a running merge holds a lock."""
-    for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
-        ours = (folder / LOCK).exists()
-        if ours and not is_locked(folder):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _put_in_place(fresh: FilePath, target: FilePath) -> None:
-    """Rename the folder to the target in one step; never replace a folder that is not empty."""
-    with os_errors_as(f"cannot write to {target}"):
-        if target.is_dir():
-            target.rmdir()
-        fresh.rename(target)
-        sync_folder(target.parent)
 
 
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
@@ -183,15 +170,14 @@ def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: Fi
         (fresh / PARTS).mkdir()
     if len(table):
         write_part(fresh, "merged-all", table, {RUN_ID: "merged"})
-    counts: Counter[tuple[str, str]] = Counter()
-    for count in count_rows(fresh)[0]:
-        counts[count.solver, count.code_digest] += count.rows
+    made_by = table.select(["solver", "code_digest"]).to_pylist()
+    counts = Counter((str(row["solver"]), str(row["code_digest"])) for row in made_by)
     manifest, complete = count_cells(_unite_manifests(manifests), (), counts)
     if complete:
         ends = [other.finished for other in manifests if other.finished]
         manifest = manifest.with_changes(finished=max(ends, default=None) or now())
     write_manifest(fresh, manifest)
-    current = sum(counts[made_by] for made_by in manifest.code_digests.items())
+    current = sum(counts[code] for code in manifest.code_digests.items())
     return Union(fresh, counts.total(), repeats, counts.total() - current)
 
 
