@@ -139,7 +139,10 @@ def _solve(
     )
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
-    _log_beginning(plan, settings, left.cells)
+    _LOG.info(
+        "%s into %s: %d cells, %d of them to solve, with %s",
+        *(plan.experiment_file.name, folder, plan.rows, left.cells, settings),
+    )
     totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
@@ -152,7 +155,7 @@ def _solve(
         writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process
-                writer.skip(sum(map(len, plan.chains)) - left.cells)
+                writer.skip(plan.rows - left.cells)
                 if left.chains:
                     with closing(executor.solve(left, stop, record.probe)) as row_blocks:
                         for rows in row_blocks:
@@ -162,23 +165,6 @@ def _solve(
             writer.flush()
         compact(folder, settings.run_id)
         _LOG.info("run %s is done: its rows are one part of %s", settings.run_id, folder)
-
-
-def _log_beginning(plan: RunPlan, settings: RunSettings, cells_left: int) -> None:
-    _LOG.info(
-        "run %s of %s into %s: %d cells, %d of them to solve, %d job(s) of executor %s, seed %d; "
-        "at most %g s and %g GiB a solve",
-        settings.run_id,
-        plan.experiment_file.name,
-        plan.folder,
-        sum(map(len, plan.chains)),
-        cells_left,
-        settings.jobs,
-        settings.executor,
-        settings.seed,
-        settings.time_limit_s,
-        settings.memory_limit_gib,
-    )
 
 
 def _run_entry(settings: RunSettings, command: str, executor: Executor) -> RunEntry:

@@ -58,14 +58,6 @@ def _packaged_files() -> dict[str, Any]:
     }
 
 
-class ExperimentText(NamedTuple):
-    """The text of an experiment's file; `name` and `path` as in `ExperimentFile`."""
-
-    name: str
-    path: str
-    text: str
-
-
 def fields_of(path: str, text: str) -> dict[str, Any]:
     """The keys of a TOML file and their values; what is not TOML is refused at once."""
     if long := _LONG_KEY.search(text):
@@ -81,11 +73,11 @@ def fields_of(path: str, text: str) -> dict[str, Any]:
         ) from None
 
 
-def text_of(name: str) -> ExperimentText:
-    """The file of a packaged experiment by its name, or any by the path of its TOML file."""
+def text_of(name: str) -> tuple[str, str, str]:
+    """Name, path and text (`ExperimentFile`) of a packaged experiment, or of any TOML file."""
     packaged_file = _packaged_files().get(name)
     if packaged_file is not None:
-        return ExperimentText(name, packaged_file.name, packaged_file.read_text(encoding="utf-8"))
+        return name, packaged_file.name, packaged_file.read_text(encoding="utf-8")
     path = FilePath(name)
     # The results folder is named after the stem; "." and ".." cannot name a new folder.
     if path.suffix != ".toml" or path.stem in (".", ".."):
@@ -95,7 +87,7 @@ def text_of(name: str) -> ExperimentText:
         )
     try:
         if (size := path.stat().st_size) <= _MOST_BYTES:
-            return ExperimentText(path.stem, name, path.read_text(encoding="utf-8-sig"))
+            return path.stem, name, path.read_text(encoding="utf-8-sig")
     except UnicodeError:
         raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
     except (OSError, ValueError) as error:  # ValueError: a path that no file system takes

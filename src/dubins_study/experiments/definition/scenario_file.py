@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-from dubins_study.experiments.definition.experiment import ExperimentText
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
@@ -54,8 +53,9 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     if read is None or place.stem in (".", ".."):  # the results folder is named after the stem
         raise ScenarioFileError(f"{file}: expected a name ending in .csv or .parquet")
     try:
-        size = place.stat().st_size
-        rows = read(place) if size <= _MOST_BYTES else []
+        if (size := place.stat().st_size) > _MOST_BYTES:
+            raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
+        rows = read(place)
     except ScenarioFileError:
         raise
     except UnicodeError:
@@ -65,8 +65,6 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     except ValueError as error:  # the parser's own words
         first = plain(str(error).partition("\n")[0])
         raise ScenarioFileError(f"{file}: cannot be read: {first}") from None
-    if size > _MOST_BYTES:
-        raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
     if not 0 < len(rows) <= MOST_SCENARIOS:
         found = f"more than {MOST_SCENARIOS} scenarios; expected fewer"
         raise ScenarioFileError(f"{file}: {found if rows else 'no scenarios; expected a row each'}")
@@ -178,13 +176,12 @@ def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
         raise ScenarioFileError(refusal(str(file), problems))
 
 
-def text_about(scenarios: str) -> ExperimentText:
-    """The text of an experiment that takes its scenarios from a file and its solvers elsewhere."""
+def text_about(scenarios: str) -> tuple[str, str, str]:
+    """As `text_of`, an experiment about a file of scenarios, whose solvers are told elsewhere."""
     name = FilePath(scenarios).stem
     question = "How well do the chosen solvers answer these scenarios?"
     keys = {"title": f"Scenarios of {name}", "question": question}
-    text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
-    return ExperimentText(name, scenarios, text)
+    return name, scenarios, "".join(f"{key} = {json.dumps(text)}\n" for key, text in keys.items())
 
 
 def comment_on(frame: pd.DataFrame) -> str:

@@ -11,7 +11,6 @@ from dubins_study.experiments.definition.experiment import (
     Experiment,
     ExperimentError,
     ExperimentFile,
-    ExperimentText,
     fields_of,
     text_of,
     validated,
@@ -157,13 +156,8 @@ class RunPlan(NamedTuple):
 def plan_run(request: Request) -> RunPlan:
     """The cells that a request asks for; errors name the argument, or the file and key."""
     request.check()
-    requested = {
-        "solvers": request.solvers,
-        "time_limit_s": request.time_limit_s,
-        "memory_limit_gib": request.memory_limit_gib,
-        "repeats": request.repeats,
-    }
-    changes: dict[str, Any] = {key: value for key, value in requested.items() if value is not None}
+    keys = ("solvers", "time_limit_s", "memory_limit_gib", "repeats")
+    changes = {key: value for key in keys if (value := getattr(request, key)) is not None}
     listed = None if request.scenarios is None else str(request.scenarios)
     frame = None if listed is None else read_scenarios(listed)
     if frame is not None:
@@ -200,10 +194,11 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
 
 
 def _checked(
-    source: ExperimentText, trust_plugins: bool, changes: dict[str, Any]
+    source: tuple[str, str, str], trust_plugins: bool, changes: dict[str, Any]
 ) -> ExperimentFile:
     """The experiment of a file with some of its keys changed, all of it checked."""
-    fields = fields_of(source.path, source.text) | changes
+    _, path, text = source
+    fields = fields_of(path, text) | changes
     if "solvers" in changes:
         fields.pop("first", None)
         for _, block in tables(fields):
@@ -220,7 +215,7 @@ def _checked(
     placed = [
         Problem(() if {*p.path[:1]} & changes.keys() else p.path, p.sentence) for p in problems
     ]
-    raise ExperimentError(refusal(source.path, placed, source.text))
+    raise ExperimentError(refusal(path, placed, text))
 
 
 def _usable(fields: dict[str, Any], problems: list[Problem]) -> Experiment | None:
