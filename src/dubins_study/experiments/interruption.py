@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Sequence
 from types import FrameType, TracebackType
 from typing import Any, Self
 
@@ -16,11 +17,12 @@ class Interruption:
     The signals are SIGINT (Ctrl-C) and SIGTERM, which a batch system sends before it kills.
     The first signal only sets a flag, because some libraries (casadi) turn a KeyboardInterrupt
     raised inside them into a warning and continue. If the flag is set, the end of the block raises
-    KeyboardInterrupt. Nothing is handled outside the main thread, where Python handles no signals,
-    nor for a signal that the process ignores.
+    KeyboardInterrupt. With `at_once` the first signal raises too. Nothing is handled outside the
+    main thread, where Python handles no signals, nor for a signal that the process ignores.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, signals: Sequence[int] = _SIGNALS, *, at_once: bool = False) -> None:
+        self._signals, self._at_once = signals, at_once
         self.requested = False
         # A library may have swallowed the second signal too: its result is then not an answer.
         self.immediate = False
@@ -29,7 +31,7 @@ class Interruption:
     def __enter__(self) -> Self:
         if threading.current_thread() is not threading.main_thread():
             return self
-        for number in _SIGNALS:
+        for number in self._signals:
             previous = signal.getsignal(number)
             if previous not in (None, signal.SIG_IGN):
                 self._previous[number] = previous
@@ -41,7 +43,7 @@ class Interruption:
         return self
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.immediate = self.requested
+        self.immediate = self.requested or self._at_once
         self.requested = True
         if self.immediate:
             raise KeyboardInterrupt

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
-from threading import current_thread, main_thread
-from types import FrameType
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
+from dubins_study.experiments.interruption import Interruption
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_request
 from dubins_study.solvers.profiles import tolerances
@@ -147,24 +145,8 @@ def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool =
     return bool(isolated) or not (plugin.keeps_limit or (frames and plugin.whole_frames))
 
 
-@contextmanager
-def _ctrl_c() -> Iterator[None]:
+def _ctrl_c() -> AbstractContextManager[object]:
     """Let Ctrl-C end the block; at its end, if a library swallows the exception, as casadi does."""
-    seen = False
-
-    def handle(number: int, frame: FrameType | None) -> None:
-        nonlocal seen
-        seen = True
-        raise KeyboardInterrupt
-
-    here = current_thread() is main_thread()
-    if not here or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-    signal.signal(signal.SIGINT, handle)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    if seen:
-        raise KeyboardInterrupt
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        return nullcontext()
+    return Interruption((signal.SIGINT,), at_once=True)
