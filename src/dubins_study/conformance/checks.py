@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.conformance import behaviour, questions
-from dubins_study.conformance.answers import Kind, Problem, of_kind, problems, united
+from dubins_study.conformance.answers import Kind, Problem, cause_of, of_kind, problems, united
 from dubins_study.conformance.behaviour import Checked
-from dubins_study.conformance.causes import cause_of
 from dubins_study.conformance.interview import (
     InProcess,
     Interview,

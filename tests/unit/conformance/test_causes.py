@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from dubins_study import Path
-from dubins_study.conformance.causes import CAUSES, cause_of, length_cause
+from dubins_study.conformance.answers import CAUSES, cause_of, length_cause
 from dubins_study.conformance.questions import GENERAL, REFERENCE
 from dubins_study.study.closed_form.shortest import shortest_path
 
