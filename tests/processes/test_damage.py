@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
-import random
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pyarrow as pa
@@ -23,9 +20,7 @@ from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
 from dubins_study.study.rows.parts import (
-    DamagedPartError,
     ResultsError,
-    check_part,
     read_footer,
     read_part,
 )
@@ -219,24 +214,6 @@ def test_names_are_synced_after_contents(tmp_path, monkeypatch):
     assert folder == str(tmp_path)
 
 
-def test_any_flipped_bit_is_found_or_harmless(folder, tmp_path):
-    """Checksums of the pages: no changed value is ever read as if it were written so."""
-    part = folder / "parts" / "a.parquet"
-    content, table = part.read_bytes(), read_part(part)
-    draw = random.Random(0)
-    told = 0
-    for _ in range(300):
-        changed = bytearray(content)
-        changed[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
-        part.write_bytes(bytes(changed))
-        try:
-            check_part(part)
-            assert read_part(part).equals(table)
-        except ResultsError as error:
-            told += isinstance(error, DamagedPartError)
-    assert told > 100  # others hit what nobody reads: statistics, reserved bits
-
-
 @pytest.mark.slow
 def test_a_full_disk(tmp_path):
     """A real one, of 160 KB: one message, the folder stays valid, and resuming completes it."""
@@ -269,70 +246,3 @@ def test_a_full_disk(tmp_path):
         assert kept <= done(out)
     finally:
         subprocess.run(["umount", "-l", str(disk_of)], check=True)
-
-
-JUMPING = r"""
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <sys/time.h>
-#include <time.h>
-static long jump(void) {  /* hours to and fro, another way at every look */
-    static unsigned long looks = 0;
-    static const long hours[] = {0, 7, -9, 0, 30, -3};
-    return 3600 * hours[(looks++ / 3) % 6];
-}
-int clock_gettime(clockid_t id, struct timespec *t) {
-    static int (*real)(clockid_t, struct timespec *) = 0;
-    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
-    int done = real(id, t);
-    if (id == CLOCK_REALTIME && !done) t->tv_sec += jump();
-    return done;
-}
-int gettimeofday(struct timeval *restrict t, void *restrict zone) {
-    static int (*real)(struct timeval *, void *) = 0;
-    if (!real) real = dlsym(RTLD_NEXT, "gettimeofday");
-    int done = real(t, zone);
-    if (!done && t) t->tv_sec += jump();
-    return done;
-}
-time_t time(time_t *t) {
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    if (t) *t = now.tv_sec;
-    return now.tv_sec;
-}
-"""
-
-
-@pytest.mark.slow
-def test_a_clock_that_jumps(tmp_path):
-    """By hours, to and fro, all the time: every row is there, and durations are what they are."""
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None or sys.platform != "linux":
-        pytest.skip("no C compiler here to make the clock jump with")
-    source, library = tmp_path / "jump.c", tmp_path / "jump.so"
-    source.write_text(JUMPING)
-    built = subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source, "-ldl"])
-    assert built.returncode == 0
-    looks = "import time; print(len({round(time.time() / 3600) for _ in range(40)}))"
-    jumps = subprocess.run(
-        [sys.executable, "-c", looks],
-        env={**os.environ, "LD_PRELOAD": str(library)},
-        capture_output=True,
-        text=True,
-    )
-    assert int(jumps.stdout) > 2  # or the test would test nothing
-
-    experiment, out = quick_experiment(tmp_path, 200), tmp_path / "out"
-    said = finished("run", experiment, "--out", out, "--jobs", "2", LD_PRELOAD=str(library))
-    assert said.returncode == 0, said.stderr
-    rows = read_rows(out).to_pandas()
-    assert len(rows) == 200
-    assert set(rows["outcome"]) == {"returned"}
-    assert rows["wall_s"].between(0, 60).all()
-    (entry,) = manifest(out)["runs"]
-    assert 0 < entry["seconds"] < 300
-    assert finished("status", out, LD_PRELOAD=str(library)).returncode == 0
-    again = finished("run", experiment, "--out", out, LD_PRELOAD=str(library))
-    assert again.returncode == 0
-    assert json.loads(finished("status", out, "--json").stdout)["done"] == 200

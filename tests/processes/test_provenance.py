@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,15 @@ from dubins_study.study.rows.manifest import (
     spread,
     varied,
 )
+
+
+def test_a_clock_that_is_set_back_changes_no_duration():
+    """Only `provenance.now` reads the wall clock, which names moments; durations are monotonic."""
+    wall_clock = re.compile(r"datetime\.\w*now|time\.time\b|from time import .*\btime\b")
+    package = Path(provenance.__file__).parents[1]
+    readers = [file for file in package.rglob("*.py") if wall_clock.search(file.read_text("utf-8"))]
+
+    assert [file.name for file in readers] == ["provenance.py"]
 
 
 def test_the_governor_of_all_cores(tmp_path):

@@ -79,12 +79,9 @@ def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
     return ", ".join(sorted(governors)) or "unknown"
 
 
-def load_average() -> list[float] | None:
-    """Mean number of processes that wanted a core in the last 1, 5 and 15 minutes, if known."""
-    try:
-        return [round(value, 2) for value in os.getloadavg()]
-    except (OSError, AttributeError):
-        return None
+def load_average() -> list[float]:
+    """Mean number of processes that wanted a core in the last 1, 5 and 15 minutes."""
+    return [round(value, 2) for value in psutil.getloadavg()]
 
 
 def thread_limits() -> dict[str, str]:
