@@ -48,64 +48,12 @@ def test_solve_text_tells_the_tie_straight_behind():
     assert "LS  (tied with RS)" in output(dubins_here("solve", "-5", "0"))
 
 
-def test_negative_targets_are_not_options():
-    answer = json.loads(
-        output(dubins_here("solve", "-6", "-3", "--from", "-1", "-1", "-2pi/3", "--json"))
-    )
-
-    assert answer["length"] > 0
-
-
-def test_a_branch_without_a_path():
-    answer = json.loads(output(dubins_here("solve", "0", "1", "--branch", "LS", "--json")))
-
-    assert answer["verdict"] == "none exists"
-    assert answer["length"] is None
-    assert answer["segments"] == []
-
-
 def test_solvers():
     listed = json.loads(output(dubins_here("solvers", "--json")))
 
     assert {"analytic", "slsqp", "ipopt", "turn-rate-qp"} <= {entry["name"] for entry in listed}
     assert all(entry["available"] == (entry["reason"] is None) for entry in listed)
     assert "turn-rate-qp" in output(dubins_here("solvers"))
-
-
-# More of them are in tests/unit/cli/test_refusals.py.
-REFUSED = [
-    (("solve", "nan", "0"), "target_x is nan; expected a finite number"),
-    (("solve", "1", "2", "--radius", "0"), "radius is 0.0; expected a number above 0"),
-    (("solve", "1", "2", "--from", "0", "0", "east"), "heading: 'east' is not an angle"),
-    (("solve", "1", "2", "--from", "0", "0", "120"), "write 120deg, or 120rad"),
-    (
-        ("solve", "1", "2", "--time-limit", "0"),
-        "--time-limit is 0.0; expected a number of seconds above 0",
-    ),
-    (("solve", "1", "2", "--plot", "path.bmp"), "expected a name ending in .svg"),
-    (("solve", "1", "2", "--plot", "/nowhere/path.svg"), "cannot write /nowhere/path.svg"),
-    (("solve", "1", "2", "--solver", "turn-rate-qp", "--branch", "LR"), "is unsupported: turn"),
-    (("export", "1", "2", "--model", "x"), "model is 'x'; expected one of: paper, disj"),
-    (("export", "1", "2", "--format", "lp"), "format is 'lp'; expected one of: nl, mod"),
-    (("export", "1", "2", "--order", "SRL"), "order is 'SRL'; did you mean"),
-    (("export", "1", "2", "--out", "/nowhere/a.nl"), "cannot write /nowhere/a.nl"),
-    # a misspelt radius would export another problem
-    (("export", "1", "2", "--raduis", "25"), "unexpected extra argument(s) (--raduis 25)"),
-    (("run", "paper", "--jobs", "0", "--out", "unused"), "jobs is 0"),
-    (("report", "/nowhere"), "/nowhere"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "message"), REFUSED)
-def test_bad_requests_get_one_message(arguments, message, tmp_path):
-    """Exit code 2, one line on stderr, nothing on stdout, nothing written."""
-    done = dubins_here(*arguments, cwd=tmp_path)
-
-    assert done.returncode == 2, done.stderr
-    assert message in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert done.stdout == ""
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_export(tmp_path):

@@ -36,11 +36,28 @@ REFUSALS = {
     "compare a": "Missing argument 'NEW'",
     "merge a b": "Missing option '--out'",
     "status a\x1b[31m": "a\\x1b[31m is no results folder",
+    "solve nan 0": "target_x is nan; expected a finite number",
+    "solve 1 2 --radius 0": "radius is 0.0; expected a number above 0",
+    "solve 1 2 --from 0 0 east": "heading: 'east' is not an angle",
+    "solve 1 2 --from 0 0 120": "write 120deg, or 120rad",
+    "solve 1 2 --time-limit 0": "--time-limit is 0.0; expected a number of seconds above 0",
+    "solve 1 2 --plot path.bmp": "expected a name ending in .svg",
+    "solve 1 2 --plot /nowhere/path.svg": "cannot write /nowhere/path.svg",
+    "solve 1 2 --solver turn-rate-qp --branch LR": "is unsupported: turn",
+    "export 1 2 --model x": "model is 'x'; expected one of: paper, disj",
+    "export 1 2 --format lp": "format is 'lp'; expected one of: nl, mod",
+    "export 1 2 --order SRL": "order is 'SRL'; did you mean",
+    "export 1 2 --out /nowhere/a.nl": "cannot write /nowhere/a.nl",
+    # a misspelt radius would export another problem
+    "export 1 2 --raduis 25": "unexpected extra argument(s) (--raduis 25)",
+    "run paper --jobs 0": "jobs is 0",
+    "report /nowhere": "/nowhere",
 }
 
 
 @pytest.mark.parametrize("line", REFUSALS)
-def test_a_refusal_is_one_line(line, monkeypatch, capsys):
+def test_a_refusal_is_one_line_and_nothing_is_written(line, monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["dubins-study", *line.split()])
     with pytest.raises(SystemExit, match="2"):
         app.main()
@@ -50,6 +67,7 @@ def test_a_refusal_is_one_line(line, monkeypatch, capsys):
     assert written.err.startswith("dubins-study: ")
     assert REFUSALS[line] in written.err
     assert written.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("words", ["", "new"])
@@ -70,9 +88,11 @@ def test_help_is_given_though_values_are_wrong_or_missing(words, monkeypatch, ca
     assert capsys.readouterr().out.startswith("Usage: dubins-study")
 
 
-@pytest.mark.parametrize("words", [("-qv",), ("-v", "-v"), ("--", "-2", "-5")])
+@pytest.mark.parametrize(
+    "words", [("-qv",), ("-v", "-v"), ("--", "-2", "-5"), ("--from", "-1", "-1", "-2pi/3")]
+)
 def test_what_is_no_mistake(words, monkeypatch, capsys):
-    """Two options of one letter, a flag twice, and targets behind `--`."""
+    """Two options of one letter, a flag twice, targets behind `--`, and a start below zero."""
     target = () if "--" in words else ("1", "2")
     monkeypatch.setattr(sys, "argv", ["dubins-study", "solve", *target, *words])
     with pytest.raises(SystemExit, match="0"):

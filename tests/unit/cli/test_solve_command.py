@@ -31,6 +31,7 @@ def test_the_json_object(question):
     answer = json.loads(asked(*question, "--json").stdout)
 
     assert answer.keys() >= FIELDS
+    assert (answer["length"] is None) == (answer["segments"] == []) == (question is NO_PATH)
     for segment in answer["segments"]:
         assert segment["turn"] in ("L", "S", "R")
         assert segment["length"] > 0
