@@ -12,8 +12,6 @@ from live_run import finished, interpreted, output
 
 from dubins_study.experiments import code_digest as digest_module
 from dubins_study.experiments.code_digest import code_digest, solver_sources
-from dubins_study.experiments.definition.experiment import read
-from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.report.data.results import load
 from dubins_study.solvers.registry import load as load_solver
@@ -66,17 +64,6 @@ def test_all_modules_that_a_solver_imports_are_read(name):
 
     assert len(files) > 10
     assert files - {"solvers/__init__.py"} <= solver_sources(name, solver_class).keys()
-
-
-def test_a_room_is_read_whole_and_no_other():
-    """An edit of one engine makes its whole room stale; rooms that it does not name stay out."""
-    sources = solver_sources("slsqp", type(load_solver("slsqp"))).keys()
-    others = {"optimal_control", "heading_milp", "indirect", "global_minlp", "analytic.py"}
-
-    assert {"solvers/paper_nlp/slsqp.py", "solvers/paper_nlp/ipopt.py"} <= sources
-    assert "solvers/nlp_engines/pyomo_ipopt.py" in sources
-    assert not {name for name in sources if name.split("/")[1] in others}
-    assert not {name for name in sources if name.startswith("study/rows/")}
 
 
 @pytest.mark.slow
@@ -190,15 +177,6 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     output(finished("report", out))
     for page in ("index.html", "report.md"):
         assert "2 rows of earlier code of their solvers" in (out / "report" / page).read_text()
-
-
-def test_cells_know_their_code(tmp_path):
-    file = tmp_path / "small.toml"
-    file.write_text(EXPERIMENT.format(spec="slsqp"))
-    cells = [cell for chain in chains(read(str(file)).experiment) for cell in chain]
-
-    assert {cell.code_digest for cell in cells} == {code_digest("slsqp"), code_digest("analytic")}
-    assert {cell.key[-1] for cell in cells} == {cell.code_digest for cell in cells}
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.parts import ResultsError
-from dubins_study.study.rows.schema import ROW, VERSION, names
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
 
 SMALL = """
@@ -83,19 +83,6 @@ def test_every_cell_becomes_a_judged_row(original):
     assert (found["threads"] == 1).all()
     assert (found["wall_s"] > 0).all()
     assert json.loads(found["versions"][0])["numpy"]
-
-
-def test_the_manifest_says_where_the_run_came_from(small, tmp_path):
-    folder = run(small, tmp_path / "out", repeats=2)
-    manifest = json.loads((folder / "manifest.json").read_text())
-
-    assert manifest["schema"] == VERSION
-    assert manifest["experiment"]["text"] == SMALL
-    assert manifest["solvers"]["slsqp"]["settings"]["model"] == "words"
-    assert manifest["command"].endswith("--jobs 1 --repeats 2")
-    assert manifest["finished"]
-    assert manifest["machine"]["cores"] >= 1
-    assert manifest["cells"] == 2 * CELLS == len(rows(folder))
 
 
 def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, folder, monkeypatch):
@@ -169,14 +156,6 @@ def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
     assert again.sort_values(key)[same].reset_index(drop=True).equals(order)
 
 
-def test_fresh_throws_away(small, folder):
-    first = set(rows(folder)["run_id"])
-
-    run(small, folder, restart=True)
-
-    assert not first & set(rows(folder)["run_id"])
-
-
 def test_several_processes_find_the_same(small, original, tmp_path):
     columns = ["scenario_id", "solver", "branch", "initial_guess", "length", "verdict"]
     key = columns[:4]
@@ -204,14 +183,6 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         run(small, folder)
 
 
-def test_rows_in_two_parts_are_read_once(folder):
-    """A run killed while compacting leaves its rows twice."""
-    part = next((folder / "parts").iterdir())
-    (folder / "parts" / "copy.parquet").write_bytes(part.read_bytes())
-
-    assert len(rows(folder)) == CELLS
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -219,11 +190,8 @@ def test_rows_in_two_parts_are_read_once(folder):
         ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
         ({"experiment": None}, "experiment is None; expected a name or the path"),
         ({"out": 3}, "out is 3; expected the path of a folder"),
-        ({"repeats": True}, "repeats is True: expected a whole number"),
         ({"time_limit": "long"}, "time_limit_s is 'long': expected a number"),
         ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
-        ({"time_limit": 0.0}, "time_limit_s is 0"),
-        ({"solvers": []}, "solvers is"),
     ],
 )
 def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):
@@ -235,19 +203,9 @@ def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, mess
 def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
     with pytest.raises(SolverError, match=r"^solver 'ipopt' has no setting 'steps'"):
         run(small, solvers=["ipopt[steps=1]"])
-    for old, new, message in (
-        ('"analytic"', '"anal"', "solvers: no solver named 'anal'"),
-        ('"analytic"', '"ipopt[steps=3]"', "solvers: solver 'ipopt' has no setting 'steps'"),
-        (
-            "[1.0, 2.0, 4]",
-            "[-1.0, 2.0, 4]",
-            "scenarios.0.radius: expected a number above 0; got -1.0",
-        ),
-        ('label = "sweep"', 'solvers = ["anal"]', "scenarios.0.solvers: no solver named 'anal'"),
-    ):
-        Path(small).write_text(SMALL.replace(old, new))
-        with pytest.raises(ValueError, match=rf"small\.toml: line \d+: {message}"):
-            run(small, tmp_path / "out")
+    Path(small).write_text(SMALL.replace('"analytic"', '"anal"'))
+    with pytest.raises(ValueError, match=r"small\.toml: line \d+: solvers: no solver named 'anal'"):
+        run(small, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
