@@ -15,7 +15,7 @@ from dubins_study import run
 from dubins_study.experiments import provenance
 from dubins_study.experiments.provenance import governor, machine
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.manifest_changes import recorded
+from dubins_study.experiments.store.manifest_changes import RunRecord
 from dubins_study.solvers.engines import ipopt_in_casadi, scip_in_pyscipopt
 from dubins_study.solvers.registry import load, reported_versions
 from dubins_study.study.rows.manifest import (
@@ -139,7 +139,7 @@ def test_machines_are_not_compared_with_each_other():
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
     """Evenly over the whole run, each pair on a line of its own."""
     empty = Manifest(experiment=Definition(name="n", text="t"), cells=0)
-    with recorded(tmp_path, empty, RunEntry(run_id="r")) as record:
+    with RunRecord(tmp_path, empty, RunEntry(run_id="r")) as record:
         for i in range(10_000):
             record.probe(1.0 + i)
     (entry,) = manifest(tmp_path)["runs"]

@@ -26,7 +26,7 @@ from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
-from dubins_study.experiments.store.manifest_changes import count_cells, recorded
+from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
@@ -151,7 +151,7 @@ def _solve(
         writer.skip(plan.rows)
         return
     entry = _run_entry(settings, request.command(), executor)
-    with recorded(folder, manifest, entry, completes) as record:
+    with RunRecord(folder, manifest, entry, completes) as record:
         writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process

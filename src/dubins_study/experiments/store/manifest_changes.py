@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from pathlib import Path as FilePath
 from time import monotonic
-from typing import Any
+from typing import Any, Self
 
 from dubins_study.experiments import provenance
 from dubins_study.experiments.store.part_writer import write_whole
@@ -59,11 +59,16 @@ def count_cells(
 class RunRecord:
     """Keeps a run's entry in the manifest up to date; durations come from a monotonic clock.
 
-    The entry holds the run's `request`; the machine and the source are added here.
+    The entry holds the run's `request`; the machine and the source are added here, and how the run
+    ended at the end of the `with` block. `manifest` is without this run; `completes` says whether
+    the run makes the folder finished.
     """
 
-    def __init__(self, folder: FilePath, manifest: Manifest, request: RunEntry) -> None:
-        self._folder, self._manifest = folder, manifest
+    def __init__(
+        self, folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
+    ) -> None:
+        self._folder, self._completes = folder, completes
+        self._manifest = manifest.with_changes(finished=None)
         self._began = self._written = monotonic()
         self._probes: list[Probe] = []
         self._probes_taken, self._probe_stride = 0, 1
@@ -77,6 +82,20 @@ class RunRecord:
             state=RUNNING,
             probes=self._probes,
         )
+
+    def __enter__(self) -> Self:
+        self.write()
+        return self
+
+    def __exit__(self, error_type: object, *_: object) -> None:
+        ended, load = provenance.now(), provenance.load_average()
+        if error_type is None:
+            finished = ended if self._completes else None
+            self._manifest = self._manifest.with_changes(finished=finished)
+            self.write(state=FINISHED, ended=ended, load_end=load)
+            return
+        with suppress(ResultsError):  # a full disk was reported already
+            self.write(state=INTERRUPTED, ended=ended, load_end=load)
 
     def probe(self, seconds: float, machine: int = 0) -> None:
         """Record the duration (s) of a calibration probe, and the number of its machine.
@@ -104,28 +123,3 @@ class RunRecord:
         self._entry = self._entry.with_changes(seconds=seconds, **changes)
         runs = [*self._manifest.runs, self._entry]
         write_manifest(self._folder, self._manifest.with_changes(runs=runs))
-
-    def close(self, state: str, finishes: bool = False) -> None:
-        """Write the run's final state, and whether the folder is finished."""
-        ended = provenance.now()
-        self._manifest = self._manifest.with_changes(finished=ended if finishes else None)
-        self.write(state=state, ended=ended, load_end=provenance.load_average())
-
-
-@contextmanager
-def recorded(
-    folder: FilePath, manifest: Manifest, request: RunEntry, completes: bool = True
-) -> Iterator[RunRecord]:
-    """Write the manifest when a run begins, and again when it finishes or is interrupted.
-
-    `manifest` is without this run; `completes` says whether the run makes the folder finished.
-    """
-    record = RunRecord(folder, manifest.with_changes(finished=None), request)
-    record.write()
-    try:
-        yield record
-    except BaseException:
-        with suppress(ResultsError):  # a full disk was reported already
-            record.close(INTERRUPTED)
-        raise
-    record.close(FINISHED, completes)
