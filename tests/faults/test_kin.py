@@ -107,7 +107,7 @@ def test_an_idle_worker_killed_from_outside_costs_no_row(tmp_path):
     asking, file = slow_run(tmp_path, 0.3, 12)
     with started("run", asking, "--out", tmp_path / "out", "--jobs", 2, "--time-limit", 20) as run:
         for n in (1, 4, 8):
-            until(lambda n=n: len(noted(file)) >= n, run)
+            until(lambda n=n: len(noted(file)) >= n or run.process.poll() is not None)
             for process in run.workers():
                 process.kill()
         ended = run.wait()

@@ -61,6 +61,7 @@ def test_the_registry_imports_no_backend():
     assert not {m for m in loaded if m.startswith("dubins_study.solvers.")} - {
         "dubins_study.solvers.registry",
         "dubins_study.solvers.protocol",
+        "dubins_study.solvers.setting_checks",
     }
 
 

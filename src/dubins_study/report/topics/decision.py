@@ -275,6 +275,9 @@ def decision_section(results: Results) -> Section | None:
         if exact
         else "The closed form was not asked here, so that its time is not known; the check "
         "compares every answer with it all the same.",
+        "Only one method was asked: the table shows how it does, and leaves no choice."
+        if found and max(choice.methods for choice in found) == 1
+        else "",
         f"{some(len(liars), 'method')} with a false proof at any question "
         f"{'is' if len(liars) == 1 else 'are'} left out where a proof is needed."
         if liars
