@@ -1,8 +1,7 @@
-"""The shortest path to a point by search, and the end of a path by an ODE integrator.
+"""The shortest path of a word by search, and the end of a path by an ODE integrator.
 
-No formula is shared with the package. In the search every word is driven, and its free angle
-bisected: a word is a family of paths with one free angle, the others
-are met by driving it, and the zeros of what is left over are searched on a grid and bisected.
+No formula is shared with the package. A word is a family of paths with one free angle; the zeros
+of what is left over at its end are searched on a grid of that angle and bisected.
 """
 
 from __future__ import annotations
@@ -18,11 +17,6 @@ from dubins_study.study.path import Path
 
 Array = NDArray[np.float64]
 _GRID = np.linspace(0.0, 2 * math.pi, 4001)
-
-
-def shortest_by_search(X: float, Y: float) -> float:
-    """Length (radii) of the shortest path from the origin, heading along +x, to (X, Y)."""
-    return min(words_by_search(X, Y).values())
 
 
 def words_by_search(X: float, Y: float) -> dict[str, float]:

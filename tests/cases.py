@@ -88,16 +88,3 @@ def scaled(scenario: Scenario, factor: float) -> Scenario:
     """Every length times `factor` > 0; the shortest length scales with it."""
     names = ("x", "y", "target_x", "target_y", "radius")
     return replace(scenario, **{name: getattr(scenario, name) * factor for name in names})
-
-
-def rotated(scenario: Scenario, angle: float) -> Scenario:
-    """The start and the target turned by `angle` (rad) about the origin."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return replace(
-        scenario,
-        x=scenario.x * cos - scenario.y * sin,
-        y=scenario.x * sin + scenario.y * cos,
-        heading=scenario.heading + angle,
-        target_x=scenario.target_x * cos - scenario.target_y * sin,
-        target_y=scenario.target_x * sin + scenario.target_y * cos,
-    )

@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 from flint import ctx
 
+from dubins_study.study.path import CLAIMS
 from tests.adversary import checks, frames
 from tests.adversary.generators import case, wrong_answer
 from tests.adversary.oracle import bits
@@ -46,7 +47,10 @@ def run(seed: int, low: int, high: int) -> Table:
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
             checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        answers.append(frames.judged(table.generator, *asked))
+        length, claim = asked.path.total_length, CLAIMS[number % len(CLAIMS)]
+        bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
+        answers.append(frames.judged(table.generator, *asked, claim, bound))
+        answers.append(frames.judged("no path", scenario, "LS", None, claim))
     frames.closed_forms(table, cases)
     frames.checks_of_frames(table, answers)
     return table

@@ -39,7 +39,7 @@ FRAME = pd.DataFrame(
 @pytest.mark.slow
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_a_frame_says_what_single_attempts_say(branch):
-    """Texts and flags equal; numbers to 1e-11 of the radius and coordinates (see test_kernel)."""
+    """Texts and flags equal; numbers to 1e-11 of the radius and coordinates."""
     frame = hard_frame(150, seed=4)
     rows = solve_frame(frame, branch=branch, certified=True)
 

@@ -9,9 +9,8 @@ import math
 
 import numpy as np
 import pytest
-from brute_force import shortest_by_search
 from cases import EDGES, PAPER, scenario_frame
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
@@ -22,7 +21,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
 from dubins_study.study.scenario import Pose, Scenario, check_frame
-from dubins_study.study.tolerances import ARRIVES, Tolerances
+from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 from tests.adversary.frames import checks_of_frames, judged
 from tests.adversary.table import Table
@@ -90,17 +89,6 @@ def test_a_bound_proves_what_no_condition_does():
     for bound in (length - 0.1, length + 0.1, math.inf):
         loose = certify(PROBLEM, path, found, lower_bound=bound)
         assert loose.proof is not Proof.BOUNDED
-
-
-def test_a_bound_above_the_shortest_length_is_false():
-    """And counts for nothing, whatever the path."""
-    path = shortest_path(PROBLEM)
-    found = certified(PROBLEM, path, lower_bound=2 * path.total_length)
-
-    assert found.false_bound
-    assert found.proof is Proof.PROVED  # by the interval and the cut, not by the bound
-    assert not certified(PROBLEM, path, lower_bound=path.total_length).false_bound
-    assert not certified(PROBLEM, path, lower_bound=math.nan).false_bound
 
 
 def test_an_answer_that_owes_its_length_to_its_miss_is_not_proved():
@@ -242,44 +230,6 @@ def test_a_straight_that_bends_is_no_straight():
     # the costates point along the chord: a bulge of rate length^2 / 8, of a path of 7 radii
     assert found.pmp_residual == pytest.approx(1e-5 * 36 / 8 / 7, rel=0.3)
     assert found.proof is Proof.NONE
-
-
-SIZES = st.floats(-9, -1).map(lambda exponent: 10.0**exponent)
-DETOURS = st.tuples(st.sampled_from([-1.0, 0.0, 1.0, 0.5]), SIZES)
-
-
-@given(
-    st.sampled_from([1.0, -1.0]),
-    st.floats(0.05, 6.2),
-    st.one_of(st.floats(0.05, 20), st.sampled_from([1e3, 1e5])),
-    st.booleans(),
-    st.lists(DETOURS, max_size=4),
-    st.integers(1, 60),
-    st.floats(-13, -1).map(lambda exponent: 10.0**exponent),
-)
-def test_what_is_proved_is_shortest_by_brute_force(side, first, second, turns, detours, n, off):
-    """A shortest path, or one that detours lengthen: proved only if no path found is shorter.
-
-    The word is cut into n parts with the detours between them, its rates are off, and its end is
-    the target. A proved path may be longer by what merging passes over, which the length's
-    steepness (derivation.md, section 9) multiplies.
-    """
-    last = -side if turns else 0.0
-    second = second % 6.2 + 0.05 if turns else second
-    extra_rates, extra = [u for u, _ in detours], [length for _, length in detours]
-    word = [side * (1 - off), *extra_rates], [first / n, *extra]
-    curvature, length = repeated(n, *word, ([last], [second]))
-    found, path = at_its_end(curvature, length)
-    end = path.end
-    if found.proof is Proof.PROVED:
-        steep = 1 / abs(math.cos(second / 2)) if turns else 1.0
-        assume(steep < 100)
-        passed_over = 2 * (1 + steep) * (ARRIVES + 1e-14 * path.total_length)
-        assert path.total_length <= shortest_by_search(end.x, end.y) + passed_over
-    elif not detours and off < 1e-12:
-        # an honest path is shortest only if it is proved
-        assume(abs(second - math.pi) > 1e-3 or not turns)
-        assert path.total_length > shortest_by_search(end.x, end.y) * (1 + 1e-12)
 
 
 def test_a_path_that_cannot_be_driven_has_no_certificate():

@@ -9,18 +9,16 @@ import math
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, rotated
-from hard_cases import hard_frame
+from cases import EDGES, PAPER
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.study.check.extremal import extremal, measure, pieces
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word
-from dubins_study.study.closed_form.shortest import margin as distance
-from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario, scenarios
+from dubins_study.study.scenario import Pose
 
 ARCS = st.floats(0.01, 6.2)
 # rounding of a path of up to a thousand radii, in angles
@@ -83,18 +81,6 @@ def test_costates_against_an_ode_integrator(name):
     assert margin >= -allowed
 
 
-@given(ARCS, st.floats(0.1, 20), st.sampled_from([1, -1]), st.floats(-4, 4))
-def test_ending_straight_costates_are_against_the_final_heading(arc, straight, side, heading):
-    """CS: (nu1, nu2) = -(cos, sin) of the final heading; always an extremal."""
-    path = Path(Pose(1, 2, heading), [side, 0], [arc, straight])
-    found = certified(path)
-
-    final = heading + side * arc
-    assert found.nu == pytest.approx((-math.cos(final), -math.sin(final)), abs=ROUNDING)
-    assert not found.abnormal
-    assert found.pmp_residual <= ROUNDING
-
-
 @given(ARCS, ARCS, st.sampled_from([1, -1]), st.floats(-4, 4))
 def test_two_arcs_are_extremal_iff_theory_says_so(first, second, side, heading):
     """docs/derivation.md, section 9, CC: extremal iff pi < a2 < 2 pi and a1 <= a2."""
@@ -155,44 +141,6 @@ def test_a_path_of_no_length_has_no_costates():
     assert measure(Path(Pose(0, 0, 0), [], []), 1.0) == (None, math.pi)
 
 
-@given(st.floats(-3, 3), st.floats(0.1, 50), st.floats(-3, 3), st.floats(0.2, 5))
-def test_the_certificate_is_the_same_at_any_scale_and_heading(turn, scale, X, Y):
-    scenario = Scenario(0, 0, 0, X, Y, 1)
-    other = rotated(Scenario(0, 0, 0, X, Y, 1), turn)
-    other = Scenario(0, 0, other.heading, other.target_x * scale, other.target_y * scale, scale)
-    one, two = (shortest_path(s) for s in (scenario, other))
-    a, b = certified(one, 1.0), certified(two, scale)
-
-    assert math.hypot(*a.nu) == pytest.approx(math.hypot(*b.nu), rel=1e-5)
-    assert cut_margin(one) == pytest.approx(cut_margin(two, scale), abs=1e-6)
-
-
-def test_the_cut_is_where_the_closed_form_changes_its_mind():
-    """Every word's path over the hard frame: a positive margin iff no word is shorter.
-
-    Margins nearer to zero than 1e-6 rad are ties to the closed form's rounding; so are all the
-    words of about a full turn by which a target next to the start is reached, and LS and RS to a
-    target so far away that a turn is lost in the length's rounding.
-    """
-    seen = 0
-    for scenario in scenarios(hard_frame(2000, seed=9)):
-        best = shortest(scenario)
-        assert best is not None
-        if distance(scenario) < 1e-3:
-            continue  # words with a second piece of s are as long as those without, up to s^3
-        for word in ("LS", "RS", "LR", "RL"):
-            path = shortest_path(scenario, word)
-            if path is None or not 1e-4 < math.hypot(*scenario.local()) < 1e4:
-                continue
-            margin = cut_margin(path, scenario.radius)
-            if margin is None or abs(margin) < 1e-6:
-                continue
-            longer = path.total_length / scenario.radius - best.total
-            assert (margin > 0) == (longer <= 1e-12 * (1 + best.total)), (scenario, word)
-            seen += 1
-    assert seen > 2000
-
-
 def test_a_nearly_straight_leg_is_a_leg():
     """Found in review: 5 R at a rate of 5e-8 is no piece too small to matter."""
     bent = Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5])
@@ -220,7 +168,7 @@ def test_numbers_that_overflow_are_not_measured(curvature, length, radius):
 
 
 SIZES = st.sampled_from([0.0, 1e-12, 1e-7, 9e-7, 2e-6, 1e-4, 0.3, 1.0, 5.0, 1e3])
-LENGTHS = st.one_of(st.floats(1e-9, 10.0), SIZES.filter(bool))
+LENGTHS = st.one_of(st.floats(1e-9, 10.0), SIZES)
 RATES = st.one_of(
     st.sampled_from([-1.0, 0.0, 1.0, 1 + 1e-10, -1e-10, 0.5, 1e-3, -1e-3, 2e-3, 1e-7]),
     st.floats(-2, 2),
@@ -230,19 +178,10 @@ RATES = st.one_of(
 @given(RATES, LENGTHS, RATES, LENGTHS)
 def test_the_word_of_two_arcs_is_the_word_of_the_path(k1, l1, k2, l2):
     """Ripples, turns of next to nothing and straights of next to no length included."""
+    assume(l1 + l2 > 0)
     expected = Path(Pose(0, 0, 0), [k1, k2], [l1, l2]).word()
 
     assert PATH_WORDS[path_word(k1, l1, k2, l2)] == expected
-
-
-@given(RATES, SIZES, RATES)
-def test_an_arc_of_no_length_is_no_arc(k, length, other):
-    one = path_word(k, length, 0.0, 0.0)
-
-    assert path_word(k, length, other, 0.0) == one
-    assert path_word(other, 0.0, k, length) == one
-    if length:
-        assert PATH_WORDS[one] == Path(Pose(0, 0, 0), [k], [length]).word()
 
 
 @given(

@@ -38,13 +38,6 @@ def test_few_arcs_are_driven_as_many_are(pieces):
     )
 
 
-def test_a_full_circle_comes_back():
-    path = Path(Pose(3, 4, 1), [0.5], [4 * math.pi])
-
-    np.testing.assert_allclose(path.poses[-1, :2], (3, 4), atol=1e-14)
-    assert path.turn == pytest.approx(2 * math.pi)
-
-
 def test_an_almost_straight_arc_keeps_its_digits():
     """Curvature 1e-12 is a straight line to rounding; 1/k would lose four digits here."""
     path = Path(Pose(0, 0, 0), [1e-12], [10.0])

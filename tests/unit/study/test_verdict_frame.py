@@ -14,37 +14,9 @@ from dubins_study.study.check.verdict_frame import VERDICTS, judge_frame
 from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import CLAIMS, Paths
+from dubins_study.study.path import Paths
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.words import Claim, Verdict
-from tests.adversary.frames import analytic, checks_of_frames, judged
-from tests.adversary.generators import case, wrong_answer
-from tests.adversary.table import Table
-
-
-@pytest.mark.parametrize("n", [1_000, pytest.param(20_000, marks=pytest.mark.slow)])
-def test_frames_say_what_the_scalar_checks_say(n):
-    """Of right, longer, missing, broken and absent paths, and of any claim and bound.
-
-    Words are equal, lengths to 1e-14 of the size of what is added up, gaps to 8 ulp of a length,
-    and the costates to 1e-6, since they have no bound where a second arc nears half a turn.
-    """
-    rng, table, answers = np.random.default_rng(n), Table(), []
-    for number in range(n):
-        table.generator, scenario = case(11, number)
-        answers += analytic(table, scenario, {})
-        kind, asked = wrong_answer(rng, scenario)
-        length, claim = asked.path.total_length, CLAIMS[number % len(CLAIMS)]
-        bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
-        answers.append(judged(kind, *asked, claim, bound))
-        answers.append(judged("no path", scenario, "LS", None, claim))
-    checks_of_frames(table, answers)
-
-    assert table.wrong == 0, str(table)
-    found = {(one.judgement.verdict, one.judgement.wrong_basin) for one in answers}
-    assert {(Verdict.LONGER, True), (Verdict.LONGER, False)} <= found
-    assert {verdict for verdict, _ in found} == set(Verdict)
-
 
 N = 1200
 FRAME = hard_frame(N, seed=11)
