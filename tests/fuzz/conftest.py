@@ -1,17 +1,14 @@
-"""Canaries that sing if code from data is run, and a bound on memory."""
+"""Canaries that sing if code from data is run, and a small run."""
 
 from __future__ import annotations
 
-import resource
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import psutil
 import pytest
 
 from dubins_study import run
-from dubins_study.experiments.plan import cells as cells_module
 
 _CANARY = """
 from pathlib import Path
@@ -30,7 +27,6 @@ label = "many"
 target_x = { linear = [2, 5, 120] }
 target_y = -3
 """
-_ROOM = 3 * 2**30  # bytes beyond what the process holds, of addresses
 
 
 @pytest.fixture(scope="module")
@@ -68,14 +64,3 @@ def small_run(tmp_path_factory: pytest.TempPathFactory) -> SmallRun:
     experiment = place / "small.toml"
     experiment.write_text(_SMALL)
     return SmallRun(run(experiment, place / "out"), experiment)
-
-
-@pytest.fixture
-def little_room(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """What would fill the memory fails at once, and bounds on sizes are met early."""
-    monkeypatch.setattr(cells_module, "MOST_CELLS", 3000)
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    held = psutil.Process().memory_info().vms
-    resource.setrlimit(resource.RLIMIT_AS, (held + _ROOM, hard))
-    yield
-    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
@@ -48,23 +46,3 @@ HOSTILE = (
 )
 
 texts = st.one_of(st.sampled_from(HOSTILE), st.text(max_size=20))
-# of JSON, which may hold halves of a pair
-any_texts = st.one_of(texts, st.sampled_from(["\ud800", f"{MARK}\udfff<b>"]))
-huge = st.sampled_from([10**9, -(10**9), 2**31, 2**63, 2**64, 10**20, -(10**400), 10**4000])
-integers = st.one_of(st.integers(-3, 5), huge)
-floats = st.one_of(
-    st.floats(),
-    st.sampled_from([float("nan"), float("inf"), -0.0, 1e308, -1e308, 5e-324, 1e16, 0.1]),
-)
-scalars = st.one_of(texts, integers, floats, st.booleans())
-
-
-def nested(leaves: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    """Lists and tables of leaves, some levels deep."""
-    return st.recursive(
-        leaves,
-        lambda inner: st.one_of(
-            st.lists(inner, max_size=4), st.dictionaries(any_texts, inner, max_size=3)
-        ),
-        max_leaves=8,
-    )
