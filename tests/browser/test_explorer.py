@@ -107,20 +107,6 @@ def test_arrow_keys_in_the_radius_field_keep_it_above_zero(explorer, radius):
     agrees(page)
 
 
-@pytest.mark.slow
-def test_by_keyboard_a_full_turn_comes_back(explorer):
-    """36 turns of 10 degrees, by page up and by shift with an arrow; the address follows."""
-    page = explorer("0,0,17deg,3,2,1")
-    page.locator(".handle.heading").focus()
-    for key in ("PageUp", "Shift+ArrowLeft"):
-        for _ in range(36):
-            page.keyboard.press(key)
-            assert -math.pi <= scenario_in(page).heading <= math.pi
-        assert scenario_in(page).heading == pytest.approx(math.radians(17), abs=1e-12)
-        agrees(page)
-    page.wait_for_function("location.hash === '#explore=0,0,17deg,3,2,1'")
-
-
 FUZZ = """() => {
   let seed = 11;
   const random = () => { seed = seed * 48271 % 2147483647; return seed / 2147483647; };

@@ -63,16 +63,6 @@ def test_nothing_is_wider_than_the_screen(explorer, viewport):
             assert box["y"] < y < box["y"] + box["height"], preset
 
 
-def test_without_scripts_there_are_drawings(explorer):
-    """Two pictures with a text; no dead buttons."""
-    page = explorer(java_script_enabled=False)
-
-    assert page.locator(".explorer-still img").count() == 2
-    assert page.locator(".explorer-still").is_visible()
-    assert page.get_by_text("needs JavaScript").is_visible()
-    assert not page.locator(".explorer-live").is_visible()
-
-
 def test_no_id_stands_twice_and_every_pattern_exists(explorer):
     page = explorer()
     ids = page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)")
