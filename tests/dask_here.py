@@ -6,44 +6,24 @@ import json
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import psutil
+from live_run import wait_for
 
 from dubins_study import run
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.study.rows.schema import KEY, ROW, names
-
-# what differs between two runs that find the same
-OF_THE_RUN = {"build_s", "solve_s", "wall_s", "subproblem_s", "best_run_s"}
-OF_THE_RUN |= {"jobs", "executor", "run_id", "started"}
-PATIENCE = 120.0  # s
-
-
-def table(folder: Path) -> pd.DataFrame:
-    """The rows of a folder in the order of their keys: the columns that must not differ."""
-    frame = read_rows(folder).to_pandas().sort_values(names(KEY), ignore_index=True)
-    for column in ("curvatures", "lengths"):
-        frame[column] = frame[column].map(lambda value: value if value is None else tuple(value))
-    return frame[[name for name in names(ROW) if name not in OF_THE_RUN]]
+from tests.faults.launch import lasting
 
 
 def assert_same(one: Path, other: Path) -> None:
     """Both folders hold the same rows, each once."""
-    pd.testing.assert_frame_equal(table(one), table(other), check_exact=True)
-
-
-def until(holds: Callable[[], bool], what: str) -> None:
-    """Wait for something."""
-    give_up = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < give_up, what
-        time.sleep(0.05)
+    rows = (lasting(read_rows(folder).to_pandas()) for folder in (one, other))
+    pd.testing.assert_frame_equal(*rows, check_exact=True)
 
 
 def family(pid: int) -> list[psutil.Process]:
@@ -76,8 +56,8 @@ def scheduler(folder: Path, *options: str, **environment: str) -> Iterator[str]:
     with _running(
         "distributed.cli.dask_scheduler", *arguments, str(file), *options, **environment
     ) as process:
-        until(lambda: file.is_file() or process.poll() is not None, "the scheduler starts")
-        until(lambda: bool(file.read_text()), "the scheduler says where it is")
+        wait_for(lambda: file.is_file() or process.poll() is not None)
+        wait_for(lambda: bool(file.read_text()))
         yield json.loads(file.read_text())["address"]
 
 

@@ -99,7 +99,7 @@ def _run(
 
 
 @contextmanager
-def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
+def started(*arguments: object, **environment: str) -> Iterator[subprocess.Popen[str]]:
     """The command in a session of its own; whatever is left of it at the end is killed."""
     mark, marking = marked()
     process = subprocess.Popen(
@@ -108,7 +108,7 @@ def started(*arguments: object) -> Iterator[subprocess.Popen[str]]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        env={**os.environ, **marking},
+        env={**os.environ, **environment, **marking},
     )
     try:
         yield process

@@ -55,7 +55,6 @@ RAISES = {
 ANSWERS = {
     "hostile_answers:NotANumber": _LIE,
     "hostile_answers:Elsewhere": _LIE,
-    "hostile_answers:LyingPath": _LIE,
     "hostile_answers:Easier": _LIE,
     "hostile_answers:Trapped": Case("returned|raised", "optimal|none", files=("sprung",)),
     "hostile_answers:Huge": Case("returned", "optimal"),
@@ -77,7 +76,6 @@ ENDLESS = {
     "hostile_endless:ForkTwo": _LATE._replace(files=_PIDS),
     "hostile_endless:ForkAndDie": _crash("SIGABRT")._replace(files=_PIDS),
     "hostile_endless:Daemon": Case("returned", "optimal", files=_PIDS),
-    "hostile_state:FloodsForever": _LATE,
 }
 # these never get past being made ready, which has a minute
 STUCK = {

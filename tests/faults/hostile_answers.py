@@ -15,7 +15,6 @@ from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
 from dubins_study.study.words import Claim
 
 
@@ -30,14 +29,6 @@ class Speechless(Exception):  # noqa: N818
         raise ValueError("no words")
 
     __repr__ = __str__
-
-
-class Liar(Path):
-    """Says that it is short and ends anywhere."""
-
-    total_length = 1.0
-    end = Pose(0.0, 0.0, 0.0)
-    word = lambda *_: "S"  # noqa: E731
 
 
 class RaisesInUnavailable(Analytic):
@@ -62,7 +53,6 @@ RETURNED = {
         *(float("nan"), float("inf"), (np.nan, np.inf)),
     ),
     "Elsewhere": lambda s: Solution(Claim.OPTIMAL, Path(s.start, [0.0], [1.0]), 1.0),
-    "LyingPath": lambda s: Solution(Claim.OPTIMAL, Liar(s.start, [0.0], [1.0]), 1.0),
     "Wordy": lambda s: Solution(Claim.OPTIMAL, shortest_path(s), message="word " * 2**18),
 }
 

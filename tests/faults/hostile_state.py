@@ -221,19 +221,6 @@ class ClosesAll(Analytic):
         return super().solve(model, limit)
 
 
-class Scribbles(Analytic):
-    """Writes rubbish wherever it may, pipes back to the supervisor included."""
-
-    def solve(self, model, limit):
-        for fd in range(3, 256):
-            try:
-                os.set_blocking(fd, False)
-                os.write(fd, b"\xff\xff rubbish \x80\x04." * 64)
-            except OSError:
-                continue
-        return super().solve(model, limit)
-
-
 class Floods(Analytic):
     """A quarter of a GB on stdout and stderr, in Python and in C."""
 
@@ -244,18 +231,6 @@ class Floods(Analytic):
             os.write(1, line.encode())
             os.write(2, line.encode())
         return super().solve(model, limit)
-
-
-class FloodsForever(Analytic):
-    """As long as it is let."""
-
-    def solve(self, model, limit):
-        if model.scenario.label == "warm-up":
-            return super().solve(model, limit)
-        line = b"flood " * 2**17 + b"\n"
-        while True:
-            os.write(1, line)
-            os.write(2, line)
 
 
 class ReadsStdin(Analytic):

@@ -17,6 +17,7 @@ import psutil
 from marked import alive, kill_all, left_behind, marked
 
 from dubins_study.experiments.store.folder import read_rows
+from dubins_study.study.rows.schema import KEY, names
 
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
@@ -138,5 +139,4 @@ def lasting(found: pd.DataFrame) -> pd.DataFrame:
     kept = found.drop(columns=MEASURED, errors="ignore")
     for column in ("curvatures", "lengths"):
         kept[column] = kept[column].map(lambda v: None if v is None else tuple(v))
-    keys = ["solver", "branch", "initial_guess", "repeat", "label", "target_x"]
-    return kept.sort_values(keys, ignore_index=True)
+    return kept.sort_values(names(KEY), ignore_index=True)

@@ -10,7 +10,7 @@ import sys
 import pytest
 from marked import left_behind, marked
 
-from tests.faults.launch import ROOT, experiment, rows, spec
+from tests.faults.launch import ROOT, experiment, spec
 
 HONEST = spec("honest", "Honest")
 
@@ -97,34 +97,3 @@ def test_orphans_end_with_the_run(tmp_path, before):
     assert pids.read_text().split()
     assert left == []
     assert alive == []
-
-
-PATHS = """
-import json, os, sys
-from dubins_study.solvers.analytic import Analytic
-class Paths(Analytic):
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        object.__setattr__(solution, "message", json.dumps([os.getcwd(), sys.path]))
-        return solution
-"""
-
-
-MAIN = "from dubins_study.cli.app import main; main()"
-
-
-@pytest.mark.parametrize("start", [["-m", "dubins_study"], ["-c", MAIN]])
-def test_a_worker_finds_no_module_in_the_working_directory(tmp_path, start):
-    """A file that lies there by chance stands in for no package; the plug-in's path is enough."""
-    (tmp_path / "paths.py").write_text(PATHS)
-    for name in ("report.py", "study.py"):
-        (tmp_path / name).write_text("raise RuntimeError('the wrong file')")
-    asking = experiment(tmp_path, (["paths.py:Paths"], 1))
-    command = [sys.executable, *start, "run", asking.name, "--out", "out", "--trust-plugins"]
-    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-
-    assert ended.returncode == 0, ended.stderr
-    (message,) = rows(tmp_path / "out")["message"]
-    folder, path = json.loads(message)
-    assert folder == str(tmp_path)
-    assert not {"", ".", str(tmp_path)} & set(path)

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from tests.faults.launch import experiment, lasting, left_behind, rows, spec, started, study, until
+from tests.faults.launch import experiment, lasting, left_behind, rows, spec, started, until
 
 HONEST = spec("honest", "Honest")
 
@@ -16,40 +16,6 @@ HONEST = spec("honest", "Honest")
 def noted(file):
     """The process ids that a plug-in wrote down so far."""
     return [int(line) for line in file.read_text().split()] if file.exists() else []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("jobs", [1, 2])
-@pytest.mark.parametrize("name", ["KillsGroup", "InterruptsGroup"])
-def test_kin_that_is_attacked_lives_on_or_says_so(tmp_path, clean, name, jobs):
-    """No row is wrong and no process is left."""
-    hostile = spec("hostile_kin", name)
-    asking = experiment(tmp_path, ([hostile], 3), ([HONEST], 8))
-    out = tmp_path / "out"
-    ended = study("run", asking, "--out", out, "--jobs", jobs, "--time-limit", 5)
-
-    assert ended.alive == []
-    assert "Traceback" not in ended.err
-    assert ended.code == 0, ended.err
-    found = rows(out)
-    assert len(found) == 11
-    honest = found[found["plugin"] == "Honest"]
-    if name == "KillsGroup":
-        assert set(found[found["plugin"] == name]["native_status"]) == {"SIGKILL"}
-    assert lasting(honest).equals(lasting(clean))
-
-
-@pytest.mark.slow
-def test_rubbish_in_every_pipe_costs_no_row(tmp_path):
-    """All are there and no answer is wrong, but whoever shared the worker may be blamed."""
-    asking = experiment(tmp_path, ([spec("hostile_state", "Scribbles")], 2), ([HONEST], 8))
-    ended = study("run", asking, "--out", tmp_path / "out", "--time-limit", 5)
-
-    assert ended.code == 0, ended.err
-    assert ended.alive == []
-    found = rows(tmp_path / "out")
-    assert found["plugin"].value_counts().to_dict() == {"Scribbles": 2, "Honest": 8}
-    assert set(found[found["outcome"] == "returned"]["verdict"]) == {"optimal"}
 
 
 def slow_run(folder, nap, count, file="pids"):

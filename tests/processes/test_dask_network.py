@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import pytest
 pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 
 import dask_here as here
-from live_run import TELLS_AND_NAPS
+from live_run import TELLS_AND_NAPS, finished, started, wait_for
 from marked import wait_until_handled
 
 from dubins_study import run
@@ -97,7 +96,7 @@ def test_nothing_listens_beyond_the_loopback():
 
     assert len(addresses) >= 4  # scheduler and its page, two workers and their nannies
     assert set(addresses) == {"127.0.0.1"}
-    here.until(lambda: here.gone([process.pid for process in processes]), "all end")
+    wait_for(lambda: here.gone([process.pid for process in processes]))
 
 
 def test_other_code_is_refused(experiment, tmp_path):
@@ -142,44 +141,40 @@ def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
             os.chdir(before)
 
 
-def study(*arguments: str, **environment: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "dubins_study", "run", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, **environment},
-    )
-
-
 def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
     arguments = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:1")
-    process = study(experiment, *arguments, "--out", str(tmp_path / "out"))
-    printed, err = process.communicate(timeout=120)
+    refused = finished("run", experiment, *arguments, "--out", tmp_path / "out")
 
-    assert process.returncode == 2
-    assert err.startswith("dubins-study: no Dask scheduler answers at 'tcp://127.0.0.1:1' (")
-    assert (err.count("\n"), printed) == (1, "")
+    assert refused.returncode == 2
+    assert refused.stderr.startswith(
+        "dubins-study: no Dask scheduler answers at 'tcp://127.0.0.1:1' ("
+    )
+    assert (refused.stderr.count("\n"), refused.stdout) == (1, "")
     assert not (tmp_path / "out").exists()
+
+
+def slow_run(folder: Path, experiment: str) -> list[object]:
+    """Arguments of a run by Dask of a solver that naps, and says that it is asked."""
+    (folder / "slow.py").write_text(TELLS_AND_NAPS)
+    solver = f"{folder}/slow.py:Slow"
+    engine = ("--engine", "dask", "--jobs", "2", "--time-limit", "4000")
+    return ["run", experiment, *engine, "--solver", solver, "--out", folder / "out"]
 
 
 @pytest.mark.parametrize("signals", [1, 2])
 def test_ctrl_c(experiment, tmp_path, signals):
     """Once: what is being solved is finished. Twice: at once. No process and no noise is left."""
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
-    arguments = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
-    arguments += ("--time-limit", "2000")
     nap = "0.5" if signals == 1 else "1000"
-    process = study(experiment, *arguments, "--engine", "dask", "--jobs", "2", NAP=nap)
-    here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
-    processes_before = [one.pid for one in here.family(process.pid)]
-    assert len(processes_before) > 5
-    began = time.monotonic()
-    for _ in range(signals):
-        os.killpg(process.pid, signal.SIGINT)
-        wait_until_handled(process.pid, signal.SIGINT)
-    printed, err = process.communicate(timeout=120)
+    with started(*slow_run(tmp_path, experiment), NAP=nap) as process:
+        wait_for(lambda: (tmp_path / "asked").exists())
+        processes_before = [one.pid for one in here.family(process.pid)]
+        assert len(processes_before) > 5
+        began = time.monotonic()
+        for _ in range(signals):
+            os.killpg(process.pid, signal.SIGINT)
+            wait_until_handled(process.pid, signal.SIGINT)
+        printed, err = process.communicate(timeout=120)
+        wait_for(lambda: here.gone(processes_before))
 
     kept = len(done(tmp_path / "out"))
     assert process.returncode == 130, err
@@ -189,20 +184,15 @@ def test_ctrl_c(experiment, tmp_path, signals):
     assert "Traceback" not in err
     assert "distributed" not in err
     assert printed == ""
-    here.until(lambda: here.gone(processes_before), "all end")
 
 
 def test_nothing_outlives_a_run_that_is_killed(experiment, tmp_path):
     """Its cluster, their fork servers and their solvers end by themselves."""
-    (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
-    arguments = ("--solver", f"{tmp_path}/slow.py:Slow", "--out", str(tmp_path / "out"))
-    process = study(experiment, *arguments, "--engine", "dask", "--jobs", "2", NAP="3600")
-    here.until(lambda: (tmp_path / "asked").exists(), "a solver is asked")
-    processes_before = [one.pid for one in here.family(process.pid)]
-    process.kill()
-    process.communicate()
-
-    here.until(lambda: here.gone(processes_before), "all end")
+    with started(*slow_run(tmp_path, experiment), NAP="3600") as process:
+        wait_for(lambda: (tmp_path / "asked").exists())
+        processes_before = [one.pid for one in here.family(process.pid)]
+        process.kill()
+        wait_for(lambda: here.gone(processes_before))
 
 
 def certificates(folder: Path) -> dict[str, str]:
