@@ -61,10 +61,11 @@ def test_every_row_names_its_formulation_engine_and_guess(table):
     assert not set(table["engine"]) & LICENSED
 
 
-@pytest.mark.parametrize("share", [0.01, pytest.param(0.15, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("share", [0.03, pytest.param(1, marks=pytest.mark.slow)])
 def test_its_verdicts_are_what_the_check_says_today(table, share):
-    """A share of the rows, judged and certified again from the stored controls."""
-    for row in rows_of(table.sample(frac=share, random_state=1)):
+    """A share of the first repeats, judged and certified again from the stored controls."""
+    first = table[table["repeat"] == 0]
+    for row in rows_of(first.sample(frac=share, random_state=1)):
         scenario = scenario_of(row)
         path = None
         if row["curvatures"] is not None:
