@@ -40,17 +40,6 @@ class Dies(Base):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-class Prints(Base):
-    """A MiB, more than a pipe holds, by way of the descriptors and of Python."""
-
-    def solve(self, model, limit):
-        for _ in range(1024):
-            os.write(1, b"o" * 1024)
-            os.write(2, b"e" * 1024)
-            print("p" * 1023)
-        return super().solve(model, limit)
-
-
 class Repeats(Base):
     """Its answer is the initial guess; the message names the process."""
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
-import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
+from live_run import started, wait_for
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
@@ -99,24 +97,12 @@ def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experimen
     assert json.loads((out / "manifest.json").read_text())["finished"]
 
 
-MAIN = "from dubins_study.cli.app import main; main()"
-
-
 def interrupted(*arguments: str, after: Path):
     """Run the command, and send its whole group SIGINT once there are such files."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", MAIN, "run", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    give_up = time.monotonic() + 120
-    while not [*after.parent.glob(after.name)] and process.poll() is None:
-        assert time.monotonic() < give_up
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=120)
+    with started("run", *arguments) as process:
+        wait_for(lambda: [*after.parent.glob(after.name)] or process.poll() is not None)
+        os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=120)
     return process.returncode, out, err
 
 

@@ -7,8 +7,6 @@ import os
 import shutil
 import signal
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import psutil
@@ -16,8 +14,8 @@ import pytest
 from live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import status
-from dubins_study.experiments.store.folder import done, read_rows
-from dubins_study.experiments.store.lock import LOCK, is_locked, lock_holder, locked
+from dubins_study.experiments.store.folder import done
+from dubins_study.experiments.store.lock import LOCK, is_locked, lock_holder
 
 
 def contents(folder):
@@ -82,43 +80,6 @@ def alive(pid):
     return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
 
 
-@pytest.mark.parametrize("way", ["fork", "spawn", "forkserver", "subprocess"])
-def test_no_process_that_is_started_meanwhile_holds_the_lock(tmp_path, way):
-    """However it is started: it lives on when the holder is gone, and the folder is free."""
-    start = {
-        "subprocess": "subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])",
-    }.get(way, f"multiprocessing.get_context({way!r}).Process(target=time.sleep, args=(60,))")
-    program = f"""
-import multiprocessing, os, subprocess, sys, time
-from pathlib import Path
-from dubins_study.experiments.store.lock import locked
-if __name__ == "__main__":
-    with locked(Path({str(tmp_path)!r})):
-        child = {start}
-        if hasattr(child, "start"):
-            child.start()
-        time.sleep(1)
-        print(child.pid, flush=True)
-        time.sleep(60)
-"""
-    file = tmp_path / "holder.py"
-    file.write_text(program)
-    process = subprocess.Popen([sys.executable, str(file)], stdout=subprocess.PIPE, text=True)
-    child = int(process.stdout.readline())
-    try:
-        assert is_locked(tmp_path)
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
-
-        assert alive(child)
-        assert not is_locked(tmp_path)
-        with locked(tmp_path):
-            assert is_locked(tmp_path)
-    finally:
-        os.kill(child, signal.SIGKILL)
-        process.stdout.close()
-
-
 @pytest.mark.slow
 def test_status_and_report_work_while_a_run_does(tmp_path):
     experiment, out = slow_experiment(tmp_path, nap=0.3, count=1000), tmp_path / "out"
@@ -146,18 +107,3 @@ def test_status_writes_nothing(original, tmp_path):
     assert {file: file.stat().st_mtime_ns for file in [out, *out.rglob("*")]} == before
     for file in before:
         file.chmod(file.stat().st_mode | stat.S_IWUSR)
-
-
-@pytest.mark.slow
-def test_runs_that_begin_at_once_leave_one_row_a_cell(tmp_path):
-    """Of many, one works at a time; the others are refused, and nothing is lost or doubled."""
-    experiment, out = slow_experiment(tmp_path, nap=0.05, count=10), tmp_path / "out"
-    with (
-        started("run", experiment, "--trust-plugins", "--out", out) as a,
-        started("run", experiment, "--trust-plugins", "--out", out) as b,
-    ):
-        codes = sorted((a.wait(timeout=120), b.wait(timeout=120)))
-    assert codes in ([0, 0], [0, 2])
-    rows = read_rows(out).to_pandas()
-    assert len(rows) == 10
-    assert not rows.duplicated("scenario_id").any()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import pty
 import select
@@ -55,19 +54,6 @@ def test_a_pipe_gets_text_alone(mine):
     assert "\x1b" not in done.stdout
     assert "40 of 40 cells done" in done.stdout
     assert len([line for line in done.stdout.splitlines() if "analytic" in line]) == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("flag", ["--quiet", "--verbose"])
-def test_how_much_a_run_says(mine, flag):
-    """Quiet: results alone. Verbose: every step, on stderr."""
-    done = finished("run", "quick.toml", "--json", flag, cwd=mine)
-
-    assert json.loads(done.stdout)["done"] == 40
-    steps = done.stderr.splitlines()
-    assert bool(steps) == (flag == "--verbose")
-    assert all(step.startswith("dubins-study: ") for step in steps)
-    assert ("40 of them to solve" in done.stderr) == (flag == "--verbose")
 
 
 @pytest.mark.slow
