@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 import pickle
 import socket
 from pathlib import Path
@@ -192,14 +191,6 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
     here.assert_same(one, out)
     engines = set(read_rows(out, ["executor"])["executor"].to_pylist())
     assert engines == {"local", "dask"}
-
-
-@pytest.mark.slow
-def test_loggers_are_left_as_they_were(experiment, tmp_path, address):
-    before = logging.getLogger("distributed").level
-    here.asked_of(address, experiment, tmp_path / "out", solvers=["slsqp"])
-
-    assert logging.getLogger("distributed").level == before
 
 
 def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):

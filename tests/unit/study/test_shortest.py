@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from dubins_study.study.body_coordinates import Local
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import (
     as_path,
     shortest,
@@ -94,11 +93,3 @@ def test_targets_that_rounding_hides_are_met(X, Y):
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)
-
-
-def test_regions():
-    names = [
-        judge(unit(*t), None).region for t in ((5, 0), (0, 1), (0, -1), (1, 1), (0, 0), (0, -2))
-    ]
-
-    assert names == ["outside", "left disc", "right disc", "circle", "circle", "circle"]
