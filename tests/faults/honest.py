@@ -32,16 +32,3 @@ class Napping(Honest):
         if model.scenario.label != "warm-up":
             time.sleep(self.nap)
         return super().solve(model, limit)
-
-
-class Punctual(Honest):
-    """Takes exactly the time it is allowed."""
-
-    name: ClassVar[str] = "punctual"
-
-    def solve(self, model, limit):
-        began = time.perf_counter()
-        solution = super().solve(model, limit)
-        if model.scenario.label != "warm-up":
-            time.sleep(max(0.0, limit - (time.perf_counter() - began)))
-        return solution
