@@ -96,20 +96,26 @@ def scip_in_pyscipopt() -> dict[str, str]:
     return {"scip": ".".join(map(str, parts))}
 
 
+def _nlp(label: str, package: str, adapter: str, **more: Any) -> Engine:
+    return Engine(label, NLP, (package,), f"nlp_engines.{adapter}", **more)
+
+
 def _nlpsol(label: str, plugin: str, **more: Any) -> Engine:
-    place = "nlp_engines.casadi_nlpsol:nlpsol"
-    return Engine(label, NLP, ("casadi",), place, {"plugin": plugin}, **more)
+    return _nlp(label, "casadi", "casadi_nlpsol:nlpsol", options={"plugin": plugin}, **more)
 
 
 def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
-    options = {"algorithm": algorithm} | inner
-    return Engine(label, NLP, ("nlopt",), "nlp_engines.nlopt_local:nlopt", options)
+    return _nlp(label, "nlopt", "nlopt_local:nlopt", options={"algorithm": algorithm} | inner)
 
 
 def _gams(label: str, solver: str) -> Engine:
     packages, place = ("gamspy_base", f"gamspy_{solver}"), "nlp_engines.gams:gams"
     check = "nlp_engines.gams:unavailable"
     return Engine(label, NLP, packages, place, {"solver": solver}, check=check)
+
+
+def _proven(label: str, package: str, name: str, **more: Any) -> Engine:
+    return Engine(label, PROVEN, (package,), f"minlp_engines.{name}:{name}", **more)
 
 
 def _search(label: str, function: str, evaluations: int) -> Engine:
@@ -125,11 +131,9 @@ def _minimizer(method: str, steps: str, values: str) -> Engine:
 
 
 ENGINES = {
-    "slsqp": Engine("SLSQP", NLP, ("scipy",), "nlp_engines.scipy_minimize:slsqp"),
-    "trust-constr": Engine(
-        "trust-constr", NLP, ("scipy",), "nlp_engines.scipy_minimize:trust_constr"
-    ),
-    "cobyqa": Engine("COBYQA", NLP, ("scipy",), "nlp_engines.scipy_minimize:cobyqa"),
+    "slsqp": _nlp("SLSQP", "scipy", "scipy_minimize:slsqp"),
+    "trust-constr": _nlp("trust-constr", "scipy", "scipy_minimize:trust_constr"),
+    "cobyqa": _nlp("COBYQA", "scipy", "scipy_minimize:cobyqa"),
     "ipopt": _nlpsol("Ipopt", "ipopt"),
     "uno": _nlpsol("Uno", "uno"),
     "fatrop": _nlpsol("fatrop", "fatrop", keeps_limit=False),
@@ -149,36 +153,24 @@ ENGINES = {
         "feasiblesqpmethod",
         broken="feasiblesqpmethod asks for an initial guess that satisfies all equations",
     ),
-    "apopt": Engine(
-        *("APOPT", NLP, ("gekko",), "nlp_engines.apopt:apopt"),
-        check="nlp_engines.apopt:unavailable",
-    ),
-    "conopt": Engine("CONOPT", NLP, ("conopt",), "nlp_engines.conopt_grg:conopt", fixed_tol=1e-7),
+    "apopt": _nlp("APOPT", "gekko", "apopt:apopt", check="nlp_engines.apopt:unavailable"),
+    "conopt": _nlp("CONOPT", "conopt", "conopt_grg:conopt", fixed_tol=1e-7),
     "gams-minos": _gams("MINOS", "minos"),
     "gams-snopt": _gams("SNOPT", "snopt"),
     "nlopt-slsqp": _nlopt("NLopt SLSQP", "LD_SLSQP"),
     # the augmented Lagrangian of Birgin and Martinez, minimised within the bounds by L-BFGS
     "nlopt-auglag": _nlopt("NLopt AUGLAG", "LD_AUGLAG", inner="LD_LBFGS"),
     "nlopt-cobyla": _nlopt("NLopt COBYLA", "LN_COBYLA"),
-    "uno-filtersqp": Engine("Uno filterSQP", NLP, ("unopy",), "nlp_engines.uno:filtersqp"),
+    "uno-filtersqp": _nlp("Uno filterSQP", "unopy", "uno:filtersqp"),
     # reads nothing but Pyomo's model of (4.12), with its own tolerances
     "knitro": Engine(
-        "KNITRO",
-        NLP,
-        ("knitro",),
-        check="paper_nlp.program:unlicensed",
-        keeps_limit=False,
+        "KNITRO", NLP, ("knitro",), check="paper_nlp.program:unlicensed", keeps_limit=False
     ),
-    "scip": Engine(
-        *("SCIP", PROVEN, ("pyscipopt",), "minlp_engines.scip:scip"),
-        versions=scip_in_pyscipopt,
-    ),
-    "gurobi": Engine("Gurobi", PROVEN, ("gurobipy",), "minlp_engines.gurobi:gurobi"),
-    "xpress": Engine("Xpress", PROVEN, ("xpress",), "minlp_engines.xpress:xpress"),
+    "scip": _proven("SCIP", "pyscipopt", "scip", versions=scip_in_pyscipopt),
+    "gurobi": _proven("Gurobi", "gurobipy", "gurobi"),
+    "xpress": _proven("Xpress", "xpress", "xpress"),
     # counts the processor's seconds, and whole ones
-    "maingo": Engine(
-        "MAiNGO", PROVEN, ("maingopy",), "minlp_engines.maingo:maingo", keeps_limit=False
-    ),
+    "maingo": _proven("MAiNGO", "maingopy", "maingo", keeps_limit=False),
     "differential-evolution": _search("differential evolution", "differential_evolution", 8000),
     "dual-annealing": _search("dual annealing", "dual_annealing", 3000),
     "shgo": _search("SHGO", "shgo", 3000),
