@@ -10,11 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.nlp_engines.expressions import (
-    UnknownOperationError,
-    carried_out,
-    rebuilt,
-)
+from dubins_study.solvers.nlp_engines.expressions import UnknownOperationError, rebuilt
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 
 
@@ -44,7 +40,7 @@ def test_with_numbers_the_walk_is_casadis_evaluation(x):
 
 def test_parameters_become_constants():
     """Another value of the parameters gives other equations, from the same expressions."""
-    sides = [rebuilt(program(p), [0.4, 1.1, 2.3]).equations[0] for p in ((0.7, 1.3), (0.0, 0.0))]
+    sides = [rebuilt(program(p), [0.4, 1.1, 2.3])[1][0] for p in ((0.7, 1.3), (0.0, 0.0))]
 
     turn = math.sin(0.4 - 1.1) * 0.7 - math.cos(0.4) * math.sin(1.3)
     assert sides == pytest.approx([turn, 0.0], abs=1e-15)
@@ -52,14 +48,16 @@ def test_parameters_become_constants():
 
 def test_an_operation_that_is_not_known_is_named():
     """Neither by the walk, nor by the interface whose functions are taken."""
-    x = casadi.SX.sym("x")
-    steps = casadi.Function("steps", [x], [casadi.floor(x)])
-    waves = casadi.Function("waves", [x], [casadi.sin(x)])
+    x, bound = casadi.SX.sym("x"), np.ones(1)
+    steps, waves = (
+        Program(Expressions(x, casadi.SX.sym("p", 0), f, x), np.zeros(0), -bound, bound)
+        for f in (casadi.floor(x), casadi.sin(x))
+    )
 
     class Algebra:
         """An interface without sines, and its variable."""
 
     with pytest.raises(UnknownOperationError, match="OP_FLOOR has no counterpart in math"):
-        carried_out(steps, [[0.5]])
+        rebuilt(steps, [0.5])
     with pytest.raises(UnknownOperationError, match="OP_SIN has no counterpart in Algebra"):
-        carried_out(waves, [[Algebra()]], Algebra())
+        rebuilt(waves, [Algebra()], Algebra())

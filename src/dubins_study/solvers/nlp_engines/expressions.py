@@ -43,42 +43,16 @@ class UnknownOperationError(DubinsStudyError, ValueError):
     """An expression holds an operation that the walk, or the other interface, does not have."""
 
 
-class Rebuilt(NamedTuple):
-    """A program's objective and the left-hand sides of its equations, shape (m,), rebuilt."""
+def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> tuple[Any, list[Any]]:
+    """A program's objective and m equations, at its parameters, in other variables x (n,).
 
-    objective: Any
-    equations: list[Any]
-
-
-def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> Rebuilt:
-    """A program's objective and equations, at its parameters, in other variables x (n,).
-
-    `functions` has attributes `sin`, `cos`, ...; those of numbers are computed by `math`.
+    `functions` has attributes `sin`, `cos`, ...; those of numbers are computed by `math`. An
+    operation without a counterpart is an UnknownOperationError.
     """
-    function = _function(program.expressions)
-    objective, equations = carried_out(function, [x, program.p.tolist()], functions)
-    return Rebuilt(objective[0], equations)
-
-
-@lru_cache(maxsize=256)
-def _function(expressions: Expressions) -> Any:
-    import casadi
-
-    sides = [casadi.densify(side) for side in (expressions.f, expressions.g)]
-    return casadi.Function("sides", [expressions.x, expressions.p], sides)
-
-
-def carried_out(function: Any, given: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
-    """The outputs of a `casadi.Function` of dense SX for operands of any type.
-
-    An input or an output is the list of its elements, column by column.
-
-    Raises:
-        UnknownOperationError: naming the operation.
-    """
-    names = _operation_names()
+    function, names = _function(program.expressions), _operation_names()
+    given = x, program.p.tolist()
     work: list[Any] = [0.0] * function.sz_w()
-    outputs: list[Any] = [[0.0] * function.numel_out(i) for i in range(function.n_out())]
+    objective, equations = outputs = [0.0], [0.0] * function.numel_out(1)
     for k in range(function.n_instructions()):
         name = names[function.instruction_id(k)]
         source, place = function.instruction_input(k), function.instruction_output(k)
@@ -91,7 +65,15 @@ def carried_out(function: Any, given: Sequence[Sequence[Any]], functions: Any = 
         else:
             operands = [work[i] for i in source]
             work[place[0]] = _operation(name, operands, functions)(*operands)
-    return outputs
+    return objective[0], equations
+
+
+@lru_cache(maxsize=256)
+def _function(expressions: Expressions) -> Any:
+    import casadi
+
+    sides = [casadi.densify(side) for side in (expressions.f, expressions.g)]
+    return casadi.Function("sides", [expressions.x, expressions.p], sides)
 
 
 def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., Any]:
