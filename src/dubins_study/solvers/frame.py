@@ -9,24 +9,23 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
 
 from dubins_study.solvers.attempt import Answer, attempt, check_request
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
-from dubins_study.study.path import FloatArray
+from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
 from dubins_study.study.scenario import check_frame
 from dubins_study.study.scenario import scenarios as scenarios_of
 from dubins_study.study.words import Claim, Outcome
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from dubins_study.study.check.certificate_frame import FrameCertificate
     from dubins_study.study.check.verdict_frame import FrameJudgement
-    from dubins_study.study.path import Paths
 
 _FIELDS = [field.name for field in fields(FrameSolution)]
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
@@ -61,8 +60,8 @@ def solve_frame(
     # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    columns = _columns(solution, outcome, judged, seconds / max(1, len(frame)))
-    columns |= _method(stated_method(backend), len(frame))
+    method = stated_method(backend)
+    columns = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
     if certified:
         bound = solution.lower_bound
         asked = frame, solution.paths, judged, branch, bound, allowed
@@ -74,8 +73,6 @@ def _run(
     whole: Callable[[pd.DataFrame, str], FrameSolution], frame: pd.DataFrame, branch: str
 ) -> tuple[Outcome, FrameSolution, float]:
     """The answers, and the seconds they took; a backend that raises has answered no row."""
-    from dubins_study.study.path import Paths
-
     began = perf_counter()
     try:
         solution = whole(frame, branch)
@@ -97,31 +94,32 @@ def _run(
 
 
 def _columns(
-    solution: FrameSolution, outcome: Outcome, judged: FrameJudgement, seconds: float
+    solution: FrameSolution,
+    outcome: Outcome,
+    judged: FrameJudgement,
+    method: Method,
+    seconds: float,
 ) -> dict[str, Any]:
-    """The answer's columns: codes and flat buffers are taken over as they are."""
+    """The answer's columns, None for a missing one: codes and flat buffers are taken over."""
     from dubins_study.study.check.two_arcs import PATH_WORDS
     from dubins_study.study.check.verdict_frame import REGIONS, VERDICTS
     from dubins_study.study.closed_form.kernel import WORDS
-    from dubins_study.study.path import CLAIMS
 
     n = len(solution.paths)
-    claim, same = solution.claim, np.zeros(n, np.int8)
-    claims = (same, [claim]) if isinstance(claim, Claim) else (claim, CLAIMS)
-    message = solution.message
+    claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)
     curvatures, lengths = _controls(solution.paths)
-    columns = {
+    of_all_rows = method._asdict() | {"outcome": outcome, "native_status": solution.native_status}
+    tolerance = of_all_rows.pop("tolerance")
+    columns = {name: _texts(same, [text]) for name, text in of_all_rows.items()} | {
         "region": _texts(judged.region, REGIONS),
         "word": _texts(judged.word, PATH_WORDS),
         "reference_word": _texts(judged.reference_word, WORDS),
         "verdict": _texts(judged.verdict, VERDICTS),
-        "claim": _texts(*claims),
-        "presolved": np.zeros(n, np.bool_),  # what solves whole frames is asked itself
-        "outcome": _texts(same, [outcome]),
-        "native_status": _texts(same, [solution.native_status]),
+        "claim": _texts(same, [claim]) if isinstance(claim, Claim) else _texts(claim, CLAIMS),
         "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
-        "claimed_length": _numbers(solution.claimed_length, n),
-        "lower_bound": _numbers(solution.lower_bound, n),
+        "claimed_length": solution.claimed_length,
+        "lower_bound": solution.lower_bound,
+        "tolerance": None if tolerance is None else np.full(n, tolerance),
         "curvatures": curvatures,
         "lengths": lengths,
         "build_s": np.zeros(n),
@@ -132,15 +130,6 @@ def _columns(
     for name in (*measured, "miss", "curvature_excess"):
         columns[name] = getattr(judged, name)
     return columns
-
-
-def _method(method: Method, n: int) -> dict[str, Any]:
-    """The method's columns: the same texts in every row."""
-    same, tolerance = np.zeros(n, np.int8), method.tolerance
-    texts = ("formulation", "engine", "guess")
-    return {name: _texts(same, [getattr(method, name)]) for name in texts} | {
-        "tolerance": np.full(n, np.nan if tolerance is None else tolerance)
-    }
 
 
 def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
@@ -158,16 +147,12 @@ def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
     """Texts by their codes; 255 is none."""
-    import pandas as pd
-
     signed = np.asarray(codes, np.uint8).view(np.int8)  # in which 255 is -1, as pandas wants it
     categories = pd.Index([_storable(str(text)) for text in texts])
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
 
 def _text(values: Any) -> Any:
-    import pandas as pd
-
     return pd.Categorical([None if value is None else _storable(value) for value in values])
 
 
@@ -176,15 +161,8 @@ def _storable(text: str) -> str:
     return str.encode(text, "utf-8", "replace").decode()
 
 
-def _numbers(values: FloatArray | None, n: int) -> FloatArray:
-    return np.full(n, np.nan) if values is None else values
-
-
 def _missing(kind: str, n: int) -> Any:
     """A column without values."""
-    import pandas as pd
-    import pyarrow as pa
-
     match kind:
         case "string":
             return _texts(np.full(n, 255, np.uint8), [""])
@@ -200,9 +178,6 @@ def _missing(kind: str, n: int) -> Any:
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
     """Curvatures and lengths as list columns over two flat buffers; null where there is no path."""
-    import pandas as pd
-    import pyarrow as pa
-
     from dubins_study.study.closed_form.kernel import flatten
 
     n = len(paths)
@@ -231,9 +206,6 @@ def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
 
 def _typed(values: list[Any], column: Column) -> Any:
     """A column of single answers with the dtype that `_columns` gives it."""
-    import pandas as pd
-    import pyarrow as pa
-
     match column.type:
         case "string":
             return _text([None if value is None else str(value) for value in values])
@@ -247,10 +219,8 @@ def _typed(values: list[Any], column: Column) -> Any:
 
 
 def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:
-    import pandas as pd
-
     every = {name: frame[name] for name in names(SCENARIO)} | columns
     # one array of nulls serves all columns of its type
     missing = cache(lambda kind: _missing(kind, len(frame)))
-    every |= {c.name: missing(c.type) for c in ANSWER if c.name not in every}
+    every |= {c.name: missing(c.type) for c in ANSWER if every.get(c.name) is None}
     return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)

@@ -191,15 +191,15 @@ class FrameSolution:
     message: str | Sequence[str] = ""  # one for all rows, or n
 
     def __post_init__(self) -> None:
-        paths = self.paths
+        paths, values = self.paths, vars(self)
         if not isinstance(paths, Paths):
             raise TypeError(f"paths is {short(paths)}; expected Paths")
         # checked anew: a plug-in may have replaced the arrays since
-        object.__setattr__(self, "paths", Paths(paths.curvature, paths.length, paths.returned))
+        values["paths"] = Paths(paths.curvature, paths.length, paths.returned)
         n = len(self.paths)
         for name in ("claimed_length", "lower_bound"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, real_array(name, getattr(self, name), (n,)))
+            if values[name] is not None:
+                values[name] = real_array(name, values[name], (n,))
         if not isinstance(self.claim, Claim):
             codes = np.asarray(self.claim)
             known = codes.dtype.kind in "iu" and codes.min(initial=0) >= 0
@@ -207,8 +207,7 @@ class FrameSolution:
                 raise TypeError("claim is neither a Claim nor indices into CLAIMS")
             if codes.shape != (n,):
                 raise TypeError(f"claim has shape {codes.shape}; expected {(n,)}")
-            native = codes.astype(codes.dtype.newbyteorder("="), copy=False)
-            object.__setattr__(self, "claim", native)
+            values["claim"] = codes.astype(codes.dtype.newbyteorder("="), copy=False)
         if not isinstance(self.native_status, str):
             raise TypeError(f"native_status is {short(self.native_status)}; expected a text")
         if isinstance(self.message, str):
