@@ -144,9 +144,6 @@ def _point(file: FilePath, n: int) -> FloatArray:
 
 def _iterations(log: str) -> int | None:
     """The number of the last line of the table of iterations."""
-    last = None
-    for line in log.partition("Convergence")[2].splitlines():
-        words = line.split()
-        if len(words) == 3 and words[0].isdigit():
-            last = int(words[0])
-    return last
+    table = log.partition("Convergence")[2].splitlines()
+    rows = [words for words in map(str.split, table) if len(words) == 3 and words[0].isdigit()]
+    return int(rows[-1][0]) if rows else None

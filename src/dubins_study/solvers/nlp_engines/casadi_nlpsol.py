@@ -19,6 +19,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Expressions,
     NlpCall,
     Program,
+    needs_watch,
     no_point,
 )
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, Deadline
@@ -27,11 +28,6 @@ from dubins_study.study.words import Claim
 
 # casadi's word of an engine's ending, where the engine's own is in no table
 _UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT}
-
-# A run of so many iterations on so few variables takes less than a tenth of a second and needs no
-# look at the time, which would cost more than the iterations do.
-_QUICK_ITERATIONS = 1000
-_FEW_VARIABLES = 10
 
 
 class _Plugin(NamedTuple):
@@ -127,34 +123,30 @@ class _Silence(io.TextIOBase):
         return len(text)
 
 
-class _Compiled(NamedTuple):
-    """A program compiled: what gives the object that solves it once, and what stops it, if any."""
-
-    solver: Callable[[], Any]
-    deadline: Deadline | None
-
-
 @lru_cache(maxsize=256)
-def _compiled(expressions: Expressions, plugin: str, tol: float, max_iter: int) -> _Compiled:
+def _compiled(
+    expressions: Expressions, plugin: str, tol: float, max_iter: int
+) -> tuple[Callable[[], Any], Deadline | None]:
+    """What gives the object that solves a program once, and what stops it, if anything does."""
     import casadi
 
     problem = {name: getattr(expressions, name) for name in ("x", "p", "f", "g")}
     options = {"print_time": False, "expand": True} | _PLUGINS[plugin].options(tol, max_iter)
     n, m = expressions.x.numel(), expressions.g.numel()
     deadline = None
-    if _PLUGINS[plugin].watched and (max_iter > _QUICK_ITERATIONS or n > _FEW_VARIABLES):
+    if _PLUGINS[plugin].watched and needs_watch(max_iter, n):
         deadline = Deadline()
         options["iteration_callback"] = deadline.watch(n, m)
     solver = casadi.nlpsol("engine", plugin, problem, options)
     if not _PLUGINS[plugin].remembers:
-        return _Compiled(lambda: solver, deadline)
+        return lambda: solver, deadline
     # the derivatives, which take ten times as long to make as all else, are kept
     derivatives = {
         "jac_fg": solver.get_function("nlp_jac_fg"),
         "hess_lag": solver.get_function("nlp_hess_l"),
     }
     again = partial(casadi.nlpsol, "engine", plugin, solver.oracle(), options | derivatives)
-    return _Compiled(again, deadline)
+    return again, deadline
 
 
 def nlpsol(tol: float, max_iter: int, plugin: str) -> NlpCall:

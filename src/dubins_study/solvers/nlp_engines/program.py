@@ -32,31 +32,28 @@ class Expressions:
     g: Any
 
     @cached_property
-    def _compiled(self) -> dict[str, Any]:
+    def _compiled(self) -> list[Any]:
+        """f, its gradient, g, its Jacobian and the Lagrangian's Hessian as `casadi.Function`s."""
         import casadi
 
-        weights = casadi.SX.sym("weights", self.g.numel())
-        lagrangian = self.f + casadi.dot(weights, self.g)
-        given = [self.x, self.p]
-        return {
-            "f": casadi.Function("f", given, [self.f]),
-            "gradient": casadi.Function("gradient", given, [casadi.gradient(self.f, self.x)]),
-            "g": casadi.Function("g", given, [self.g]),
-            "jacobian": casadi.Function("jacobian", given, [casadi.jacobian(self.g, self.x)]),
-            "hessian": casadi.Function(
-                "hessian", [*given, weights], [casadi.hessian(lagrangian, self.x)[0]]
-            ),
-        }
+        x, f, g = self.x, self.f, self.g
+        weights = casadi.SX.sym("weights", g.numel())
+        curved = casadi.hessian(f + casadi.dot(weights, g), x)[0]
+        first_order = (f, casadi.gradient(f, x), g, casadi.jacobian(g, x))
+        return [
+            *(casadi.Function("compiled", [x, self.p], [each]) for each in first_order),
+            casadi.Function("compiled", [x, self.p, weights], [curved]),
+        ]
 
     def functions(self, p: FloatArray) -> Functions:
         """The program's functions for parameters p, shape (k,)."""
-        compiled = self._compiled
+        f, gradient, g, jacobian, hessian = self._compiled
         return Functions(
-            lambda x: float(compiled["f"](x, p)),
-            lambda x: np.asarray(compiled["gradient"](x, p).full()).ravel(),
-            lambda x: np.asarray(compiled["g"](x, p).full()).ravel(),
-            lambda x: np.asarray(compiled["jacobian"](x, p).full()),
-            lambda x, weights: np.asarray(compiled["hessian"](x, p, weights).full()),
+            lambda x: float(f(x, p)),
+            lambda x: np.asarray(gradient(x, p).full()).ravel(),
+            lambda x: np.asarray(g(x, p).full()).ravel(),
+            lambda x: np.asarray(jacobian(x, p).full()),
+            lambda x, weights: np.asarray(hessian(x, p, weights).full()),
         )
 
 
@@ -67,16 +64,14 @@ class DeferredExpressions(Expressions):
     """
 
     def __init__(self, write: Callable[[], Expressions]) -> None:
-        object.__setattr__(self, "write", write)
+        vars(self)["write"] = write
 
     def __getattr__(self, name: str) -> Any:
         # called for what is not set yet
         if name not in ("x", "p", "f", "g"):
             raise AttributeError(name)
-        expressions = self.__dict__["write"]()
-        for part in ("x", "p", "f", "g"):
-            object.__setattr__(self, part, getattr(expressions, part))
-        return getattr(self, name)
+        vars(self).update(vars(self.write()))
+        return vars(self)[name]
 
 
 class Functions(NamedTuple):
@@ -135,6 +130,14 @@ class EngineResult(NamedTuple):
     evaluations: int | None
     status: str
     message: str
+
+
+def needs_watch(max_iter: int, n: int) -> bool:
+    """Whether a run on n variables may take a tenth of a second, so that it looks at the time.
+
+    In a quicker one these looks would cost a tenth of it, or more than the iterations do.
+    """
+    return max_iter > 1000 or n > 10
 
 
 def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:

@@ -42,14 +42,14 @@ class Deadline:
         """
         import casadi
 
+        deadline = self
         sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
 
         class Watch(casadi.Callback):
             """Told of every iteration; answers whether to stop."""
 
-            def __init__(self, deadline: Deadline) -> None:
+            def __init__(self) -> None:
                 casadi.Callback.__init__(self)
-                self.deadline = deadline
                 self.construct("watch", {})
 
             def get_n_in(self) -> int:
@@ -65,9 +65,9 @@ class Deadline:
                 return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
 
             def eval(self, _: Any) -> list[int]:
-                return [int(perf_counter() > self.deadline.at)]
+                return [int(perf_counter() > deadline.at)]
 
-        self.watches.append(Watch(self))
+        self.watches.append(Watch())
         return self.watches[-1]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program, needs_watch
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -33,11 +33,6 @@ _LONG_DUAL = 2.0
 _AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
-# A run of SLSQP of so many iterations on so few variables takes less than a tenth of a second and
-# needs no look at the time, for which SciPy takes a tenth longer.
-_QUICK_ITERATIONS = 1000
-_FEW_VARIABLES = 10
-
 # a tolerance times the equations' magnitude, at most so many times larger, since the path misses by
 # what the engine leaves of the equations
 _LARGEST_FACTOR = 1e3
@@ -48,7 +43,6 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
 
     It grows with the equations' magnitude, as rounding does.
     """
-    long_run = max_iter > _QUICK_ITERATIONS
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import minimize
@@ -62,18 +56,11 @@ def slsqp(tol: float, max_iter: int) -> NlpCall:
             method="SLSQP",
             bounds=list(zip(program.lower.tolist(), program.upper.tolist(), strict=True)),
             constraints={"type": "eq", "fun": functions.equations, "jac": functions.jacobian},
-            callback=_stop_after(seconds) if long_run or guess.size > _FEW_VARIABLES else None,
+            callback=_stop_after(seconds) if needs_watch(max_iter, guess.size) else None,
             options={"ftol": program.attainable(larger), "maxiter": max_iter},
         )
-        return EngineResult(
-            result.x,
-            _SLSQP_CLAIMS.get(int(result.status), Claim.FAILED),
-            _duals(result, program),
-            int(result.nit),
-            int(result.nfev),
-            f"mode {result.status}",
-            str(result.message),
-        )
+        claim = _SLSQP_CLAIMS.get(int(result.status), Claim.FAILED)
+        return _ended(result, claim, _duals(result, program), "mode")
 
     return run
 
@@ -104,12 +91,17 @@ def cobyqa(tol: float, max_iter: int) -> NlpCall:
         claim = _COBYQA_CLAIMS.get(int(result.status), Claim.FAILED)
         if claim is Claim.LOCAL and not result.success:  # its own check of the violation
             claim = Claim.FAILED
-        counts = int(result.nit), int(result.nfev)
-        return EngineResult(
-            result.x, claim, None, *counts, f"status {result.status}", str(result.message)
-        )
+        return _ended(result, claim, None)
 
     return run
+
+
+def _ended(
+    result: Any, claim: Claim, duals: FloatArray | None, status: str = "status"
+) -> EngineResult:
+    """SciPy's result as every engine gives it; `status` is what the method calls its number."""
+    native, message = f"{status} {result.status}", str(result.message)
+    return EngineResult(result.x, claim, duals, int(result.nit), int(result.nfev), native, message)
 
 
 def _stop_after(seconds: float) -> Callable[[FloatArray], None]:
@@ -224,14 +216,9 @@ def trust_constr(tol: float, max_iter: int) -> NlpCall:
                 "factorization_method": "SVDFactorization",
             },
         )
-        return EngineResult(
-            result.x,
-            watch.claim or _TRUST_CONSTR_CLAIMS.get(result.status, Claim.FAILED),
-            np.asarray(result.v[0]),
-            int(result.nit),
-            int(result.nfev),
-            f"status {result.status}",
-            watch.message or str(result.message),
-        )
+        if watch.claim is not None:
+            result.message = watch.message
+        claim = watch.claim or _TRUST_CONSTR_CLAIMS.get(result.status, Claim.FAILED)
+        return _ended(result, claim, np.asarray(result.v[0]))
 
     return run

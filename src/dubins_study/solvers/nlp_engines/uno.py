@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -66,14 +67,11 @@ def _model(program: Program, guess: FloatArray) -> Any:
     n, m = guess.size, functions.equations(guess).size
     rows, columns = np.tril_indices(n)
 
-    def gradient(x: Any, values: Any) -> None:
-        values[:] = functions.gradient(np.asarray(x))
+    def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:
+        def fill(x: Any, values: Any) -> None:
+            values[:] = function(np.asarray(x)).ravel()
 
-    def equations(x: Any, values: Any) -> None:
-        values[:] = functions.equations(np.asarray(x))
-
-    def jacobian(x: Any, values: Any) -> None:
-        values[:] = functions.jacobian(np.asarray(x)).ravel()
+        return fill
 
     def hessian(x: Any, weight: float, multipliers: Any, values: Any) -> None:
         # the weight is 0 while Uno looks for a feasible point
@@ -82,10 +80,13 @@ def _model(program: Program, guess: FloatArray) -> Any:
 
     model = unopy.Model("NLP", n, program.lower, program.upper, unopy.ZERO_BASED_INDEXING)
     model.set_objective(
-        unopy.MINIMIZE, lambda x: float(functions.objective(np.asarray(x))), gradient
+        unopy.MINIMIZE,
+        lambda x: float(functions.objective(np.asarray(x))),
+        filling(functions.gradient),
     )
     zeros, everywhere = np.zeros(m), np.indices((m, n)).reshape(2, -1).tolist()
-    model.set_constraints(m, equations, zeros, zeros, m * n, *everywhere, jacobian)
+    jacobian = *everywhere, filling(functions.jacobian)
+    model.set_constraints(m, filling(functions.equations), zeros, zeros, m * n, *jacobian)
     triangle = (rows.tolist(), columns.tolist())
     model.set_lagrangian_hessian(rows.size, unopy.LOWER_TRIANGLE, *triangle, hessian)
     model.set_lagrangian_sign_convention(unopy.MULTIPLIER_POSITIVE)

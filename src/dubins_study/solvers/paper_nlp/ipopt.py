@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.nlp_engines.program import EngineResult, needs_watch
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
     Deadline,
@@ -30,10 +30,6 @@ from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, positive, within
 from dubins_study.study.path import FloatArray
-
-# A run of so many iterations, of some 30 microseconds each, needs no look at the time, which would
-# cost more than the iterations do.
-_QUICK_ITERATIONS = 1000
 
 
 @dataclass(frozen=True)
@@ -87,7 +83,7 @@ class Ipopt(LocalNlp):
             ("bound_relax_factor", self.bound_relax),
             ("mu_target", self.mu_target),
         )
-        watched = self.max_iter > _QUICK_ITERATIONS
+        watched = needs_watch(self.max_iter, 3)
         return _compiled(options, self.units, by_executable(self.via), watched)
 
 
