@@ -21,20 +21,19 @@ from dubins_study.solvers.minlp_engines.program import (
 )
 from dubins_study.study.words import Claim
 
-_descriptors = Lock()  # of two threads, each would save what the other has set
+_redirection = Lock()  # of two threads, each would save what the other has set
 
 
 @contextmanager
-def silent(*descriptors: int) -> Iterator[None]:
-    """Send these descriptors, of all threads, to nowhere inside the `with` block."""
-    with _descriptors, ExitStack() as restored:
-        for descriptor in descriptors:
-            with suppress(OSError):  # it may be closed
-                saved = os.dup(descriptor)
-                restored.callback(os.close, saved)
-                restored.callback(os.dup2, saved, descriptor)
-                with Path(os.devnull).open("wb") as nowhere:
-                    os.dup2(nowhere.fileno(), descriptor)
+def _silent_errors() -> Iterator[None]:
+    """Send the descriptor 2, of all threads, to nowhere inside the `with` block."""
+    with _redirection, ExitStack() as restored:
+        with suppress(OSError):  # it may be closed
+            saved = os.dup(2)
+            restored.callback(os.close, saved)
+            restored.callback(os.dup2, saved, 2)
+            with Path(os.devnull).open("wb") as nowhere:
+                os.dup2(nowhere.fileno(), 2)
         yield
 
 
@@ -70,7 +69,7 @@ def scip(settings: Settings) -> MinlpCall:
             # descriptor 2 that it takes no tolerance below 1e-10, up to thousands of times; no
             # parameter of SCIP's turns that off. SCIP holds the interpreter's lock, so no thread
             # writes at that time in Python.
-            with silent(2):
+            with _silent_errors():
                 model.optimize()
         except Exception as error:
             if not str(error).startswith(BROKEN):
