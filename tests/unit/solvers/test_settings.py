@@ -2,67 +2,41 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import fields
+
 import pytest
 from cases import PAPER
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
-from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
-from dubins_study.solvers.heading_milp.solver import HeadingMilp
-from dubins_study.solvers.indirect.shooting import Shooting
-from dubins_study.solvers.optimal_control.collocation import Collocation
-from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting
-from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
-from dubins_study.solvers.optimal_control.turn_rates import TurnRates
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.registry import SolverError, load
-from dubins_study.solvers.stochastic.penalty import Penalty
+from dubins_study.solvers.registry import SolverError, load, registered
 
-NAN = float("nan")
-REFUSED = {
-    Collocation: {
-        **{"n": (2, 4.5), "points": (0,), "max_iter": (True,), "tol": (0,)},
-        **{"mesh": ("fine",), "via": ("mail",)},
-    },
-    Disjunctive: {
-        **{"engine": ("highs",), "transformation": ("cuttingplane",), "emphasis": ("fast",)},
-        **{"gap": (0.0,), "feastol": (-1e-6,)},
-    },
-    GlobalNlp: {"engine": ("baron",), "gap": (0.1,), "feastol": (1e-12,), "model": ("both",)},
-    HeadingMilp: {
-        **{"engine": ("maingo",), "headings": (3, 1001, 72.0, True), "legs": (0,), "gap": (0.0,)}
-    },
-    MultipleShooting: {
-        **{"n": (2, 4.5), "max_iter": (True,), "tol": (0,), "count": (0,), "seed": (-1,)},
-        **{"engine": ("cplex",), "mesh": ("graded",), "integrator": ("euler",)},
-        **{"initial_guess": ("warm",)},
-    },
-    Penalty: {
-        **{"seed": (-1,), "evaluations": (-1, 10_000_000), "rounds": (0,), "count": (0,)},
-        **{"engine": ("nope",), "order": ("SLR",), "weight": (0.0, NAN)},
-        **{"initial_guess": ("given",)},
-    },
-    Shooting: {
-        **{"initial_guess": ("sobol",), "root": ("newton",), "tol": (0.0,)},
-        **{"count": (0,), "seed": (-1,)},
-    },
-    TurnRateQp: {
-        **{"n": (1, 2.5), "tolerance": (0,), "max_qps": (0,)},
-        **{"engine": ("cplex",), "mesh": ("fine",)},
-    },
-    TurnRates: {"n": (2,), "mesh": ("free",), "engine": ("piqp",)},
-}
+# no setting is a path, below zero or no number at all
+REFUSED = [
+    (name, setting.name, value)
+    for name in registered()
+    for setting in fields(load(name))
+    if not isinstance(setting.default, bool)
+    for value in (("a/b",) if isinstance(setting.default, str) else (-1.5, math.nan))
+]
+# what lies just outside of a setting's values
+REFUSED += [
+    *(("collocation", "n", 2), ("collocation", "n", 4.5), ("collocation", "max_iter", True)),
+    *(("collocation", "tol", 0), ("disjunctive", "gap", 0.0), ("global-nlp", "gap", 0.1)),
+    *(("global-nlp", "feastol", 1e-12), ("global-nlp", "model", "both")),
+    *(("heading-milp", "headings", 1001), ("heading-milp", "engine", "maingo")),
+    *(("penalty", "evaluations", 10_000_000), ("penalty", "initial_guess", "given")),
+    *(("shooting", "tol", 0.0), ("turn-rate-qp", "tolerance", 0), ("turn-rates", "engine", "piqp")),
+]
 
 
-@pytest.mark.parametrize(
-    ("solver", "name", "value"),
-    [(k, name, value) for k, wrong in REFUSED.items() for name in wrong for value in wrong[name]],
-)
-def test_a_wrong_setting_is_refused_by_name(solver, name, value):
+@pytest.mark.parametrize(("name", "setting", "value"), REFUSED)
+def test_a_wrong_setting_is_refused_by_name(name, setting, value):
     """One line, with the setting, the value and what was expected."""
-    with pytest.raises(ValueError, match=rf"^{name} is '?{value}'?;.* expected .*\Z"):
-        solver(**{name: value})
+    with pytest.raises(ValueError, match=rf"^{setting} is '?{value}'?;.* expected .*\Z"):
+        type(load(name))(**{setting: value})
 
 
 @pytest.mark.parametrize(
