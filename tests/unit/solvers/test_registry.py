@@ -7,7 +7,6 @@ import pytest
 
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
-from dubins_study.solvers.attempt import QuestionError
 from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import SolverError, canonical, load, settings
@@ -185,10 +184,6 @@ def test_a_spec_leaves_out_what_its_profile_has_anyway():
     assert load(canonical("ipopt[tol=1e-8]", "accurate"), "accurate").tol == 1e-8
 
 
-def test_requests_that_no_solver_gets():
-    with pytest.raises(QuestionError, match="no branch named 'SL'; choose one of: best"):
-        solve(EASY, branch="SL")
-    with pytest.raises(QuestionError, match="limit is nan; expected"):
-        solve(EASY, limit=float("nan"))
+def test_a_profile_that_there_is_not():
     with pytest.raises(ProfileError, match="no profile named 'slow'; choose one of: default"):
         solve(EASY, profile="slow")
