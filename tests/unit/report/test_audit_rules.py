@@ -14,7 +14,6 @@ from dubins_study.report.paper.exact import (
     ball,
     decide,
     rounded,
-    rounded_twice,
     truncated,
 )
 
@@ -75,16 +74,6 @@ def test_a_reason_tells_what_the_accident_does_not_give():
     assert found.verdict == BIAS
     assert "z2 = 0.01 (printed 0)" in found.reason
     assert "z1" not in found.reason
-
-
-def test_rounding_is_exact_where_a_double_is_not():
-    """2.675 is no double; half up means away from zero."""
-    half = Fraction("2.675")
-    assert rounded(half, 2) == Decimal("2.68")
-    assert rounded(-half, 2) == Decimal("-2.68")
-    assert truncated(-half, 2) == Decimal("-2.67")
-    assert rounded_twice(Fraction("0.4445"), 3, 2) == Decimal("0.45")
-    assert rounded(Fraction("0.4445"), 2) == Decimal("0.44")
 
 
 def test_what_the_bounds_do_not_decide_is_not_decided():

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import Counter
 from decimal import Decimal
-from fractions import Fraction
 from itertools import product
 from typing import Any
 
@@ -122,7 +121,7 @@ def _path(row: PrintedRow) -> Record:
     printed = [Decimal(cell) for cell in row.cells]
     z1, z2, z3 = map(ball, printed[:3])
     miss = distance(offset(problem, (z1, z2, z3)))
-    correct = rules.rounded_row(exact, places)
+    correct = rules.printed_row(exact, lambda value: rounded(value, places))
     return row.record() | {
         "miss": float(miss),
         "rounding_allows": _allowed(problem, exact[:3], places),
@@ -170,8 +169,8 @@ def _times() -> list[Record]:
     """Each printed solve time, in ticks of a clock with 64 ticks per second."""
     records = []
     for label, path, printed in TIMES:
-        ticks = round(Fraction(Decimal(printed)) * 64)
-        is_ticks = rounded(Fraction(ticks, 64), places_of(printed)) == Decimal(printed)
+        ticks = round(Decimal(printed) * 64)
+        is_ticks = rounded(Decimal(ticks) / 64, places_of(printed)) == Decimal(printed)
         record = {"label": label, "path": path, "printed": printed}
         records.append(record | {"ticks": ticks, "is_ticks": is_ticks})
     return records

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
+from decimal import Decimal
 from typing import Any, NamedTuple
 
 from flint import arb
@@ -17,27 +17,14 @@ from dubins_study.report.paper.exact import (
     offset,
     pieces,
     positive,
-    right_left,
     target,
     text,
 )
 from dubins_study.report.paper.printed import PROBLEMS, Problem
+from dubins_study.study.check.enclosure import right_left_solutions
 
 Record = dict[str, Any]
 _WORDS = ("LS", "RS")
-
-
-class Beyond(NamedTuple):
-    """For a target in or on a turning circle: the optimum and Algorithm 1's answer, in radii."""
-
-    word: str
-    optimum: arb
-    algorithm_word: str
-    algorithm: arb
-
-    @property
-    def excess(self) -> arb:
-        return self.algorithm / self.optimum - 1
 
 
 def algorithm() -> list[Record]:
@@ -57,99 +44,96 @@ def _crossing(position: str, problem: Problem) -> Record:
     unit = target(problem, arb(1))
     left = positive(unit.Y)
     circle = (unit.X**2 + unit.Y**2) / (2 * abs(unit.Y))
-    at = target(problem, circle)
-    near = at if left else at.mirrored
+    near = _beside(problem, circle, left)
     arc = arb.atan2(near.X, 1 - near.Y)
     front = positive(near.X)
-    edge = beyond(near, left)
+    optimum, algorithm = _beyond(near)
     round_radius = _rounded_up(circle)
-    example = target(problem, ball(round_radius))
-    there = beyond(example if left else example.mirrored, left)
+    there, algorithm_there = _beyond(_beside(problem, ball(round_radius), left))
+    excess = float(algorithm / optimum - 1)
     return {
         "label": position,
         "circle": "left" if left else "right",
         "half": "front" if front else "rear",
         "radius": text(circle),
         "length_there": float((arc if front else arc + 2 * arb.pi()) * circle),
-        "word_beyond": edge.word,
-        "length_beyond": float(edge.optimum * circle),
-        "algorithm_word": edge.algorithm_word,
-        "algorithm_length": float(edge.algorithm * circle),
-        "algorithm_excess": float(edge.excess),
-        "model_excess": float(edge.excess) if left else 0.0,
+        "word_beyond": "RL" if left else "LR",
+        "length_beyond": float(optimum * circle),
+        "algorithm_word": "RS" if left else "LS",
+        "algorithm_length": float(algorithm * circle),
+        "algorithm_excess": excess,
+        "model_excess": excess if left else 0.0,
         "example_radius": round_radius,
-        "example_length": float(there.optimum * round_radius),
-        "example_algorithm_length": float(there.algorithm * round_radius),
-        "example_excess": float(there.excess),
+        "example_length": float(there * round_radius),
+        "example_algorithm_length": float(algorithm_there * round_radius),
+        "example_excess": float(algorithm_there / there - 1),
     }
 
 
-def beyond(near: Target, left: bool) -> Beyond:
-    """The optimum and the algorithm's answer inside a circle; `near` is mirrored if not `left`."""
-    first, second = right_left(near)
-    other = left_straight(near.mirrored)
-    words = ("RL", "RS") if left else ("LR", "LS")
-    return Beyond(words[0], first + second, words[1], other[0] + other[1])
+def _beside(problem: Problem, radius: arb, left: bool) -> Target:
+    """The target in radii, mirrored if it enters the right turning circle, not the `left` one."""
+    at = target(problem, radius)
+    return at if left else at.mirrored
+
+
+def _beyond(near: Target) -> tuple[arb, arb]:
+    """Lengths of RL, the optimum, and of RS, the algorithm's answer, in the left circle; radii."""
+    ((optimum,), _) = right_left_solutions(*near, inside=True)
+    turn, straight = left_straight(near.mirrored)
+    return optimum, turn + straight
 
 
 def _rounded_up(value: arb) -> int:
     """The next larger whole number with only one digit other than zero."""
 
-    def rule(exact: Fraction) -> int:
-        unit: int = 10 ** (len(str(int(exact))) - 1)
-        return (int(exact / unit) + 1) * unit
+    def rule(exact: Decimal) -> int:
+        unit: int = 10 ** exact.adjusted()
+        return (int(exact) // unit + 1) * unit
 
     return decide(value, rule)
 
 
 class Extremal(NamedTuple):
-    """A word of a scenario with its multipliers: nu0 = 1, (nu1, nu2) = -(cos, sin) of `end`.
-
-    `offset` holds the residuals of (4.10) and (4.11).
-    """
+    """An LS or RS, with its multipliers nu0 = 1 and (nu1, nu2) = -(cos, sin) of `end`."""
 
     problem: Problem
-    word: str
     length: arb
     end: arb  # final heading, not wrapped
-    offset: tuple[arb, arb]
-
-    @property
-    def turn_rate(self) -> int:
-        return 1 if self.word == "LS" else -1
-
-    @property
-    def hamiltonian(self) -> arb:
-        """H at the start, eq. (2.9), with nu3 from (2.10) and nu3 = 0 on the straight; times R."""
-        start = heading(self.problem)
-        phi = self.end + arb.pi()
-        switch = -self.turn_rate * (1 - (self.end - start).cos())
-        return 1 + (start - phi).cos() + switch * self.turn_rate
-
-    @property
-    def obeys_control_law(self) -> bool:
-        """(2.14): nu3 and the turn rate are of opposite sign; |turn| < 2 pi, so nu3 is not 0."""
-        return positive(1 - (self.end - heading(self.problem)).cos())
+    arrives: bool  # it meets (4.10) and (4.11)
+    qualifies: bool  # it meets H = 0 at the start and the control law
 
 
 def _extremals() -> list[Extremal]:
-    extremals = []
-    for problem in PROBLEMS.values():
-        for word in _WORDS:
-            z = pieces(problem, word)
-            end = heading(problem) + (z[0] - z[1]) / problem.radius
-            extremals.append(Extremal(problem, word, z[0] + z[1] + z[2], end, offset(problem, z)))
-    return extremals
+    return [_extremal(problem, word) for problem in PROBLEMS.values() for word in _WORDS]
+
+
+def _extremal(problem: Problem, word: str) -> Extremal:
+    """A word of a scenario.
+
+    H is (2.9) at the start, times R, with nu3 from (2.10) and nu3 = 0 on the straight. The control
+    law (2.14) asks for nu3 and the turn rate of opposite sign; |turn| < 2 pi, so nu3 is not 0.
+    """
+    nil, z = ball(NIL), pieces(problem, word)
+    start = heading(problem)
+    end = start + (z[0] - z[1]) / problem.radius
+    switch = 1 - (end - start).cos()
+    hamiltonian = 1 + (start - end - arb.pi()).cos() - switch
+    return Extremal(
+        problem,
+        z[0] + z[1] + z[2],
+        end,
+        arrives=all(abs(side) < nil for side in offset(problem, z)),
+        qualifies=positive(switch) and abs(hamiltonian) < nil,
+    )
 
 
 def statements() -> list[Record]:
     """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
     paths, crossings = _extremals(), algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
-    nil = ball(NIL)
-    met = all(abs(side) < nil for path in paths for side in path.offset)
+    met = all(path.arrives for path in paths)
     radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)
-    qualify = [path for path in paths if path.obeys_control_law and abs(path.hamiltonian) < nil]
+    qualify = [path for path in paths if path.qualifies]
     longest = max(
         float(first.length / second.length)
         for first in qualify

@@ -16,19 +16,14 @@ does not give.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
+from functools import partial
 from typing import NamedTuple
 
 from flint import arb
 
-from dubins_study.report.paper.exact import (
-    decide,
-    places_of,
-    rounded,
-    rounded_twice,
-    truncated,
-)
+from dubins_study.report.paper.exact import decide, places_of, rounded, truncated
 from dubins_study.report.paper.printed import CORRECT, QUANTITIES
 
 DOUBLE, CUT, BIAS, WRONG = "double rounding", "truncated", "solver bias reproduced", "wrong"
@@ -58,26 +53,26 @@ def judge(printed: Sequence[str], exact: Sequence[arb], biased: Sequence[arb]) -
     return [_finding(i, printed, exact, accidents) for i in range(len(printed))]
 
 
-def rounded_row(values: Sequence[arb], places: int) -> list[Decimal]:
-    """A row correctly rounded."""
-    return [decide(value, lambda v: rounded(v, places)) for value in values]
+def printed_row(values: Sequence[arb], rule: Callable[[Decimal], Decimal]) -> list[Decimal]:
+    """A row as a rule prints its exact values."""
+    return [decide(value, rule) for value in values]
 
 
-def _twice(values: Sequence[arb], first: int, places: int) -> Row:
-    return [decide(value, lambda v: rounded_twice(v, first, places)) for value in values]
+def _twice(first: int, places: int, value: Decimal) -> Decimal:
+    return rounded(rounded(value, first), places)
 
 
 def _accidents(places: int, exact: Sequence[arb], biased: Sequence[arb]) -> list[Accident]:
+    nearest, cut = partial(rounded, places=places), partial(truncated, places=places)
     twice = [
-        Accident(DOUBLE, str(first), _twice(exact, first, places))
+        Accident(DOUBLE, str(first), printed_row(exact, partial(_twice, first, places)))
         for first in range(places + 1, _MOST_PLACES + 1)
     ]
-    cut = [[decide(x, lambda v: truncated(v, places)) for x in row] for row in (exact, biased)]
     return [
         *twice,
-        Accident(CUT, "cut off", cut[0]),
-        Accident(BIAS, "rounded", rounded_row(biased, places)),
-        Accident(BIAS, "cut off", cut[1]),
+        Accident(CUT, "cut off", printed_row(exact, cut)),
+        Accident(BIAS, "rounded", printed_row(biased, nearest)),
+        Accident(BIAS, "cut off", printed_row(biased, cut)),
     ]
 
 
@@ -92,16 +87,12 @@ def _finding(
     if not fitting:
         units = abs(cell - right).scaleb(places)
         return Finding(WRONG, f"rounds to {right}: {units:.0f} off in the last digit")
-    best = max(fitting, key=lambda accident: _score(accident.row, printed))
+    best = min(fitting, key=lambda accident: len(_mismatches(accident, printed)))
     others = [a for a in fitting if a.verdict != best.verdict and a.verdict != DOUBLE]
     ways = [a.how for a in fitting if (a.verdict, a.row) == (best.verdict, best.row)]
-    clauses = [
-        f"rounds to {right}; {_description(best, ways)} it gives {cell}{_mismatches(best, printed)}"
-    ]
-    clauses += [
-        f"{_description(other, [other.how])} too{_mismatches(other, printed)}" for other in others
-    ]
-    return Finding(best.verdict, "; ".join(clauses))
+    first = f"rounds to {right}; {_description(best, ways)} it gives {cell}{_rest(best, printed)}"
+    more = [f"{_description(a, [a.how])} too{_rest(a, printed)}" for a in others]
+    return Finding(best.verdict, "; ".join([first, *more]))
 
 
 def _description(accident: Accident, ways: Sequence[str]) -> str:
@@ -111,15 +102,15 @@ def _description(accident: Accident, ways: Sequence[str]) -> str:
     return f"with an interior-point solver's bias, {how}," if accident.verdict == BIAS else how
 
 
-def _score(row: Row, printed: Sequence[str]) -> int:
-    return sum(value == Decimal(text) for value, text in zip(row, printed, strict=True))
-
-
-def _mismatches(accident: Accident, printed: Sequence[str]) -> str:
+def _mismatches(accident: Accident, printed: Sequence[str]) -> list[str]:
     """The row's cells that an accident does not give."""
-    off = [
+    return [
         f"{quantity} = {value} (printed {text})"
         for quantity, value, text in zip(QUANTITIES, accident.row, printed, strict=True)
         if value != Decimal(text)
     ]
+
+
+def _rest(accident: Accident, printed: Sequence[str]) -> str:
+    off = _mismatches(accident, printed)
     return f", but in the same row {', '.join(off)}" if off else ", and all of its row"

@@ -8,7 +8,7 @@ The formulas are not trusted: `report.paper.audit` drives each path and checks t
 from __future__ import annotations
 
 from collections.abc import Callable
-from decimal import ROUND_HALF_UP, Context, Decimal
+from decimal import ROUND_DOWN, ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
@@ -24,52 +24,39 @@ class UndecidedError(ArithmeticError):
     """The two bounds of a number give different answers: it was computed with too few digits."""
 
 
-def decide(value: arb, rule: Callable[[Fraction], T]) -> T:
+def decide(value: arb, rule: Callable[[Decimal], T]) -> T:
     """The result of a monotonic rule for a number, proven by applying it to both of its bounds.
 
     Raises:
         UndecidedError: if they disagree.
     """
-    low, high = (rule(_fraction(end)) for end in (value.lower(), value.upper()))
+    low, high = (rule(_decimal(end)) for end in (value.lower(), value.upper()))
     if low != high:
         raise UndecidedError(f"{value.str(20)}: {low} or {high}")
     return low
 
 
-def _fraction(exact: arb) -> Fraction:
-    mantissa, exponent = exact.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+def _decimal(bound: arb) -> Decimal:
+    """A bound, a whole number times a power of two, with all its decimals."""
+    mantissa, exponent = map(int, bound.man_exp())
+    if exponent >= 0:
+        return Decimal(mantissa << exponent)
+    return Decimal(f"{mantissa * 5**-exponent}e{exponent}")
 
 
 def text(value: arb, digits: int = KEPT) -> str:
     """A number correctly rounded to significant digits."""
-    context = Context(prec=digits, rounding=ROUND_HALF_UP)
-
-    def divided(exact: Fraction) -> Decimal:
-        return context.divide(Decimal(exact.numerator), Decimal(exact.denominator))
-
-    return str(decide(value, divided))
+    return str(decide(value, Context(prec=digits, rounding=ROUND_HALF_UP).plus))
 
 
-def rounded(value: Fraction, places: int) -> Decimal:
+def rounded(value: Decimal, places: int) -> Decimal:
     """Rounded to `places` decimals, half away from zero."""
-    unit = Fraction(1, 10**places)
-    steps = int(abs(value) / unit + Fraction(1, 2))  # int() cuts, and the operand is not negative
-    return _decimal(steps if value >= 0 else -steps, places)
+    return value.quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
 
 
-def truncated(value: Fraction, places: int) -> Decimal:
+def truncated(value: Decimal, places: int) -> Decimal:
     """Cut off after `places` decimals."""
-    return _decimal(int(value * 10**places), places)
-
-
-def rounded_twice(value: Fraction, first: int, places: int) -> Decimal:
-    """Rounded to `first` decimals, and the result rounded to `places` decimals."""
-    return rounded(Fraction(rounded(value, first)), places)
-
-
-def _decimal(steps: int, places: int) -> Decimal:
-    return Decimal(steps).scaleb(-places, Context(prec=200))
+    return value.quantize(Decimal(1).scaleb(-places), ROUND_DOWN)
 
 
 def places_of(printed: str) -> int:
@@ -77,9 +64,9 @@ def places_of(printed: str) -> int:
     return len(printed.partition(".")[2])
 
 
-def half_unit(places: int) -> Fraction:
+def half_unit(places: int) -> Decimal:
     """Half a unit of the last of `places` decimals."""
-    return Fraction(1, 2 * 10**places)
+    return Decimal(5).scaleb(-places - 1)
 
 
 WORKING = 90  # digits; 40 are kept, and bisection and cancellation cost a few
@@ -95,16 +82,10 @@ def ball(value: Fraction | Decimal | int) -> arb:
 
 
 def positive(value: arb) -> bool:
-    """Whether a number lies above zero, decided by its ball.
-
-    Raises:
-        UndecidedError: if the ball holds zero.
-    """
-    if value > 0:
-        return True
-    if value < 0:
-        return False
-    raise UndecidedError(f"the sign of {value.str(5)}")
+    """Whether a number lies above zero; `UndecidedError` if its ball holds zero."""
+    if value.contains(0):
+        raise UndecidedError(f"the sign of {value.str(5)}")
+    return bool(value > 0)
 
 
 class Target(NamedTuple):
@@ -147,20 +128,7 @@ def left_straight(at: Target) -> tuple[arb, arb]:
         raise UndecidedError("no LS: the target lies inside the left turning circle")
     s = (-at.w).sqrt()
     half = arb.atan2(at.Y, at.X + s) if positive(at.X) else arb.atan2(s - at.X, at.Y - 2)
-    return _wrapped(2 * half), s
-
-
-def right_left(at: Target) -> tuple[arb, arb]:
-    """RL for a target in or on the left turning circle, second arc above pi (eqs. 4 and 5)."""
-    X, Y = at
-    p, q = X**2 + Y * (Y + 2), 8 - X**2 - Y * (Y + 2)
-    A, D = p + 4 * Y + 8, (p * q).sqrt()
-    tangent = (4 * X + D) / A if positive(X) else at.w / (D - 4 * X)
-    return 2 * tangent.atan(), 2 * arb.pi() - 2 * arb.atan2(p.sqrt(), q.sqrt())
-
-
-def _wrapped(angle: arb) -> arb:
-    return angle if positive(angle) else angle + 2 * arb.pi()
+    return (2 * half if positive(half) else 2 * half + 2 * arb.pi()), s
 
 
 def pieces(problem: Problem, word: str) -> Pieces:

@@ -114,13 +114,13 @@ def _best(X: arb, y: arb) -> list[arb]:
     """Lengths of the shortest paths of all, for y = |Y|, since the mirror image is as long."""
     parts: list[arb] = []
     w = _power(X, y)
-    mirrored = [*_right_straight(X, y), *chain(*_right_left_solutions(X, -y, inside=False))]
+    mirrored = [*_right_straight(X, y), *chain(*right_left_solutions(X, -y, inside=False))]
     if not w > 0:  # some of the targets are outside the left disc or on its circle: LS exists
         options = _tangents(X, y, w, ahead_of_axis=True)
-        turns = chain(*_right_left_solutions(X, y, inside=False))
+        turns = chain(*right_left_solutions(X, y, inside=False))
         parts += _below(_ceiling([options]), [*options, *turns, *mirrored])
     if not w <= 0:  # some are inside: the long RL exists
-        solutions = _right_left_solutions(X, y, inside=True)
+        solutions = right_left_solutions(X, y, inside=True)
         parts += _below(_ceiling(solutions[:1]), [*chain(*solutions), *mirrored])
     return parts
 
@@ -149,7 +149,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     parts: list[arb] = []
     for inside in (False, True):
         if not (w <= 0 if inside else w > 0):
-            solutions = _right_left_solutions(X, Y, inside)
+            solutions = right_left_solutions(X, Y, inside)
             parts += _below(_ceiling(solutions), [*chain(*solutions)])
     return parts, not (p >= 0 and q >= 0)
 
@@ -211,7 +211,7 @@ def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
     return [angle] if X >= 0 else [angle, full]
 
 
-def _right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[arb]]:
+def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[arb]]:
     """RL of the targets inside or outside the left disc: second arc above pi, and below.
 
     In the triangle of C_R, the second circle's centre and T, with sides 2, 1 and d = |T - C_R|, the
