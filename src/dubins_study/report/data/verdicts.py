@@ -41,7 +41,7 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
         f"""SELECT solver, count(*) FILTER (answerable) AS attempts,
             {_questions("answerable")} AS questions,
             {_questions(f"answerable AND {_RIGHT}")} AS "right", {counted},
-            {attempts.quantile("wall_s", 0.5)} FILTER (answerable) AS wall_s
+            median(wall_s) FILTER (answerable) AS wall_s
         FROM {_weighted(attempts)} GROUP BY solver"""
     )
 
@@ -71,9 +71,9 @@ def evaluations(attempts: Attempts) -> pd.DataFrame:
 
     Null where no attempt counts them.
     """
-    median = attempts.quantile("evaluations", 0.5)
     return attempts.frame(
-        f"SELECT solver, {median} FILTER (answerable) AS evaluations FROM chosen GROUP BY solver"
+        """SELECT solver, median(evaluations) FILTER (answerable) AS evaluations
+        FROM chosen GROUP BY solver"""
     )
 
 
@@ -88,13 +88,13 @@ def existence(attempts: Attempts) -> pd.DataFrame:
     (median of the attempts that reached the engine, s), presolve_s (median of the presolved ones,
     s); of those that have a path: questions, denied (claimed infeasible).
     """
-    counted = ", ".join(f"{_questions(_is_kind(kind))} AS {kind}" for kind in KINDS)
+    counted = ", ".join(f"{_questions(f'kind = {kind!r}')} AS {kind}" for kind in KINDS)
     engine = "kind IN ('right', 'wrong', 'silent')"
     denied = "answerable AND claim = 'infeasible' AND false_claim"
     return attempts.frame(
         f"""SELECT solver, {counted},
-            {attempts.quantile("wall_s", 0.5)} FILTER ({engine}) AS wall_s,
-            {attempts.quantile("wall_s", 0.5)} FILTER (kind = 'presolved') AS presolve_s,
+            median(wall_s) FILTER ({engine}) AS wall_s,
+            median(wall_s) FILTER (kind = 'presolved') AS presolve_s,
             {_questions("answerable")} AS questions, {_questions(denied)} AS denied
         FROM (SELECT *, {_KIND} AS kind FROM {_weighted(attempts)}) GROUP BY solver"""
     )
@@ -124,7 +124,3 @@ def _weighted(attempts: Attempts, also: str = "") -> str:
 def _questions(condition: str) -> str:
     """A number of questions, rounded, since the last digits of a sum depend on its order."""
     return f"coalesce(round(sum(weight) FILTER ({condition}), 6), 0.0)"
-
-
-def _is_kind(kind: str) -> str:
-    return f"kind = '{kind}'"
