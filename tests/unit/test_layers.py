@@ -108,14 +108,13 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "report.statistics": ("study.*", "report.data"),
     "report.paper": ("study.*",),
     "report.elements": ("study.*", "report.data", "report.statistics"),
-    "report.interactive": (*("study.*", "report.data", "report.statistics", "report.elements"),),
     "report.topics": (
         *("study.*", "report.data", "report.statistics"),
         *("report.elements", "report.paper"),
     ),
     "report.page": (
         *("study.*", "report.data", "report.statistics"),
-        *("report.elements", "report.interactive", "report.paper", "report.topics.*"),
+        *("report.elements", "report.paper", "report.topics.*"),
     ),
     "report.two_runs": (
         *("study.*", "report.data", "report.statistics"),

@@ -44,7 +44,7 @@ _MODULES = (
     "topics.proofs",
     "topics.failures",
     # single attempts, and what they rest on
-    "interactive.section",
+    "topics.single_attempts",
     "topics.appendix",
 )
 TOPICS = tuple(

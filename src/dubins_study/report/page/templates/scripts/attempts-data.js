@@ -1,6 +1,6 @@
 "use strict";
-// window.attempts: the embedded attempts. `open()` unpacks them once; `report/interactive/sample.py`
-// says how they are packed.
+// window.attempts: the embedded attempts. `open()` unpacks them once;
+// `report/topics/single_attempts.py` says how they are packed.
 window.attempts = (() => {
   // The text of an embedded element that holds gzip in base64.
   async function unpacked(name) {

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import Results, load
-from dubins_study.report.interactive import section
-from dubins_study.report.interactive.sample import GRID, WORST, drawn, packed, sample
+from dubins_study.report.topics import single_attempts as section
+from dubins_study.report.topics.single_attempts import GRID, WORST, drawn, packed, sample
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose, Scenario
 from dubins_study.study.words import Claim
@@ -214,7 +214,7 @@ def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
 
 def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.MonkeyPatch):
     """The worst attempts stay; the text says how many of how many are shown."""
-    monkeypatch.setattr(section, "_FEWEST_POINTS", 10)
+    monkeypatch.setattr(section, "_FEWEST_ATTEMPTS", 10)
     whole = section.attempts_section(results)
     size = len(gzip.compress(_content(whole)))
     monkeypatch.setattr(section, "_MOST_BYTES", 4 / 3 * size - 1500)
