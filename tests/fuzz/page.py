@@ -26,7 +26,7 @@ _ATTRIBUTES = """
 """.split()  # noqa: SIM905
 # what a template says there; anything else would run or load something
 _VALUES = {
-    "href": r"#.*|(tables|figures)/[a-z0-9-]+\.(csv|md|tex|svg|pdf)",
+    "href": r"#.*|(index|paper)\.html(#.*)?|(tables|figures)/[a-z0-9-]+\.(csv|md|tex|svg|pdf)",
     "xlink:href": r"#.*|data:image/png;base64,[A-Za-z0-9+/=\s]+",
     "src": r"data:image/(png|svg\+xml);base64,[A-Za-z0-9+/=]+",
     "onsubmit": "return false",

@@ -170,7 +170,7 @@ _CELL = {
 
 
 def attempts_of(
-    place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None, texts: Any = None
+    place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None
 ) -> Attempts:
     """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
 
@@ -179,13 +179,11 @@ def attempts_of(
         rows: any columns of the schema, and `experiment`; what is missing is filled in. The index
             numbers the rows, and so their repeats, in whatever order they stand.
         parts: the number of the part that each row goes to; all into one if None.
-        texts: the Arrow type of texts in the parts.
     """
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})
     whole = whole.astype(object).where(whole.notna(), None).assign(repeat=rows.index)
     number = pd.Series(0 if parts is None else parts, index=whole.index)
-    kinds = [f.with_type(texts) if texts and f.type == pa.string() else f for f in SCHEMA]
     folders = []
     for name, own in whole.groupby("experiment", sort=False):
         records = own.drop(columns="experiment").to_dict("records")
@@ -193,6 +191,6 @@ def attempts_of(
         (folder / "parts" / "1.parquet").unlink()
         for part, group in own.groupby(number):
             table = pa.Table.from_pylist(group.to_dict("records"), schema=SCHEMA)
-            pq.write_table(table.cast(pa.schema(kinds)), folder / "parts" / f"{part}.parquet")
+            pq.write_table(table, folder / "parts" / f"{part}.parquet")
         folders.append(folder)
     return load_folders(folders).attempts

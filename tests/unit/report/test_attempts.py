@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -187,19 +186,8 @@ def kind_of(row):
     return "wrong" if row["false_claim"] else "silent"
 
 
-@pytest.mark.slow
-def test_texts_as_dictionaries_are_texts(tmp_path):
-    rows = pd.DataFrame({"experiment": "e", "solver": ["a", "b", "a"], "verdict": ["none"] * 3})
-    rows = rows.assign(initial_guess="cold", wall_s=[1.0, 2.0, 3.0], gap=np.nan, outcome="crashed")
-    rows = rows.assign(reference_word="LS", region="outside", false_claim=False, wrong_basin=False)
-    coded = pa.dictionary(pa.int32(), pa.string())
-
-    alike(attempts_of(tmp_path / "a", rows), attempts_of(tmp_path / "b", rows, texts=coded))
-
-
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 many = arrays.arrays(np.float64, st.integers(1, 60), elements=finite | st.just(np.inf))
-NAMES = {"q50": 0.5, "q90": 0.9, "q99": 0.99, "q100": 1.0}
 
 
 @given(many, st.sampled_from([0.0, 0.3, 0.5, 0.9, 1.0]))

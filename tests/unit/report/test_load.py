@@ -16,17 +16,12 @@ from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, w
 
 
 def test_paths_come_back_as_they_were_written(results):
-    scenario = paper_scenarios()[0]
-    found = load([results("paper", [attempt(scenario)])])
+    one, two = paper_scenarios()[:2]
+    found = load([results("paper", [attempt(one), attempt(two, path=None)])])
 
-    assert found.path(0) == shortest_path(scenario)
-    assert found.rows["experiment"].tolist() == ["paper"]
-
-
-def test_attempt_without_a_path_has_none(results):
-    found = load([results("paper", [attempt(paper_scenarios()[0], path=None)])])
-
-    assert found.path(0) is None
+    assert found.path(0) == shortest_path(one)
+    assert found.path(1) is None
+    assert found.rows["experiment"].tolist() == ["paper", "paper"]
 
 
 def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):

@@ -14,7 +14,7 @@ from dubins_study.report.page.markup import to_csv
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.statistics.metrics import natural, solver_order
+from dubins_study.report.statistics.metrics import natural
 from dubins_study.report.topics.appendix import solvers_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FORMULATIONS
@@ -151,14 +151,6 @@ def test_the_page_shows_the_name_and_the_spec_on_hover(folder, tmp_path):
     for table in tables:
         assert set(table.frame["solver"]) <= set(LABELS)
         assert all(f"{spec}" in to_csv(table) for spec in table.frame["solver"])
-
-
-@given(st.lists(st.integers(0, 10**6), unique=True, max_size=6))
-def test_settings_sort_by_their_numbers(steps):
-    """10, 20, 160; not 10, 160, 20."""
-    specs = [f"turn-rate-qp[n={n}]" for n in steps]
-
-    assert solver_order(specs) == [f"turn-rate-qp[n={n}]" for n in sorted(steps)]
 
 
 def test_natural_order_reads_small_numbers():

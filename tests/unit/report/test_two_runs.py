@@ -72,17 +72,6 @@ def test_lost_answers_are_named_with_their_scenarios_and_commands(results):
     ]
 
 
-@pytest.mark.slow
-def test_swapping_the_runs_swaps_what_is_lost_and_gained(results):
-    base = results("a", rows(wrong=(0, 1), time=1e-3) + rows("still"))
-    new = results("b", rows(digest=NEW, wrong=(3,), time=3e-3) + rows("still"))
-    there, back = of(compare(base, new)), of(compare(new, base))
-
-    assert (there["lost"], there["gained"]) == (back["gained"], back["lost"])
-    assert there["right_change"] == pytest.approx(-back["right_change"], abs=1e-15)
-    assert there["time_ratio"] * back["time_ratio"] == pytest.approx(1, rel=1e-12)
-
-
 def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
     """A control that took 1.5 times as long divides the times of the solver that changed."""
     base = results("a", rows(time=1e-3) + rows("still", time=2e-3))
