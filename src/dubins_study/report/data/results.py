@@ -123,8 +123,7 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 def load(folders: Iterable[str | FilePath]) -> Results:
     """Read and join results folders; if two hold the same cell, the first folder's row is kept.
 
-    Raises:
-        ResultsError: naming the folder and what is wrong with it.
+    A `ResultsError` names the folder that cannot be read, or has no rows.
     """
     stored = _read(folders)
     for each in stored:

@@ -9,17 +9,11 @@ from markupsafe import Markup
 
 
 class Word(NamedTuple):
-    """A word of the glossary.
-
-    Args:
-        term: the word.
-        meaning: one or two sentences.
-        forms: a pattern of the forms in which a text uses it.
-    """
+    """A word of the glossary."""
 
     term: str
-    meaning: str
-    forms: str
+    meaning: str  # one or two sentences
+    forms: str  # a pattern of the forms in which a text uses it
 
     @property
     def anchor(self) -> str:

@@ -92,16 +92,10 @@ def write_page(
     folders: Sequence[Folder],
     head: Head = REPORT_HEAD,
 ) -> FilePath:
-    """Write sections as a page, tables and figures; returns the path of `index.html`.
+    """Write sections as a page about results folders, tables and figures; returns `index.html`.
 
-    Args:
-        out: the folder to write to; an earlier report there is replaced in one step.
-        draw: makes the sections, once it is known that the folder can be written.
-        folders: the results folders that the page is about, for its provenance.
-        head: what stands at its top.
-
-    Raises:
-        ReportError: if `out` cannot be written.
+    `draw` makes the sections once it is known that the folder `out` can be written; else a
+    `ReportError` is raised. An earlier report there is replaced in one step.
     """
     target = FilePath(out)
     try:

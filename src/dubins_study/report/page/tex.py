@@ -121,19 +121,13 @@ _NARROWEST = 14  # letters of a column whose lines may break
 
 @dataclass(frozen=True)
 class Layout:
-    """How a table fits on a page.
+    """How a table fits on a page."""
 
-    Args:
-        size: of the letters, a command of TeX without its backslash.
-        widths: of the columns whose lines break (mm); None for a column as wide as its text.
-        turned: whether the page is turned by a quarter.
-        long: whether the table may go over several pages.
-    """
-
-    size: str
+    size: str  # of the letters, a command of TeX without its backslash
+    # of the columns whose lines break (mm); None for a column as wide as its text
     widths: tuple[float | None, ...]
-    turned: bool
-    long: bool
+    turned: bool  # whether the page is turned by a quarter
+    long: bool  # whether the table may go over several pages
 
 
 def printed_texts(table: Table) -> list[list[str]]:

@@ -49,16 +49,14 @@ _AGREES = 1e-13  # relative to max(length, radius); about a hundred roundings of
 
 
 def audit() -> Record:
-    """The whole audit.
+    """The whole audit; lengths in the scenario's unit.
 
-    Returns:
-        `cells` (one record per printed length: table, label, path, word, quantity, printed, exact
-        to 40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths`
-        (one per printed row: the miss when driven, the miss that correct rounding allows, whether
-        its parts add up), `algorithm` (one per test problem: the radius at which the target enters
-        a turning circle, and the path that Algorithm 1 returns for larger radii), `omitted` (paths
-        that the tables leave out), `times`, `statements` and `summary`. Lengths in the scenario's
-        unit.
+    `cells` (one record per printed length: table, label, path, word, quantity, printed, exact to
+    40 digits, difference = printed - exact, biased, bias_prints, verdict, reason), `paths` (one per
+    printed row: the miss when driven, the miss that correct rounding allows, whether its parts add
+    up), `algorithm` (one per test problem: the radius at which the target enters a turning circle,
+    and the path that Algorithm 1 returns for larger radii), `omitted` (paths that the tables leave
+    out), `times`, `statements` and `summary`.
     """
     with ctx.workdps(WORKING):
         mu = ipopt_barrier()

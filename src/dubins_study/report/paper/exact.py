@@ -25,11 +25,7 @@ class UndecidedError(ArithmeticError):
 
 
 def decide(value: arb, rule: Callable[[Decimal], T]) -> T:
-    """The result of a monotonic rule for a number, proven by applying it to both of its bounds.
-
-    Raises:
-        UndecidedError: if they disagree.
-    """
+    """The result of a monotonic rule for a number, proven by applying it to both of its bounds."""
     low, high = (rule(_decimal(end)) for end in (value.lower(), value.upper()))
     if low != high:
         raise UndecidedError(f"{value.str(20)}: {low} or {high}")

@@ -21,19 +21,12 @@ QUANTITIES = ("z1", "z2", "z3", "f")
 
 
 class Problem(NamedTuple):
-    """A scenario of the paper, exactly as stated; it starts at (0, 0).
+    """A scenario of the paper, exactly as stated; it starts at (0, 0)."""
 
-    Args:
-        label: the scenario's label in the experiment `paper`.
-        heading: start heading in units of pi.
-        target: x and y.
-        radius: turning radius, same unit.
-    """
-
-    label: str
-    heading: Fraction
-    target: tuple[int, int]
-    radius: int
+    label: str  # in the experiment `paper`
+    heading: Fraction  # at the start, in units of pi
+    target: tuple[int, int]  # x and y
+    radius: int  # same unit
 
     @property
     def position(self) -> str:
@@ -59,17 +52,13 @@ PROBLEMS = {
 class PrintedRow(NamedTuple):
     """One printed row; lengths in the scenario's unit.
 
-    Args:
-        table: the paper's number of the table.
-        label: of the problem.
-        path: `optimal` or `feasible`.
-        cells: left turn z1, right turn z2, straight z3, total f, as printed; `0` for the turn that
-            a path does not have.
+    `cells` are left turn z1, right turn z2, straight z3 and total f, as printed; `0` for the turn
+    that a path does not have.
     """
 
-    table: str
-    label: str
-    path: str
+    table: str  # the paper's number of it
+    label: str  # of the problem
+    path: str  # `optimal` or `feasible`
     cells: tuple[str, str, str, str]
 
     @property
@@ -136,14 +125,10 @@ def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
 def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
     """One row per printed cell, with our value; printed zeros of missing turns are left out.
 
-    Args:
-        paths: (scenario label, branch) -> path, branch LS or RS. The paper's `optimal` row is the
-            shorter of the two and its `feasible` row the longer.
-
-    Returns:
-        Columns table, label, path, word, quantity, printed, ours (NaN where there is no answer),
-        difference and verdict: `correct` if ours rounds to what is printed, `misprint` if the audit
-        knows why it does not, otherwise `differs`; or `no answer`.
+    Of the `paths` by (scenario label, LS or RS) the shorter is held against the paper's `optimal`
+    row, the longer against its `feasible` row. Columns table, label, path, word, quantity, printed,
+    ours (NaN where there is no answer), difference and verdict: `correct` if ours rounds to what is
+    printed, `misprint` if the audit knows why it does not, otherwise `differs`; or `no answer`.
     """
     known = {(c["label"], c["path"], c["quantity"]) for c in misprints()}
     records = []
