@@ -60,10 +60,6 @@ class Attempts:
         """The attempts of some of these experiments."""
         return Attempts(self._database, set(experiments) & set(self.experiments))
 
-    def without(self, experiments: Collection[str]) -> Attempts:
-        """The attempts of the experiments that are not named."""
-        return Attempts(self._database, set(self.experiments) - set(experiments))
-
     def times(self) -> pd.DataFrame:
         """Questions that have a path: one row per solver that has cold attempts at them.
 

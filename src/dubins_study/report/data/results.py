@@ -63,9 +63,8 @@ class Results:
     rows: pd.DataFrame
     # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
     controls: pa.Table
-    solvers: tuple[str, ...] = ()  # specs
-    # solver, formulation, engine, guess
-    methods: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
+    solvers: tuple[str, ...]  # specs
+    methods: pd.DataFrame  # solver, formulation, engine, guess
     # by `only`, since several sections are about the same rows
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
 
