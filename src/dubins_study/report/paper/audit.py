@@ -38,9 +38,10 @@ from dubins_study.report.paper.printed import (
     TIMES,
     PrintedRow,
     Problem,
+    segments,
 )
 from dubins_study.study.angle import parse_angle
-from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.scenario import Scenario
 
 Record = dict[str, Any]
@@ -222,16 +223,15 @@ def _name(record: Any, place: int) -> str:
 
 
 def closed_form_differences(committed: Record) -> list[str]:
-    """Cells whose committed value differs from that of `study.closed_form.shortest`."""
+    """Cells whose committed value differs from that of `study.closed_form`."""
     lines = []
     for cell in committed.get("cells", ()):
         problem = PROBLEMS[cell["label"]]
         heading = parse_angle(f"{problem.heading.numerator}pi/{problem.heading.denominator}")
         scenario = Scenario(0, 0, heading, *problem.target, problem.radius)
-        word = shortest(scenario, cell["word"])
-        turn, straight = (length * problem.radius for length in word.segments) if word else (0, 0)
-        lengths = {"z3": straight, "f": turn + straight}
-        ours = lengths.get(cell["quantity"], turn) if word else None
+        path = shortest_path(scenario, cell["word"])
+        lengths = (None,) * 4 if path is None else segments(path, problem.radius)
+        ours = lengths[QUANTITIES.index(cell["quantity"])]
         exact = float(cell["exact"])
         if ours is None or abs(ours - exact) > _AGREES * max(exact, problem.radius):
             where = f"cells[{_name(cell, 0)}]"
