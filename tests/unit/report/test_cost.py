@@ -6,10 +6,10 @@ import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
+from dubins_study.report.statistics.costs import KINDS
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.cost import (
     cost_section,
-    example,
     factors,
     presolve_pairs,
     presolve_savings,
@@ -25,14 +25,13 @@ from tests.unit.report.results_folder import attempt
 WORDS = ("LS", "RS", "LR", "RL")
 
 
-def outside(n=4):
+def outside():
     """Scenarios whose shortest path is LS, to which RS exists too and LR and RL do not."""
-    places = [Scenario(0, 0, 0, 8 + k, 3 + k / 2, 1, label=f"stratum {k % 2}") for k in range(n)]
+    places = [Scenario(0, 0, 0, 8 + k, 3 + k / 2, 1, label=f"stratum {k % 2}") for k in range(4)]
     for scenario in places:
         assert shortest(scenario).word == "LS"
-        assert shortest(scenario, "RS") is not None
-        assert shortest(scenario, "LR") is None
-        assert shortest(scenario, "RL") is None
+        exist = {word for word in WORDS if shortest(scenario, word) is not None}
+        assert exist == {"LS", "RS"}
     return places
 
 
@@ -77,16 +76,15 @@ def attempts(results, rows):
 def test_every_evaluation_and_second_has_one_kind(results):
     _, made = attempts(results, [costly(scenario) for scenario in outside()])
     parts = split(made)
+    numbers = {
+        "evaluations": [10, 20, 20, 150, 0, 5, 205],
+        "seconds": [0.01, 0.02, 0.02, 0.15, 0.02, 0.01, 0.23],
+    }
 
-    kinds = ["winning run", "restarts", "losing words", "words without a path", "building", "rest"]
-    evaluations, seconds = parts.evaluations.iloc[0], parts.seconds.iloc[0]
-
-    assert set(evaluations.index) == set(seconds.index) == {*kinds, "total"}
-    assert evaluations[[*kinds, "total"]].tolist() == [10, 20, 20, 150, 0, 5, 205]
-    assert seconds[[*kinds, "total"]].tolist() == pytest.approx(
-        [0.01, 0.02, 0.02, 0.15, 0.02, 0.01, 0.23]
-    )
-    for frame in (parts.evaluations, parts.seconds):
+    for amount, expected in numbers.items():
+        frame = parts.amount(amount)
+        assert list(frame.columns) == [*KINDS, "total"]
+        assert frame.iloc[0].tolist() == pytest.approx(expected)
         summed = frame.drop(columns="total").sum(axis=1)
         assert summed.to_numpy() == pytest.approx(frame["total"].to_numpy())
 
@@ -150,18 +148,6 @@ def test_wrong_answers_and_engines_that_do_not_count(results):
     assert parts.seconds["total"].tolist() == [0.23]
     assert shares(made, parts, "evaluations").empty
     assert pd.isna(factors(made, parts).loc["ipopt", "evaluations"])
-
-
-def test_the_example_is_named_only_if_it_was_asked(results):
-    """The target (10, 5) from (0, 0, 120deg) at R = 4."""
-    _, without = attempts(results, [costly(scenario) for scenario in outside()])
-    assert example(without, split(without)).empty
-
-    rows = [costly(Scenario(0, 0, "120deg", 10, 5, 4))]
-    folder = results("other", rows)
-    made = compared(load([folder]))
-
-    assert example(made, split(made))["ratio"].tolist() == [20.5]
 
 
 def test_the_section_is_there_only_with_efforts(results):

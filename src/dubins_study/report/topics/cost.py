@@ -15,7 +15,6 @@ from dubins_study.report.elements.formats import count, digits, seconds, sentenc
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
-    interval_keys,
     method_table,
     with_interval,
     with_interval_texts,
@@ -27,7 +26,6 @@ from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.summary import best_solvers
-from dubins_study.study.scenario import Scenario
 
 # The figure: from dark to light with hatches, so that neighbours differ in grey print.
 MARKS = (
@@ -59,7 +57,6 @@ SAVINGS = (
     *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
     interval_column("seconds", "saved factor"),
 )
-_STRATUM_COLUMNS = ["solver", "stratum", "questions", *interval_keys("ratio")]
 
 
 def ratios(split: Split, amount: str) -> pd.DataFrame:
@@ -109,10 +106,8 @@ def strata(compared: Compared, split: Split) -> pd.DataFrame:
         found = compared.bootstrap(group, medians, "ratio")
         counted = group.notna().sum()
         parts.append(found.assign(stratum=str(stratum), questions=counted).reset_index())
-    if not parts:
-        return pd.DataFrame(columns=_STRATUM_COLUMNS)
     every = pd.concat(parts, ignore_index=True)
-    return every.loc[every["questions"] > 0, _STRATUM_COLUMNS]
+    return every[every["questions"] > 0]
 
 
 def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
@@ -154,22 +149,6 @@ def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
     return frame
 
 
-_EXAMPLE = Scenario(0, 0, "120deg", 10, 5, 4)
-_NUMBERS = ["x", "y", "heading", "target_x", "target_y", "radius"]
-
-
-def example(compared: Compared, split: Split) -> pd.DataFrame:
-    """`ratio`: total / winning run in evaluations for the target (10, 5) from (0, 0, 120deg) at
-    R = 4; a row per method, none if no row asks the question."""
-    rows = compared.rows.loc[split.answers.index]
-    numbers = rows[_NUMBERS].to_numpy(dtype=np.float64)
-    wanted = [getattr(_EXAMPLE, name) for name in _NUMBERS]
-    here = np.isclose(numbers, wanted, rtol=0, atol=1e-9).all(axis=1) & (rows["branch"] == "best")
-    each = split.evaluations["total"] / split.evaluations["winning run"]
-    ratio = each[here].groupby(rows.loc[here, "solver"]).median().rename("ratio").dropna()
-    return compared.engines.join(ratio, how="inner")
-
-
 def cost_section(results: Results) -> Section | None:
     """What evaluations and seconds go to, against one run of the engine."""
     attempts = compared(results)
@@ -180,15 +159,14 @@ def cost_section(results: Results) -> Section | None:
         return None
     table = factors(attempts, answers)
     savings = presolve_savings(attempts, answers)
+    parts = {amount: shares(attempts, answers, amount) for amount in AMOUNTS}
     blocks: list[Picture | Table] = [
-        _picture(attempts, answers, amount)
-        for amount in ("evaluations", "seconds")
-        if len(shares(attempts, answers, amount))
+        _picture(attempts, part, amount) for amount, part in parts.items() if len(part)
     ]
     blocks += best_first(_factor_table(table), table.index, best_solvers(results))
     if len(savings):
         blocks.append(_presolve_table(savings))
-    by_stratum = _stratum_table(attempts, answers)
+    by_stratum = _stratum_table(attempts, answers, parts["evaluations"])
     if by_stratum is not None:
         blocks.append(by_stratum)
     text = sentences(
@@ -197,7 +175,6 @@ def cost_section(results: Results) -> Section | None:
         "count. The floor is the winning run: the same engine called once, from the same guess.",
         _most_and_least(table),
         _saved(savings),
-        _example(example(attempts, answers)),
     )
     lead = "See how little of the cost is the run that gives the answer (plain blue)."
     return Section("cost", "Cost where it arises", text, tuple(blocks), lead)
@@ -230,19 +207,8 @@ def _saved(savings: pd.DataFrame) -> str:
     return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
 
 
-def _example(table: pd.DataFrame) -> str:
-    parts = [f"{row['name']} {_RATIO(row['ratio'])}" for row in table.to_dict("records")]
-    if not parts:
-        return ""
-    return (
-        "For the target (10, 5) from (0, 0, 120°) at R = 4, the evaluations as a multiple of those "
-        f"of the winning run: {'; '.join(parts)}."
-    )
-
-
-def _picture(attempts: Compared, answers: Split, amount: str) -> Picture:
-    """The shares of the kinds as bars, the mean total beside each."""
-    table = shares(attempts, answers, amount)
+def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
+    """The `shares` of the kinds as bars, the mean total beside each."""
     shown = _bars(table, attempts)
     show, label = {
         "evaluations": (_RATIO, "share of evaluations, right answers"),
@@ -289,10 +255,9 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
     return method_table("cost-presolve", caption, savings, SAVINGS, **_SHOWN)
 
 
-def _stratum_table(attempts: Compared, answers: Split) -> Table | None:
+def _stratum_table(attempts: Compared, answers: Split, kinds: pd.DataFrame) -> Table | None:
     """Strata in lines, the methods of the first formulation of the figure in columns."""
     table = strata(attempts, answers)
-    kinds = shares(attempts, answers, "evaluations")
     bars = _bars(kinds, attempts)
     chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)
     kept = table[table["solver"].isin(chosen)]
