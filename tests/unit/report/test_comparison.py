@@ -9,10 +9,8 @@ from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import compared, methods_of
 from dubins_study.report.topics.comparison import (
     comparison_section,
-    engine_tests,
-    formulation_tests,
     mean_ranks,
-    separated,
+    shared_tests,
     spread,
     times,
 )
@@ -83,42 +81,26 @@ def test_means_ranks_and_shares(results):
 def test_paired_tests_share_a_formulation_or_an_engine(results):
     """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
     made = compared(loaded(results, answers()))
-    table = times(made)
-    ranked, _, _ = mean_ranks(made)
-    (engine,) = engine_tests(table, ranked).to_dict("records")
-    (formulation,) = formulation_tests(table, ranked).to_dict("records")
+    tests = shared_tests(times(made), mean_ranks(made)[0])
+    (engine,) = tests["formulation"].to_dict("records")
+    (formulation,) = tests["engine"].to_dict("records")
 
     assert (engine["shared"], engine["solver"], engine["rival"]) == (WORD, "slsqp", "ipopt")
     assert (engine["wins"], engine["losses"]) == (12, 0)
     assert engine["p_holm"] == pytest.approx(2 / 2**12)
     assert (formulation["shared"], formulation["rival"]) == ("Ipopt", "ipopt[model=joint]")
-    assert separated(engine_tests(table, ranked)).tolist() == [True]
 
 
 def test_the_spread_counts_questions_whose_verdict_changes(results):
     rows = [
-        answer(scenario, solver, 1e-3, right=repeat == 0 or number > 2, repeat=repeat)
+        answer(scenario, "ipopt", 1e-3, right=repeat == 0 or number > 2, repeat=repeat)
         for number, scenario in enumerate(QUESTIONS)
-        for solver in ("ipopt[initial_guess=random]",)
         for repeat in range(2)
     ]
     line = spread(compared(loaded(results, rows))).iloc[0]
 
     assert (line["questions"], line["changing"]) == (12, 0.25)
     assert spread(compared(loaded(results, answers(), "single"))).empty
-
-
-def test_a_question_is_the_unit_of_a_share(results):
-    """Right in one of two repeats counts a half; the interval is that of as many questions."""
-    rows = [answer(s, "ipopt", 1e-3, right=r == 0, repeat=r) for s in QUESTIONS for r in range(2)]
-    ranked, _, _ = mean_ranks(compared(loaded(results, rows)))
-    line = ranked.loc["ipopt"]
-
-    assert (line["questions"], line["right"]) == (12, 0.5)
-    # Wilson's interval of 6 of 12: (6 + z^2 / 2 -+ z sqrt(3 + z^2 / 4)) / (12 + z^2)
-    z = 1.959963984540054
-    low = (6 + z * z / 2 - z * (3 + z * z / 4) ** 0.5) / (12 + z * z)
-    assert line["right_low"] == pytest.approx(low)
 
 
 def test_methods_are_named_by_the_settings_that_differ(results):

@@ -114,33 +114,29 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
 LEVEL = 0.05
 
 
-def engine_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
-    """Within each formulation of `mean_ranks`: its best method against every other, by times.
+def shared_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Paired tests by times of methods of `mean_ranks` that share a formulation, or an engine.
 
-    The columns of `paired_tests`, and shared: the formulation.
+    `formulation`: the best method of each against every other. `engine`: its best method of each
+    formulation, all pairs. The columns of `paired_tests`, and shared: what the two have in common.
     """
-    pairs = {
-        (group.index[0], rival): formulation
-        for formulation, group in ranked.groupby("formulation", sort=False)
-        for rival in group.index[1:]
-    }
-    return paired_tests(table, pairs).assign(shared=list(pairs.values()))
-
-
-def formulation_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> pd.DataFrame:
-    """For each engine: its best method of each formulation, all pairs. As `engine_tests`."""
     best = ranked.drop_duplicates(["engine", "formulation"])
     pairs = {
-        pair: engine
-        for engine, group in best.groupby("engine", sort=False)
-        for pair in combinations(group.index, 2)
+        "formulation": {
+            (group.index[0], rival): name
+            for name, group in ranked.groupby("formulation", sort=False)
+            for rival in group.index[1:]
+        },
+        "engine": {
+            pair: name
+            for name, group in best.groupby("engine", sort=False)
+            for pair in combinations(group.index, 2)
+        },
     }
-    return paired_tests(table, pairs).assign(shared=list(pairs.values()))
-
-
-def separated(tests: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each pair differs by more than chance, all tests of the table together."""
-    return tests["p_holm"] <= LEVEL
+    return {
+        shared: paired_tests(table, each).assign(shared=list(each.values()))
+        for shared, each in pairs.items()
+    }
 
 
 # Curves with a colour and a name in a panel: more cannot be told apart.
@@ -287,7 +283,7 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
     frame = near.assign(
         solver_name=near["solver"].map(names),
         rival_name=near["rival"].map(names),
-        verdict=separated(near).map({True: "they differ", False: "no rank"}),
+        verdict=(near["p_holm"] <= LEVEL).map({True: "they differ", False: "no rank"}),
     ).reset_index(drop=True)
     shown = (
         *columns(kind="text", shared=shared, solver_name="method", rival_name="rival"),
@@ -348,9 +344,8 @@ def comparison_section(results: Results) -> Section | None:
     best = set(ranked.drop_duplicates("formulation").index)
     which = "Of each formulation the method with the least mean."
     blocks += best_first(ranks, ranked.index, best, which)
-    tests = {"formulation": engine_tests, "engine": formulation_tests}
-    made = {shared: find(table, ranked) for shared, find in tests.items()}
-    blocks += [test_table(each, ranked, shared) for shared, each in made.items() if len(each)]
+    tests = shared_tests(table, ranked).items()
+    blocks += [test_table(each, ranked, shared) for shared, each in tests if len(each)]
     repeats = spread(attempts)
     if len(repeats) and repeats["changing"].any():
         blocks.append(spread_table(repeats, attempts.methods))
