@@ -58,7 +58,7 @@ def formulation(name: str) -> str:
 def family(kind: str) -> str:
     """Engines of a family by the formulations that they were asked: share right, median time."""
     entries = [entry for folder in _results().folders for entry in folder.manifest.matrix]
-    cells = matrix(_methods(), entries).cells
+    cells = matrix(_methods(), entries)
     chosen = cells[(cells["kind"] == kind) & cells["filled"]]
     if chosen.empty:
         raise LookupError(f"no rows; choose one of: {', '.join(sorted(set(cells['kind'])))}")

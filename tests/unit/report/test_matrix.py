@@ -53,8 +53,8 @@ ENTRIES = [
 ]
 
 
-def cell(table, engine, formulation):
-    cells = table.cells[table.cells["engine"] == engine]
+def cell(cells, engine, formulation):
+    cells = cells[cells["engine"] == engine]
     (line,) = cells[cells["formulation"] == formulation].to_dict("records")
     return line
 
@@ -64,12 +64,13 @@ def test_every_pair_is_filled_or_has_a_reason():
     methods = pd.DataFrame([method("closed form", "closed form", "none"), method(WORDS, "SLSQP")])
     table = matrix(methods, ENTRIES)
 
-    assert table.engines == [("local NLP", "SLSQP"), ("local NLP", "KNITRO"), ("global", "SCIP")]
-    assert table.formulations == [WORDS, JOINT]
-    assert len(table.cells) == 6
-    assert (table.cells["filled"] | (table.cells["reason"] != "")).all()
+    assert table["engine"].tolist() == [*("SLSQP", "SLSQP", "KNITRO", "KNITRO", "SCIP", "SCIP")]
+    assert table["kind"].tolist() == [*["local NLP"] * 4, *["global"] * 2]
+    assert table["formulation"].tolist() == [WORDS, JOINT] * 3
+    assert (table["filled"] | (table["reason"] != "")).all()
     assert cell(table, "SLSQP", WORDS)["filled"]
-    assert table.reasons[cell(table, "KNITRO", JOINT)["note"] - 1] == "no licence"
+    assert cell(table, "KNITRO", JOINT)["reason"] == "no licence"
+    assert table["note"].tolist() == [0, 1, 2, 2, 1, 3]
     assert "no row" in cell(table, "SLSQP", JOINT)["reason"]
     assert cell(table, "SLSQP", WORDS)["note"] == 0
 
@@ -81,48 +82,41 @@ def test_a_row_counts_whatever_the_manifest_says():
 
     assert cell(table, "KNITRO", WORDS)["filled"]
     assert cell(table, "KNITRO", WORDS)["reason"] == ""
-    assert table.engines[-1] == ("other", "mine")
+    assert cell(table, "mine", JOINT)["kind"] == "other"
+    assert table["engine"].iloc[-1] == "mine"
     assert cell(table, "mine", WORDS)["reason"] == ""
 
 
 def test_without_entries_only_filled_pairs_are_shown():
     table = matrix(pd.DataFrame([method(WORDS, "b"), method(JOINT, "A")]), [])
 
-    assert [engine for _, engine in table.engines] == ["A", "b"]
-    assert table.reasons == []
-    assert table.cells["filled"].sum() == 2
+    assert table["engine"].unique().tolist() == ["A", "b"]
+    assert not table["note"].any()
+    assert table["filled"].sum() == 2
 
 
-def test_the_best_guess_has_the_most_right_answers_then_the_least_time():
-    """Zero is faster and wrong more often; of two with equal shares the faster is taken."""
+def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
+    """Zero is faster and wrong more often; two of two say less than nearly all of many.
+
+    A cell says how few its questions are if nothing else was asked.
+    """
     frame = pd.DataFrame(
         [
-            method(WORDS, "a", "zero", 0.5, 1e-4),
-            method(WORDS, "a", "bearing", 0.9, 2e-3),
-            method(WORDS, "a", "random", 0.9, 1e-3),
-            method(WORDS, "b", "zero", float("nan")),
-            method(JOINT, "a", "zero", 0.1),
-        ]
-    )
-    best = best_methods(frame, ["formulation", "engine"])
-
-    assert best["guess"].tolist() == ["random", "zero", "zero"]
-    assert cell(matrix(frame, []), "a", WORDS)["guess"] == "random"
-
-
-def test_few_questions_all_right_are_less_than_many_nearly_all():
-    """Two of two say little; the cell says how few they are if nothing else was asked."""
-    frame = pd.DataFrame(
-        [
-            method(WORDS, "a", "zero", 1.0, of=2),
-            method(WORDS, "a", "bearing", 0.9, of=80),
+            method(WORDS, "a", "zero", 0.5, 1e-4, of=80),
+            method(WORDS, "a", "bearing", 0.9, 2e-3, of=80),
+            method(WORDS, "a", "random", 0.9, 1e-3, of=80),
+            method(WORDS, "a", "given", 1.0, 1e-4, of=2),
+            method(WORDS, "b", "zero", float("nan"), of=80),
             method(JOINT, "a", "zero", 1.0, of=2),
         ]
     )
-    table = matrix(frame, [])
+    cells = matrix(frame, [])
 
-    assert cell(table, "a", WORDS)["guess"] == "bearing"
-    assert table.cells.set_index("formulation")["few"].to_dict() == {WORDS: False, JOINT: True}
+    assert best_methods(frame, ["formulation", "engine"])["guess"].tolist() == [
+        *("random", "zero", "zero")
+    ]
+    assert cell(cells, "a", WORDS)["guess"] == "random"
+    assert cells.loc[cells["few"], "formulation"].tolist() == [JOINT]
 
 
 def test_a_panel_has_at_most_ten_engines():

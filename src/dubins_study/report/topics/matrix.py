@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Hashable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,7 +31,6 @@ from dubins_study.report.elements.identity import (
     best_first,
     percent,
     questions,
-    with_share,
 )
 from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import (
@@ -57,30 +56,20 @@ _NOT_ASKED = "it can be asked, but no row of these folders does"
 _NO_KIND = "other"
 
 
-class Matrix(NamedTuple):
-    """The table, long and as the lines of the page.
+def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFrame:
+    """Every formulation with every engine; without entries, only the pairs that have rows.
 
-    `cells` has a row per engine and formulation with the columns of the pair's best method, filled
-    (whether there is one), few (whether it was asked less than half as many questions as others),
-    reason (empty if filled) and note (its number from 1, 0 if filled). `engines` holds (kind,
-    engine) in the order of lines, `formulations` the order of columns.
+    A row per engine and formulation, in the order of lines and columns: kind (of the engine), the
+    columns of the pair's best method, filled (whether there is one), few (whether it was asked less
+    than half as many questions as others), reason (empty if filled) and note (the reason's number
+    from 1, 0 if filled).
     """
-
-    cells: pd.DataFrame
-    engines: list[tuple[str, str]]
-    formulations: list[str]
-    reasons: list[str]
-
-
-def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
-    """Every formulation with every engine; without entries, only the pairs that have rows."""
     asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
     best = best_methods(asked, ["engine", "formulation"]).assign(filled=True)
     known = [entry for entry in entries if entry.formulation != _FORMULA]
     with_rows = set(best["engine"])
     readable = {entry.engine for entry in known if entry.kind != "exact"} | with_rows
     known = [entry for entry in known if entry.engine in readable]
-    engines = _engines(known, best)
     given = {*best["formulation"], *(entry.formulation for entry in known)}
     formulations = [name for name in FORMULATIONS if name in given]
     formulations += sorted(given - set(formulations))
@@ -88,7 +77,7 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
     pairs = pd.DataFrame(
         [
             (kind, engine, formulation, why.get((engine, formulation), ""))
-            for kind, engine in engines
+            for kind, engine in _engines(known, best)
             for formulation in formulations
         ],
         columns=["kind", "engine", "formulation", "reason"],
@@ -97,10 +86,8 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> Matrix:
     cells["filled"] = cells["filled"].eq(True)
     cells["few"] = cells["right_of"] < asked["right_of"].max() / 2
     cells["reason"] = cells["reason"].where(~cells["filled"], "")
-    reasons = list(dict.fromkeys(reason for reason in cells["reason"] if reason))
-    number = {reason: place for place, reason in enumerate(reasons, 1)}
-    cells["note"] = cells["reason"].map(number).fillna(0).astype(int)
-    return Matrix(cells, engines, formulations, reasons)
+    cells["note"] = pd.factorize(cells["reason"].where(cells["reason"] != ""))[0] + 1
+    return cells
 
 
 def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[str, str]]:
@@ -120,8 +107,8 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
     kept = rows[rows["answerable"]]
     kept = kept.assign(right=success(kept), stratum=kept["label"].fillna(""))
     shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=TRIAL)
-    frame = shares.reset_index()
-    return with_share(frame[["solver", "stratum"]], "right", frame["successes"], frame["trials"])
+    names = {"trials": "right_of", "share": "right_share", "low": "right_low", "high": "right_high"}
+    return shares.rename(columns=names).reset_index()
 
 
 def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame) -> Table | None:
@@ -163,23 +150,17 @@ def whole_percent(share: float) -> str:
     return f"{min(max(100 * share, 1), 99):.0f}"
 
 
-def _drawn_engines(table: Matrix) -> list[tuple[str, str]]:
-    """(kind, engine) of the lines of the figure: engines that have rows with any formulation."""
-    asked = set(table.cells.loc[table.cells["filled"], "engine"])
-    return [pair for pair in table.engines if pair[1] in asked]
-
-
-def plot_matrix(ax: Axes, table: Matrix) -> None:
-    """Shares of right answers in percent, engines by formulations; a pair without rows is empty.
+def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
+    """Shares of right answers in percent, the engines that have rows by formulations.
 
     A star follows the share of a method that was asked fewer questions than others.
     """
-    drawn = _drawn_engines(table)
-    wide = table.cells.pivot(index="engine", columns="formulation", values=["right_share", "few"])
-    wide = wide.reindex([engine for _, engine in drawn])
-    shares = wide["right_share"][table.formulations].to_numpy(dtype=np.float64)
-    few = wide["few"][table.formulations].to_numpy()
-    lines, across = len(drawn), len(table.formulations)
+    drawn, names = cells[cells["filled"]].drop_duplicates("engine"), cells["formulation"].unique()
+    wide = cells.pivot(index="engine", columns="formulation", values=["right_share", "few"])
+    wide = wide.reindex(list(drawn["engine"]))
+    shares = wide["right_share"][names].to_numpy(dtype=np.float64)
+    few = wide["few"][names].to_numpy()
+    lines, across = len(drawn), len(names)
     flat: Style = {"interpolation": "nearest", "aspect": "auto"}
     ax.imshow(np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **flat)
     gaps: Style = {"colors": PAPER, "linewidth": 1.2}
@@ -193,14 +174,14 @@ def plot_matrix(ax: Axes, table: Matrix) -> None:
     ax.set_yticks(range(lines), wide.index, color=INK, fontsize=7)
     # Aslant, since a name is wider than its column.
     aslant: Style = {"rotation": 30, "ha": "left", "rotation_mode": "anchor", "fontsize": 7}
-    ax.set_xticks(range(across), table.formulations, color=INK, **aslant)
+    ax.set_xticks(range(across), names, color=INK, **aslant)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
     ax.grid(False)
     for spine in ax.spines.values():
         spine.set_visible(False)
     # The kinds of engines stand at the right, with a line between two kinds.
-    kinds = [kind for kind, _ in drawn]
+    kinds = drawn["kind"].tolist()
     for start in (kinds.index(kind) for kind in dict.fromkeys(kinds)):
         name = textwrap.fill(kinds[start], 11)
         ax.text(across - 0.4, start - 0.4, name, va="top", fontsize=6, color=MUTED)
@@ -214,12 +195,12 @@ def matrix_section(results: Results) -> Section | None:
     methods = solver_summary(attempts).merge(evaluations(attempts), on="solver", how="left")
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
     entries = [entry for run in results.folders for entry in run.manifest.matrix]
-    table = matrix(methods, entries)
-    if not table.cells["filled"].any():
+    cells = matrix(methods, entries)
+    if not cells["filled"].any():
         return None
-    blocks: list[Picture | Table] = [_picture(table), _table(table)]
-    if table.reasons:
-        blocks.append(_reasons(table))
+    blocks: list[Picture | Table] = [_picture(cells), _table(cells)]
+    if cells["note"].any():
+        blocks.append(_reasons(cells))
     best = best_solvers(results)
     blocks += best_first(_methods(methods), methods["solver"], best)
     strata_table = _stratum_table(results, methods, strata(results.rows))
@@ -228,21 +209,21 @@ def matrix_section(results: Results) -> Section | None:
     lead = (
         "Read along a line for what the formulation buys, down a column for what the engine buys."
     )
-    return Section("matrix", "Formulation by engine", _text(table), tuple(blocks), lead)
+    return Section("matrix", "Formulation by engine", _text(cells), tuple(blocks), lead)
 
 
-def _text(table: Matrix) -> str:
-    filled = table.cells[table.cells["filled"]]
+def _text(cells: pd.DataFrame) -> str:
+    engines, formulations = cells["engine"].nunique(), cells["formulation"].nunique()
+    filled = cells[cells["filled"]]
     spanned = filled[~filled["few"]]
     spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
         "A result belongs to a formulation, an engine and an initial guess.",
-        f"Of {some(len(table.cells), 'pair')} ({count(len(table.engines))} engines, "
-        f"{count(len(table.formulations))} formulations) {count(len(filled))} have rows; the "
-        "others have a reason."
-        if table.reasons
-        else f"{some(len(filled), 'pair')} of {some(len(table.engines), 'engine')} and "
-        f"{some(len(table.formulations), 'formulation')} have rows.",
+        f"Of {some(len(cells), 'pair')} ({count(engines)} engines, {count(formulations)} "
+        f"formulations) {count(len(filled))} have rows; the others have a reason."
+        if cells["note"].any()
+        else f"{some(len(filled), 'pair')} of {some(engines, 'engine')} and "
+        f"{some(formulations, 'formulation')} have rows.",
         *filter(None, spans),
     )
 
@@ -263,17 +244,18 @@ def _span(filled: pd.DataFrame, key: str) -> str:
     )
 
 
-def _picture(table: Matrix) -> Picture:
-    star = " A star: asked less than half as many questions." if table.cells["few"].any() else ""
+def _picture(cells: pd.DataFrame) -> Picture:
+    star = " A star: asked less than half as many questions." if cells["few"].any() else ""
+    drawn = cells.loc[cells["filled"], "engine"].nunique()
     return picture(
         "matrix",
         plot_matrix,
-        table,
+        cells,
         caption="Percent of the questions with a path that are answered right, with the best of "
         "the pair's initial guesses and settings. Empty: the pair has no row; the table of reasons "
         f"says why.{star}",
         alt="Map of right answers, engines by formulations",
-        height=min(HIGHEST, 0.75 + 0.175 * max(len(_drawn_engines(table)), 5)),
+        height=min(HIGHEST, 0.75 + 0.175 * max(drawn, 5)),
         width=WIDE,
     )
 
@@ -287,19 +269,22 @@ def _cell(row: Mapping[Hashable, Any]) -> str:
     return f"{percent(row['right_share'])} %\n{low}–{high}\n{milliseconds} ms{few}"
 
 
-def _table(table: Matrix) -> Table:
-    cells = table.cells.assign(text=[_cell(row) for row in table.cells.to_dict("records")])
+def _table(cells: pd.DataFrame) -> Table:
+    cells = cells.assign(text=[_cell(row) for row in cells.to_dict("records")])
+    kinds = cells.drop_duplicates("engine").set_index("engine")["kind"]
     wide = cells.pivot(index="engine", columns="formulation", values="text")
-    wide = wide.reindex([engine for _, engine in table.engines]).reset_index()
-    wide["kind"] = [kind for kind, _ in table.engines]
-    wide["named"] = [f"{engine} ({kind})" if kind else engine for kind, engine in table.engines]
+    wide = wide.reindex(kinds.index).reset_index()
+    wide["kind"] = kinds.to_numpy()
+    wide["named"] = [
+        f"{engine} ({kind})" if kind else str(engine) for engine, kind in kinds.items()
+    ]
     shown = (
         *columns(kind="text", named="engine"),
-        *(Column(name, name, kind="cell") for name in table.formulations),
+        *(Column(name, name, kind="cell") for name in cells["formulation"].unique()),
     )
     empty = {
         (line, name): "note"
-        for line, (_, engine) in enumerate(table.engines)
+        for line, engine in enumerate(kinds.index)
         for name in cells.loc[(cells["engine"] == engine) & ~cells["filled"], "formulation"]
     }
     caption = (
@@ -313,15 +298,10 @@ def _table(table: Matrix) -> Table:
     return Table("matrix", caption, wide, shown, empty, ("engine", "kind"), dense=True)
 
 
-def _reasons(table: Matrix) -> Table:
-    pairs = table.cells["note"].value_counts()
-    frame = pd.DataFrame(
-        {
-            "note": [f"[{number}]" for number in range(1, len(table.reasons) + 1)],
-            "reason": table.reasons,
-            "pairs": [int(pairs[number]) for number in range(1, len(table.reasons) + 1)],
-        }
-    )
+def _reasons(cells: pd.DataFrame) -> Table:
+    noted = cells[cells["note"] > 0].groupby("note")["reason"]
+    frame = noted.agg(reason="first", pairs="size").reset_index()
+    frame["note"] = [f"[{number}]" for number in frame["note"]]
     shown = (
         *columns(kind="text", note="number"),
         *columns(kind="prose", reason="why the pair has no row"),
