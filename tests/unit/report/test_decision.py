@@ -25,7 +25,6 @@ from dubins_study.report.topics.decision import (
     choices,
     closed_form,
     decision_section,
-    false_provers,
 )
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt, paper_scenarios
@@ -59,6 +58,14 @@ def test_a_need_that_the_settings_exclude_is_not_asked():
 SLOW, FINE = rows("slow", wall_s=2e-3), rows("fine", wall_s=1.0)
 GOOD, BAD = rows("good", wrong=40, wall_s=1.0), rows("bad", wrong=90, wall_s=1e-3)
 LARGE = {"radius": 100.0, "length": 400.0, "reference": 400.0}
+CLAIMS = rows("claims", claim="optimal")
+PROOFS = [
+    rows("coarser", claim="optimal", wall_s=1.0, lower_bound=4.0 - 1e-5),
+    rows("finer", claim="optimal", wall_s=1.0, lower_bound=4.0 - 1e-9),
+]
+LIES = ({"false_bound": True}, {"claim": "optimal", "false_claim": True})
+INSIDE = {"region": "left disc", "margin": 0.5}
+TRUE_PROOFS = rows("liar", claim="optimal", lower_bound=4.0)
 
 
 @pytest.mark.parametrize(
@@ -98,40 +105,23 @@ LARGE = {"radius": 100.0, "length": 400.0, "reference": 400.0}
             {"share": 1},
         ),
         ([rows("x", wrong=MANY, branch="LS")], "loose", {"solver": ""}),
+        # a claim without a bound proves nothing; a coarse bound proves a coarse gap only
+        ([CLAIMS, *PROOFS], "loose_proof", {"solver": "coarser"}),
+        ([CLAIMS, *PROOFS], "tight_proof", {"solver": "finer"}),
+        ([CLAIMS], "loose_proof", {"solver": ""}),
+        # who gave a false proof once is left out where a proof is needed, and not elsewhere
+        *(
+            ([[row(MANY, "liar", **lie, **INSIDE)], TRUE_PROOFS, *PROOFS], need, {"solver": solver})
+            for lie in LIES
+            for need, solver in (("loose", "liar"), ("loose_proof", "coarser"))
+        ),
+        ([TRUE_PROOFS, *PROOFS], "loose_proof", {"solver": "liar"}),
     ],
 )
 def test_the_choice_of_made_up_rows(each, need, expected):
     chosen = table(*each)["far", need]
 
     assert {name: getattr(chosen, name) for name in expected} == expected
-
-
-def test_a_proof_needs_a_bound_that_holds_and_is_near():
-    """A claim without a bound proves nothing; a coarse bound proves a coarse gap only."""
-    proof = {"claim": "optimal", "wall_s": 1.0}
-    found = table(
-        rows("claims", claim="optimal"),
-        rows("coarse", **proof, lower_bound=4.0 - 1e-5),
-        rows("fine", **proof, lower_bound=4.0 - 1e-9),
-    )
-
-    assert found["far", "loose_proof"].solver == "coarse"
-    assert found["far", "tight_proof"].solver == "fine"
-    assert table(rows("claims", claim="optimal"))["far", "loose_proof"].solver == ""
-
-
-@pytest.mark.parametrize("lie", [{"false_bound": True}, {"claim": "optimal", "false_claim": True}])
-def test_who_gave_a_false_proof_once_is_not_recommended_for_proofs(lie):
-    """Not even where its other proofs hold; for a path alone it may be."""
-    proof = {"claim": "optimal", "lower_bound": 4.0}
-    liar = [row(MANY, "liar", **lie, region="left disc", margin=0.5), *rows("liar", **proof)]
-    honest = rows("honest", **proof, wall_s=1.0)
-
-    frame = pd.DataFrame([*liar, *honest])
-    assert false_provers(Compared(frame, methods_of(frame), 2.0, ())) == ["liar"]
-    assert table(liar, honest)["far", "loose_proof"].solver == "honest"
-    assert table(liar, honest)["far", "loose"].solver == "liar"
-    assert table(rows("liar", **proof), honest)["far", "loose_proof"].solver == "liar"
 
 
 def test_regions_follow_the_targets_place():
@@ -177,28 +167,21 @@ def _section(folders):
     return next(sections_of(topic, results))
 
 
-@pytest.mark.parametrize("name", ["paper", "mine"])
-def test_a_report_without_a_benchmark_answers_too(results, name):
+def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results):
     scenarios = paper_scenarios()
-    lines = [attempt(s) for s in scenarios] + [attempt(s, "slsqp") for s in scenarios]
-    section = _section([results(name, lines)])
-
-    assert section.key == "decision"
-    assert section.blocks[0].frame["loose_solver"].eq("slsqp").all()
-    assert "use the closed form (right on 100 %" in section.lead
-
-
-def test_a_benchmark_decides_alone(results):
-    scenarios = paper_scenarios()
-    paper = results("paper", [attempt(s, "ipopt") for s in scenarios])
     bench = results("benchmark", [attempt(s, "slsqp") for s in scenarios])
+    lines = [attempt(s, solver) for s in scenarios for solver in ("analytic", "ipopt")]
+    for folder in (results(name, lines) for name in ("paper", "mine")):
+        alone, together = _section([folder]), _section([folder, bench])
+        assert alone.key == "decision"
+        assert alone.blocks[0].frame["loose_solver"].eq("ipopt").all()
+        assert "use the closed form (right on 100 %" in alone.lead
+        assert together.blocks[0].frame["loose_solver"].eq("slsqp").all()
 
-    assert _section([paper, bench]).blocks[0].frame["loose_solver"].eq("slsqp").all()
 
-
-def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
+def test_a_report_without_anything_to_recommend_says_so(results):
     """Only failures, no closed form, only warm attempts: each in words."""
-    scenarios = paper_scenarios()
+    scenarios = paper_scenarios()[:2]
     wrong = [attempt(s, "slsqp", path=astray(s), claim=Claim.FAILED) for s in scenarios]
     failures = _section([results("failures", wrong)])
     warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
@@ -209,20 +192,6 @@ def test_a_report_without_anything_to_recommend_says_so(results, tmp_path):
     assert "Nothing can be recommended" in warm.lead
     assert warm.blocks == only.blocks == ()
     assert "no engine was asked" in only.lead
-
-
-def test_every_reader_finds_the_command_of_their_case(results):
-    """The run asks this page's questions; a name from outside is one word of the command."""
-    name = "a b; rm c"
-    rows = [attempt(scenario, "slsqp") for scenario in paper_scenarios()]
-    folder = results("e", rows, experiment={"name": name, "text": ""}, command="")
-    section = decision_section(load([folder]))
-    cases = section.blocks[1]
-
-    assert cases.name == "cases"
-    run = cases.frame["command"].str.split("\n").explode().str.extract("^(dubins-study run .*)")
-    (line,) = run[0].dropna()
-    assert shlex.split(line)[2:4] == [name, "--solver"]
 
 
 @pytest.mark.parametrize(
@@ -238,13 +207,17 @@ def test_every_reader_finds_the_command_of_their_case(results):
             "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --engine dask",
             "--scenarios s.csv",
         ),
-        ("dubins-study run --scenarios 'no end", "s"),
-        ("", "s"),
+        ("dubins-study run --scenarios 'no end", "'a b; rm c'"),
+        ("", "'a b; rm c'"),
     ],
 )
 def test_the_command_asks_what_the_run_was_asked(results, command, asked):
-    """The folder's own arguments, for a name alone names no file; other solvers answer."""
-    folder = results("s", [attempt(s) for s in paper_scenarios()], command=command)
+    """The folder's own arguments, for a name alone names no file; other solvers answer.
+
+    A name from outside is one word of the command.
+    """
+    named = {"name": "a b; rm c", "text": ""}
+    folder = results("s", [attempt(paper_scenarios()[0])], command=command, experiment=named)
     manifest = load([folder]).folders[0].manifest
 
     assert run_command(manifest, "--solver X --out Y") == (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,14 +19,12 @@ from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.statistics.metrics import is_true
-from dubins_study.study.path import FloatArray
+from dubins_study.report.topics.comparison import ENOUGH_ASKED
 
 # A method that meets a need on so many of the questions is sure enough to be chosen for its speed.
 SURE = 0.99
 # Times that differ by less are one: a machine's speed varies as much within a run.
 AS_FAST = 1.1
-# A method that was asked fewer of a region's questions met others than its rivals.
-ENOUGH_ASKED = 0.9
 LOOSE, TIGHT = 1e-4, 1e-8
 
 # Margins in turning radii. Next to a circle the shortest length jumps; strata of the benchmark lie
@@ -97,11 +95,14 @@ def choices(compared: Compared) -> list[Choice]:
     rows = asked_rows(compared)
     engines = rows[rows["solver"] != EXACT]
     liars = false_provers(compared)
-    needs = possible_needs(engines)
+    places = [name for name in REGIONS if (engines["place"] == name).any()]
+    regions = {name: engines[engines["place"] == name] for name in places}
+    if len(places) != 1 and len(engines):
+        regions = {ANYWHERE: engines} | regions
     return [
         _choice(part[~part["solver"].isin(liars)] if need.proof else part, region, need)
-        for region, part in _parts(engines)
-        for need in needs
+        for region, part in regions.items()
+        for need in possible_needs(engines)
     ]
 
 
@@ -124,15 +125,10 @@ def choose(methods: pd.DataFrame) -> str:
     with the largest `low`, then the least time; empty if no share is above 0.
     """
     sure = methods[methods["share"] >= SURE]
-    if len(sure):
-        fast = sure[~(sure["wall_s"] > AS_FAST * sure["wall_s"].min())]  # a time may be missing
-        order = fast.sort_values(["share", "wall_s"], ascending=[False, True], kind="stable")
-        return str(order.index[0])
-    ever = methods[methods["share"] > 0]
-    if ever.empty:
-        return ""
-    order = ever.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
-    return str(order.index[0])
+    fast = sure[~(sure["wall_s"] > AS_FAST * sure["wall_s"].min())]  # a time may be missing
+    kept, key = (fast, "share") if len(fast) else (methods[methods["share"] > 0], "low")
+    order = kept.sort_values([key, "wall_s"], ascending=[False, True], kind="stable")
+    return str(order.index[0]) if len(order) else ""
 
 
 def closed_form(compared: Compared) -> Choice | None:
@@ -160,24 +156,18 @@ def false_provers(compared: Compared) -> list[str]:
 
 def met(rows: pd.DataFrame, need: Need) -> pd.Series[bool]:
     """Whether each attempt meets a need."""
-    scale = np.maximum(_numbers(rows, "reference"), _numbers(rows, "radius"))
-    within = rows["right"].to_numpy(bool, copy=True)
+    names = ["gap", "miss", "length", "lower_bound", "reference", "radius"]
+    numbers = rows[names].astype(np.float64)
+    within = rows["right"].astype(bool)
     if need.accuracy < LOOSE:
-        miss = _numbers(rows, "miss") / _numbers(rows, "radius")
-        within &= (np.abs(_numbers(rows, "gap")) <= need.accuracy) & (miss <= need.accuracy)
+        miss = numbers["miss"] / numbers["radius"]
+        within = within & (numbers["gap"].abs() <= need.accuracy) & (miss <= need.accuracy)
     if need.proof:
-        unproved = (_numbers(rows, "length") - _numbers(rows, "lower_bound")) / scale
+        scale = np.maximum(numbers["reference"], numbers["radius"])
+        unproved: pd.Series[float] = (numbers["length"] - numbers["lower_bound"]) / scale
         false = is_true(rows["false_bound"]) | is_true(rows["false_claim"])
-        within &= (unproved <= need.accuracy) & ~false.to_numpy(bool)
-    return pd.Series(within, rows.index)
-
-
-def _parts(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    regions = [name for name in REGIONS if (rows["place"] == name).any()]
-    if len(regions) != 1 and len(rows):
-        yield ANYWHERE, rows
-    for name in regions:
-        yield name, rows[rows["place"] == name]
+        within = within & (unproved <= need.accuracy) & ~false
+    return within
 
 
 def _choice(rows: pd.DataFrame, region: str, need: Need) -> Choice:
@@ -202,10 +192,6 @@ def _places(rows: pd.DataFrame) -> pd.Series[str]:
     conditions = [~known, margin <= NEAR, ~outside, margin > FAR]
     places = np.select(conditions, ["", "near", "inside", "far"], "outside")
     return pd.Series(places, first.index)
-
-
-def _numbers(rows: pd.DataFrame, name: str) -> FloatArray:
-    return rows[name].to_numpy(np.float64, na_value=np.nan)
 
 
 def cases_table(results: Results) -> Table:
