@@ -12,7 +12,7 @@ from dubins_study.report.elements.formats import count, digits, seconds, share, 
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings import WARNINGS, findings
-from dubins_study.report.topics.findings_evidence import Evidence, Finding, exactly
+from dubins_study.report.topics.findings_evidence import Estimate, Evidence, Finding
 from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
@@ -20,6 +20,11 @@ _TYPICAL_SHARE = 0.9
 # Relative; along one word a miss of 1e-6 R shortens a path by far less.
 _OTHER_PATH = 1e-4
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
+
+
+def _exactly(number: float) -> Estimate:
+    """A number that is no estimate, or NaN for none."""
+    return Estimate(float(number), float("nan"), float("nan"), 0)
 
 
 def overlapping_shares(attempts: Compared) -> Finding | None:
@@ -32,7 +37,7 @@ def overlapping_shares(attempts: Compared) -> Finding | None:
     return Finding(
         "Do not rank methods by shares whose intervals overlap: a share of "
         f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
-        exactly(points),
+        _exactly(points),
         "percentage points",
         f"{some(questions, 'question')} with a path",
         "Summary",
@@ -47,7 +52,7 @@ def unsteady_machine(results: Results) -> Finding:
         return Finding(
             "Do not rank methods by small differences in time: no run was long enough to tell how "
             "steady its machine was.",
-            exactly(float("nan")),
+            _exactly(float("nan")),
             "",
             some(len(runs), "run"),
             "The runs and their machines",
@@ -55,7 +60,7 @@ def unsteady_machine(results: Results) -> Finding:
     return Finding(
         f"Do not rank methods by times that differ by less than {share(max(spreads))}: by so much "
         "the speed of the machine varied during a run.",
-        exactly(100 * max(spreads)),
+        _exactly(100 * max(spreads)),
         "%",
         f"{some(len(spreads), 'run')} that timed a fixed piece of work",
         "The runs and their machines",
@@ -72,7 +77,7 @@ def stopped_attempts(attempts: Compared) -> Finding | None:
     return Finding(
         f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
         f"ended at a limit, {seconds(attempts.limit_s)} at most, or at a limit of iterations.",
-        exactly(number),
+        _exactly(number),
         "attempts",
         f"{some(len(rows), 'attempt')} of engines at questions with a path",
         "Success and gaps",
@@ -95,7 +100,7 @@ def shorter_paths(attempts: Compared) -> Finding | None:
         f"Do not take every right answer for the shortest path to the target itself: "
         f"{some(len(shorter), 'right answer')} at {scenarios} next to a turning circle use the "
         f"miss that arriving allows, and are up to {digits(2)(most)} times shorter.",
-        exactly(len(shorter)),
+        _exactly(len(shorter)),
         "attempts",
         some(len(rows), "right answer"),
         "Formulation by engine: strata",
@@ -119,7 +124,7 @@ def missing_pairs(results: Results, attempts: Compared) -> Finding | None:
     return Finding(
         f"Do not conclude anything about pairs that are not here: {count(missing)} of "
         f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
-        exactly(missing),
+        _exactly(missing),
         "pairs",
         "all formulations with all engines",
         "Formulation by engine",

@@ -53,11 +53,9 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
         pairs,
         "engine",
         ("one problem a word", "the joint model in both orders"),
-        lambda better, worse, points: (
-            f"Pose {better}: with the same engines it is right on {points} percentage points more "
-            f"of the questions than {worse}. Not the formulation alone does it: a word gets up to "
-            f"six guesses where the joint model gets one an order{presolved}."
-        ),
+        "Pose {better}: with the same engines it is right on {points} percentage points more of "
+        "the questions than {worse}. Not the formulation alone does it: a word gets up to six "
+        f"guesses where the joint model gets one an order{presolved}.",
     )
 
 
@@ -68,10 +66,8 @@ def zero_start(evidence: Evidence) -> Finding | None:
         evidence.pairs(_SAME, "guess", "bearing", "zero"),
         "method",
         ("the bearing of the target", "the zero point"),
-        lambda better, worse, points: (
-            f"Start from {better}: from {worse} the same engines on the same formulations are "
-            f"right on {points} percentage points fewer of the questions."
-        ),
+        "Start from {better}: from {worse} the same engines on the same formulations are right on "
+        "{points} percentage points fewer of the questions.",
     )
 
 
@@ -88,20 +84,14 @@ def random_restarts(evidence: Evidence) -> Finding | None:
         evidence,
         pairs,
         "method",
-        ("more", "fewer"),
-        lambda more, _, points: (
-            f"{_RANDOM[more]}: with the same engine and formulation they are right on {points} "
-            f"percentage points {more} of the questions than the guess along the bearing{cost}."
-        ),
+        ("Try several random guesses where the model is joint", "Do not rely on random guesses"),
+        "{better}: with the same engine and formulation they are right on {points} percentage "
+        f"points {{more}} of the questions than the guess along the bearing{cost}.",
         medians_text,
     )
 
 
 _SAME = ["formulation", "engine"]
-_RANDOM = {
-    "more": "Try several random guesses where the model is joint",
-    "fewer": "Do not rely on random guesses",
-}
 
 
 def _difference(
@@ -109,13 +99,13 @@ def _difference(
     pairs: list[Pair],
     noun: str,
     names: tuple[str, str],
-    sentence: Callable[[str, str, str], str],
-    more: str = "",
+    sentence: str,
+    time: str = "",
 ) -> Finding | None:
     """How much more often the first of each pair is right, or the second: whichever is better.
 
-    A mean over pairs; a question counts if both of a pair were asked it. The sentence is made of
-    the better and the worse name, and the percentage points.
+    A mean over pairs; a question counts if both of a pair were asked it. The sentence has places
+    for the better and the worse name, the percentage points, and whether the first has more.
     """
     if not pairs:
         return None
@@ -123,13 +113,16 @@ def _difference(
     differences = evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy()
     means = pd.DataFrame(100 * differences, evidence.rates.index).mean(axis=1)
     points = evidence.estimate(means, averages)
-    if points is None or not points.excludes(0):
+    if points is None or points.low <= 0 <= points.high:
         return None
     better, worse = names
+    more = "more"
     if points.value < 0:
-        points, better, worse = points.negated(), worse, better
+        points = Estimate(-points.value, -points.high, -points.low, points.questions)
+        better, worse, more = worse, better, "fewer"
     asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), noun)}, in pairs"
-    return Finding(sentence(better, worse, points.text()), points, POINTS, f"{asked}{more}", MATRIX)
+    text = sentence.format(better=better, worse=worse, points=points.text(), more=more)
+    return Finding(text, points, POINTS, f"{asked}{time}", MATRIX)
 
 
 def single_order(evidence: Evidence) -> Finding | None:

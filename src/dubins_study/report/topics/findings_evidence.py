@@ -38,10 +38,6 @@ class Estimate(NamedTuple):
     high: float
     questions: int
 
-    def excludes(self, value: float) -> bool:
-        """Whether the interval lies on one side of a value."""
-        return self.low > value or self.high < value
-
     def text(self, show: Format = _THREE) -> str:
         """The number and its interval: `2.5 (2.1 to 3.4)`."""
         return with_interval(show, self.value, self.low, self.high)
@@ -49,10 +45,6 @@ class Estimate(NamedTuple):
     def percent_text(self) -> str:
         """A number in per cent and its interval: `25.0 % (21.0 % to 34.2 %)`."""
         return with_interval(share, self.value / 100, self.low / 100, self.high / 100)
-
-    def negated(self) -> Estimate:
-        """The estimate of the number with the other sign."""
-        return Estimate(-self.value, -self.high, -self.low, self.questions)
 
 
 class Finding(NamedTuple):
@@ -73,11 +65,6 @@ def estimate_of(frame: pd.DataFrame, key: str, questions: int) -> Estimate:
     """The number `key` of the first row, with the ends of its interval."""
     value, low, high = (float(frame[name].iloc[0]) for name in interval_keys(key))
     return Estimate(value, low, high, questions)
-
-
-def exactly(number: float) -> Estimate:
-    """A number that is no estimate, or NaN for none."""
-    return Estimate(float(number), float("nan"), float("nan"), 0)
 
 
 def percent(estimate: Estimate) -> Estimate:
