@@ -21,17 +21,12 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, write_folder
+from tests.unit.report.results_folder import attempt
 
 PLAIN = Scenario(0, 0, 0, 5, 2, 1, label="plain")
 FAR = Scenario(0, 0, 0.123456, 50, 20, 1, label="far")
 # The target lies in the left disc: no path LS.
 DISC = Scenario(0, 0, 0, 0.5, 1, 1, label="disc")
-
-
-def longer(scenario):
-    """A path of the other side."""
-    return shortest_path(scenario, "RS")
 
 
 def honest(scenario, solver, claim, path="exact", branch="best", **changes):
@@ -42,89 +37,53 @@ def frame(results, rows, name="benchmark"):
     return claims(compared(load([results(name, rows)])))
 
 
-# claim, path, and what the claim is worth of a question that has a path
+LONGER, MISSES = shortest_path(PLAIN, "RS"), Path(PLAIN.start, [0.0], [1.0])
+LENGTH = shortest_path(PLAIN).total_length
+
+
+def bound(factor, **changes):
+    """A claim of optimality whose bound is the shortest length times a factor."""
+    bounds = {"lower_bound": factor * LENGTH, "reference_high": LENGTH, "false_bound": True}
+    return honest(PLAIN, "scip", Claim.OPTIMAL, **bounds, **changes)
+
+
 WORTHS = [
-    (Claim.OPTIMAL, "exact", "true"),
-    (Claim.OPTIMAL, "longer", "false"),
-    (Claim.LOCAL, "longer", "true"),
-    (Claim.LOCAL, "misses", "false"),
-    (Claim.FEASIBLE, "exact", "less than known"),
-    (Claim.FEASIBLE, "longer", "true"),
-    (Claim.FAILED, "exact", "less than known"),
-    (Claim.LIMIT, "longer", "less than known"),
-    (Claim.FAILED, "misses", "says nothing"),
-    (Claim.NONE, None, "says nothing"),
-    (Claim.INFEASIBLE, None, "false"),
+    (honest(PLAIN, "scip", Claim.OPTIMAL), "true"),
+    (honest(PLAIN, "scip", Claim.OPTIMAL, LONGER), "false"),
+    (honest(PLAIN, "scip", Claim.LOCAL, LONGER), "true"),
+    (honest(PLAIN, "scip", Claim.LOCAL, MISSES), "false"),
+    (honest(PLAIN, "scip", Claim.FEASIBLE), "less than known"),
+    (honest(PLAIN, "scip", Claim.FEASIBLE, LONGER), "true"),
+    (honest(PLAIN, "scip", Claim.FAILED), "less than known"),
+    (honest(PLAIN, "scip", Claim.LIMIT, LONGER), "less than known"),
+    (honest(PLAIN, "scip", Claim.FAILED, MISSES), "says nothing"),
+    (honest(PLAIN, "scip", Claim.NONE, None), "says nothing"),
+    (honest(PLAIN, "scip", Claim.INFEASIBLE, None), "false"),
+    (honest(DISC, "scip", Claim.INFEASIBLE, None, "LS"), "true"),
+    # ten tolerances of 1e-8 explain 5e-8; a thousandth is a false proof, and any bound without one
+    (bound(1 + 5e-8, tolerance=1e-8), "true to its tolerance"),
+    (bound(1.001, tolerance=1e-8), "false"),
+    (bound(1.1), "false"),
+    # a plug-in may call every answer presolved; only a path rightly denied is taken for one
+    (honest(PLAIN, "scip", Claim.OPTIMAL, LONGER, presolved=True), "false"),
 ]
 
 
-@pytest.fixture(scope="module")
-def worths(tmp_path_factory):
-    """The worth of each claim, each by a solver of its own."""
-    paths = {"longer": longer(PLAIN), "misses": Path(PLAIN.start, [0.0], [1.0])}
-    rows = [
-        honest(PLAIN, f"{claim} {path}", claim, paths.get(path, path)) for claim, path, _ in WORTHS
-    ]
-    folder = write_folder(tmp_path_factory.mktemp("worths") / "benchmark", "benchmark", rows)
-    return claims(compared(load([folder]))).groupby("solver")["truth"].agg(list)
+def test_the_worth_of_each_claim(results):
+    """Of claims about a question that has a path, and about one that has none; of bounds."""
+    presolved = honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True)
+    rows = [row | {"repeat": n} for n, (row, _) in enumerate(WORTHS)]
+    made = frame(results, [presolved, *rows])
+    proofs = false_proofs(made).set_index("proof")["most"].dropna()
 
-
-@pytest.mark.parametrize(("claim", "path", "worth"), WORTHS)
-def test_the_worth_of_each_claim(worths, claim, path, worth):
-    assert worths[f"{claim} {path}"] == [worth]
-
-
-def test_without_a_path_infeasible_is_true(results):
-    """And a bound above the shortest length makes a true claim false."""
-    rows = [
-        honest(DISC, "scip", Claim.INFEASIBLE, None, "LS"),
-        honest(PLAIN, "scip", Claim.OPTIMAL, false_bound=True, lower_bound=9.0),
-    ]
-    made = frame(results, rows)
-
-    assert made["truth"].tolist() == ["true", "false"]
-    assert made["proof"].tolist()[1] == PROOFS[0]
-
-
-@pytest.mark.parametrize(
-    ("bound", "worth"), [(1 + 5e-8, "true to its tolerance"), (1.001, "false")]
-)
-def test_a_bound_may_be_too_high_by_the_engines_tolerance(results, bound, worth):
-    """Ten tolerances of 1e-8 explain 5e-8; a thousandth is a false proof."""
-    length = attempt(PLAIN)["length"]
-    changes = {"false_bound": True, "tolerance": 1e-8, "reference_high": length}
-    row = honest(PLAIN, "scip", Claim.OPTIMAL, lower_bound=bound * length, **changes)
-    made = frame(results, [row])
-    (line,) = false_proofs(made).to_dict("records")
-
-    assert made["truth"].tolist() == [worth]
-    assert line["most"] == pytest.approx(bound - 1)
-    assert line["proof"] == PROOFS[0 if worth == "false" else 1]
-
-
-def test_the_presolves_answers_are_no_claims(results):
-    rows = [
-        honest(PLAIN, "scip", Claim.OPTIMAL),
-        honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True),
-    ]
-
-    assert len(frame(results, rows)) == 1
-
-
-def test_a_false_claim_counts_whatever_it_says_of_the_presolve(results):
-    """A plug-in may call every answer presolved; only a path rightly denied is taken for one."""
-    wrong = {"path": longer(PLAIN), "presolved": True}
-    rows = [honest(PLAIN, "scip", Claim.OPTIMAL, **wrong), honest(FAR, "scip", Claim.OPTIMAL)]
-    line = beliefs(frame(results, rows), ["solver"]).loc["scip"]
-
-    assert (line["questions"], line["false"]) == (2, pytest.approx(1 / 2))
+    assert made["truth"].tolist() == [worth for _, worth in WORTHS]
+    assert proofs.to_dict() == pytest.approx({PROOFS[0]: 0.1, PROOFS[1]: 5e-8})
 
 
 def test_a_question_counts_once_however_often_it_is_asked(results):
     """False in one of three repeats counts a third; the interval is that of two trials."""
     rows = [
-        honest(PLAIN, "scip", Claim.OPTIMAL, "exact" if n else longer(PLAIN), repeat=n)
-        for n in range(3)
+        honest(PLAIN, "scip", Claim.OPTIMAL, "exact" if n else LONGER, repeat=n) for n in range(3)
     ] + [honest(FAR, "scip", Claim.OPTIMAL, repeat=n) for n in range(3)]
     line = beliefs(frame(results, rows), ["solver"]).loc["scip"]
 
@@ -198,10 +157,9 @@ def test_the_section(results):
 
 def test_the_most_often_false_was_asked_as_much_as_others(results):
     """False at its one question says less than false at one of three."""
-    often = honest(PLAIN, "scip", Claim.INFEASIBLE, None)
-    rare = [honest(PLAIN, "gurobi", Claim.INFEASIBLE, None)]
-    rare += [honest(scenario, "gurobi", Claim.OPTIMAL) for scenario in (FAR, DISC)]
+    rows = [honest(PLAIN, solver, Claim.INFEASIBLE, None) for solver in ("scip", "gurobi")]
+    rows += [honest(scenario, "gurobi", Claim.OPTIMAL) for scenario in (FAR, DISC)]
 
-    text = belief_section(load([results("few", [often, *rare])])).text
+    text = belief_section(load([results("few", rows)])).text
     assert "2 of 2 methods make false claims" in text
     assert "others, gurobi (bearing) on one NLP a word: at 33.3 %" in text

@@ -91,16 +91,16 @@ def test_repeats_are_parts_of_a_question(tmp_path):
     assert line["silent_share"] == pytest.approx(2 / 3)
 
 
-@pytest.mark.parametrize("outcome", ["unsupported", "unavailable"])
-def test_who_cannot_be_asked_is_not_silent(tmp_path, outcome):
+def test_who_cannot_be_asked_is_not_silent(tmp_path):
     """A solver of the branch best alone does not answer LS."""
     made = [
         ask(INSIDE[0], Claim.INFEASIBLE),
-        ask(INSIDE[1], Claim.NONE, outcome=outcome),
+        ask(INSIDE[1], Claim.NONE, outcome="unsupported"),
+        ask(INSIDE[2], Claim.NONE, outcome="unavailable"),
     ]
     line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
 
-    assert (line["reached"], line["unasked"], line["right_share"]) == (1, 1, 1.0)
+    assert (line["reached"], line["unasked"], line["right_share"]) == (1, 2, 1.0)
 
 
 def test_times_are_of_attempts_that_reached_the_engine(results):
@@ -123,19 +123,18 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(results):
     assert "33.3 % of 3" in section.text
 
 
-def test_without_such_questions_there_is_no_section(tmp_path):
-    made = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]
-
-    assert existence_section(load([write_folder(tmp_path / "e", "e", made)])) is None
-
-
 def test_a_presolve_that_answers_all_leaves_the_engine_out(tmp_path):
-    """Then shares of the engine's answers are not defined, and its time is missing."""
+    """Then shares of the engine's answers are not defined, and its time is missing.
+
+    Without a question that has no path there is no section.
+    """
     made = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
     results = load([write_folder(tmp_path / "e", "e", made)])
     line = line_of(results)
     (table,) = existence_section(results).blocks
+    asked = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]
 
+    assert existence_section(load([write_folder(tmp_path / "asked", "e", asked)])) is None
     assert math.isnan(line["right_share"])
     assert pd.isna(line["wall_s"])
     shown = dict(zip([column.key for column in table.columns], table.texts()[0], strict=True))

@@ -7,7 +7,6 @@ import shlex
 
 import pytest
 
-from dubins_study import render
 from dubins_study.report.data import failures as counts
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.failures import (
@@ -19,6 +18,7 @@ from dubins_study.report.topics.failures import (
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt
+from tests.unit.report.topic_page import topic_page
 
 NEAR, FAR = Scenario(0, 0, 0, 2, 2.5), Scenario(0, 0, 0, 30, 1)
 TURNED = Scenario(5, 5, math.pi / 2, 5, 7.6, 2.0)  # straight ahead, 1.3 radii away
@@ -34,9 +34,7 @@ def silent(scenario, solver, outcome, **changes):
 
 def rows():
     """Two timeouts, a crash, a miss, two that say they failed, and seven right answers."""
-    misses = [
-        attempt(IN_DISC, "b", path=astray(IN_DISC, 0.1), claim=Claim.FAILED, message="off by 7.5")
-    ]
+    misses = {"path": astray(IN_DISC, 0.1), "message": "off by 7.5"}
     failed = [
         attempt(where, "b", path=None, claim=Claim.FAILED, message=f"off by {k}.5e-0{k}", repeat=k)
         for k, where in enumerate((TURNED, FAR), 1)
@@ -47,7 +45,7 @@ def rows():
         silent(IN_DISC, "a", "out_of_memory"),
         attempt(TURNED, "a"),
         attempt(NEAR, "b"),
-        *misses,
+        attempt(IN_DISC, "b", claim=Claim.FAILED, **misses),
         *failed,
         *(attempt(where, "c") for where in (NEAR, FAR, TURNED, IN_DISC)),
     ]
@@ -99,25 +97,19 @@ def test_where_failures_lie(folder):
     assert table.loc["in the left disc", "misses"] == pytest.approx(1 / 3)
 
 
-def test_a_command_repeats_the_failure(folder, tmp_path):
+def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
     section = failures_section(load([folder]))
     table = next(block for block in section.blocks if block.name == "failures")
     line = table.frame.set_index("outcome").loc["timeout"]
 
-    assert shlex.split(line["command"]) == shlex.split(
-        "dubins-study solve --time-limit 1.5 --solver a -- 2 2.5"
-    )
-    page = render([folder], tmp_path / "out").read_text(encoding="utf-8")
-    assert "--time-limit 1.5 --solver a -- 2 2.5" in page
-    assert page.count('<section id="failures"') == 1
-
-
-def test_the_lead_counts(folder):
-    section = failures_section(load([folder]))
-
     assert "3 of 12 attempts (2 timeout, 1 out of memory)" in section.lead
     assert "3 other failures" in section.lead
     assert "Of 12 attempts at questions that have a path, 6 failed (50.0 %)" in section.text
+    command = "dubins-study solve --time-limit 1.5 --solver a -- 2 2.5"
+    assert shlex.split(line["command"]) == shlex.split(command)
+    page = topic_page(folder, tmp_path / "out", "failures").read_text(encoding="utf-8")
+    assert "--time-limit 1.5 --solver a -- 2 2.5" in page
+    assert page.count('<section id="failures"') == 1
 
 
 def test_without_failures_a_sentence(results):
@@ -137,10 +129,7 @@ def test_returned_failures_alone(results):
     wrong = [attempt(NEAR, "b", path=astray(NEAR, 0.1), claim=Claim.LOCAL), attempt(FAR, "b")]
     section = failures_section(load([results("e", wrong)]))
 
-    assert [block.name for block in section.blocks] == [
-        "failures",
-        "failures-by-region",
-    ]
+    assert [block.name for block in section.blocks] == ["failures", "failures-by-region"]
     assert section.lead == (
         "See what solvers said in 1 failure, and where their targets lie; each of the 2 attempts "
         "returned."
