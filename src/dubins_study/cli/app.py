@@ -19,27 +19,26 @@ from dubins_study.errors import DubinsStudyError
 
 try:
     import typer
-except KeyboardInterrupt:  # this is the first import that takes long enough to be interrupted
+    from typer.core import TyperCommand
+    from typer.exceptions import TyperException
+
+    from dubins_study.cli import (
+        audit,
+        check_solver,
+        compare,
+        experiments,
+        export,
+        merge,
+        new,
+        report,
+        run,
+        solve,
+        solvers,
+        status,
+    )
+    from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
+except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
-
-from typer.core import TyperCommand
-from typer.exceptions import TyperException
-
-from dubins_study.cli import (
-    audit,
-    check_solver,
-    compare,
-    experiments,
-    export,
-    merge,
-    new,
-    report,
-    run,
-    solve,
-    solvers,
-    status,
-)
-from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
 
 PROGRAM = "dubins-study"
 _HELP = """Optimisation solvers judged on the shortest Dubins path to a point.
