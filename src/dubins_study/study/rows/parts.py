@@ -1,7 +1,6 @@
 """The one reader of a results folder's parts: immutable Parquet files of rows.
 
-The metadata at a part's end name its schema and its run. `read_footer` reads and checks only them;
-`read_batches` and `read_part` read rows.
+The metadata at a part's end name its schema and its run.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -18,7 +17,7 @@ import pyarrow.parquet as pq
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
-from dubins_study.study.rows.schema import KEY, RUN_ID, VERSION, VERSION_KEY, names
+from dubins_study.study.rows.schema import KEY, VERSION, VERSION_KEY, names
 from dubins_study.study.values import printable_text
 
 PARTS = "parts"
@@ -52,23 +51,9 @@ def os_errors_as(problem: str) -> Iterator[None]:
         raise ResultsError(f"{problem}: {reason(error)}") from None
 
 
-class Part(NamedTuple):
-    """A part as its metadata describe it."""
-
-    file: FilePath
-    rows: int
-    run_id: str  # empty if the part does not say which run wrote it
-
-
 def part_files(folder: FilePath) -> list[FilePath]:
     """The files of a folder's parts, by name; none is opened."""
     return sorted((folder / PARTS).glob("*.parquet"))
-
-
-def read_footer(file: FilePath) -> Part:
-    """What a part says about itself; no row is read. Errors as `read_batches`."""
-    with _open(file) as content:
-        return _footer(file, content)
 
 
 def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
@@ -79,7 +64,7 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
     """
     wanted = list(columns or ARROW_SCHEMA.names)
     with _open(file) as content:
-        expected, rows = _footer(file, content).rows, 0
+        expected, rows = _stated_rows(file, content), 0
         stored = [name for name in wanted if name in content.schema_arrow.names]
         threads = expected > _SMALL_PART_ROWS
         batches = content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads)
@@ -138,19 +123,19 @@ def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch |
         return batch
 
 
-def _footer(file: FilePath, content: pq.ParquetFile) -> Part:
+def _stated_rows(file: FilePath, content: pq.ParquetFile) -> int:
+    """How many rows a part says that it holds, if it is of this schema."""
     with _reading(file):
         columns, rows = content.schema_arrow.names, int(content.metadata.num_rows)
         texts = content.metadata.metadata or {}
         version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
-        run_id = texts.get(RUN_ID.encode(), b"").decode("utf-8", "replace")
     if version != str(VERSION):
         raise ResultsError(f"{file} is of schema {version!r:.60}; expected {VERSION}: {_MOVE}")
     if problem := _column_problem(columns):
         raise ResultsError(
             f"{file} cannot be read: {problem}; expected the columns of schema {VERSION}: {_MOVE}"
         )
-    return Part(file, rows, run_id)
+    return rows
 
 
 def _column_problem(columns: Sequence[str]) -> str | None:
