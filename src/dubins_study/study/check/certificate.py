@@ -8,7 +8,7 @@ the question.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import enclose
@@ -32,37 +32,45 @@ CUT_TOLERANCE = 1e-9
 BOUND_TOLERANCE = 1e-9
 
 
-class Evidence(NamedTuple):
-    """What a proof rests on: numbers of one answer, or arrays of a frame's; NaN where unknown."""
-
-    optimal: Any  # the verdict
-    none_exists: Any  # the verdict
-    arrives: Any
-    length: Any
-    residual: Any  # of Pontryagin's conditions
-    cut: Any  # margin, rad
-    low: Any  # of the proven interval around the shortest length
-    # The interval is finite, and the length within `allowed` of it: an answer far below it owes
-    # that to its miss, and proves nothing.
-    near: Any
-    bound: Any  # the solver's own, unless it is false: then it contradicts the answer
-    allowed: Any
-    radius: Any
-
-
-def proof_levels(found: Evidence, branch: str) -> tuple[Any, Any, Any]:
+def proof_levels(
+    branch: str,
+    optimal: Any,
+    none_exists: Any,
+    arrives: Any,
+    length: Any,
+    radius: Any,
+    residual: Any,
+    cut: Any,
+    low: Any,
+    near: Any,
+    bound: Any,
+    allowed: Any,
+) -> tuple[Any, Any, Any]:
     """Whether answers are proved, bounded and extremals, in this order of precedence.
 
     Plain operators only, which serve one answer and arrays alike.
+
+    Args:
+        branch: of the question.
+        optimal, none_exists: whether the verdict is this.
+        arrives: whether the path does.
+        length, radius: of the path and of its turns; NaN where there is no path.
+        residual: of Pontryagin's conditions; NaN where unknown.
+        cut: margin (rad); NaN where unknown.
+        low: of the proven interval around the shortest length.
+        near: whether that interval is finite and the length within `allowed` of it. An answer far
+            below it owes that to its miss, and proves nothing.
+        bound: the solver's own; NaN if it is false, since then it contradicts the answer.
+        allowed: tolerance of lengths.
     """
-    tolerance = PMP_TOLERANCE + PMP_ROUNDING * found.length / found.radius
+    tolerance = PMP_TOLERANCE + PMP_ROUNDING * length / radius
     # a path of no length has no costates, and needs none
-    is_extremal = found.arrives & ((found.length == 0) | (found.residual <= tolerance))
-    clear = (found.cut >= -CUT_TOLERANCE) | (branch != "best")
-    near = found.arrives & found.optimal & found.near
+    is_extremal = arrives & ((length == 0) | (residual <= tolerance))
+    clear = (cut >= -CUT_TOLERANCE) | (branch != "best")
+    near = arrives & optimal & near
     proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
-    no_path = found.none_exists & (found.low == math.inf)
-    return proved | no_path, near & (abs(found.length - found.bound) <= found.allowed), is_extremal
+    no_path = none_exists & (low == math.inf)
+    return proved | no_path, near & (abs(length - bound) <= allowed), is_extremal
 
 
 def certify(
@@ -96,22 +104,22 @@ def certify(
     arriving = None if judged.gap is None else judged.length
     bound = math.nan if lower_bound is None else lower_bound
     false_bound = bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
-    found = Evidence(
-        optimal=judged.verdict is Verdict.OPTIMAL,
-        none_exists=judged.verdict is Verdict.NONE_EXISTS,
-        arrives=arriving is not None,
-        length=length,
-        residual=math.nan if costates is None else costates.pmp_residual,
-        cut=math.nan if cut is None else cut,
-        low=interval.low,
-        near=interval.exists and interval.holds(length, allowed),
-        bound=math.nan if false_bound else bound,
-        allowed=allowed,
-        radius=radius,
+    levels = proof_levels(
+        branch,
+        judged.verdict is Verdict.OPTIMAL,
+        judged.verdict is Verdict.NONE_EXISTS,
+        arriving is not None,
+        length,
+        radius,
+        math.nan if costates is None else costates.pmp_residual,
+        math.nan if cut is None else cut,
+        interval.low,
+        interval.exists and interval.holds(length, allowed),
+        math.nan if false_bound else bound,
+        allowed,
     )
-    levels = *proof_levels(found, branch), True
     return Certificate(
-        proof=_PROOFS[levels.index(True)],
+        proof=_PROOFS[(*levels, True).index(True)],
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,

@@ -12,7 +12,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.certificate import BOUND_TOLERANCE, Evidence, proof_levels
+from dubins_study.study.check.certificate import BOUND_TOLERANCE, proof_levels
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
@@ -96,20 +96,20 @@ def certify_frame(
             near[row] = interval.exists and interval.holds(length[row], allowed[row])
             highest[row] = interval.highest(length[row] if arrives[row] else None)
         false_bound = bound > highest + BOUND_TOLERANCE * scale
-        found = Evidence(
-            optimal=judged.verdict == _OPTIMAL,
-            none_exists=judged.verdict == _NONE_EXISTS,
-            arrives=arrives,
-            length=length,
-            residual=measured[MEASURED.index("pmp_residual")],
-            cut=measured[MEASURED.index("cut_margin")],
-            low=low,
-            near=near,
-            bound=np.where(false_bound, np.nan, bound),
-            allowed=allowed,
-            radius=arrays.radius,
+        levels = proof_levels(
+            branch,
+            judged.verdict == _OPTIMAL,
+            judged.verdict == _NONE_EXISTS,
+            arrives,
+            length,
+            arrays.radius,
+            measured[MEASURED.index("pmp_residual")],
+            measured[MEASURED.index("cut_margin")],
+            low,
+            near,
+            np.where(false_bound, np.nan, bound),
+            allowed,
         )
-        levels = proof_levels(found, branch)
     proof = np.full(n, PROOFS.index(Proof.NONE), np.uint8)
     for level in reversed(range(len(levels))):
         proof[levels[level]] = level
