@@ -9,7 +9,7 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.data.verdicts import existence as counts
-from dubins_study.report.data.verdicts import methods, verdicts
+from dubins_study.report.data.verdicts import methods
 from dubins_study.report.topics.existence import engine_times, existence, existence_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -51,56 +51,38 @@ def line_of(results):
     return line
 
 
-def test_an_answer_is_right_silent_or_wrong(results):
+SPLIT = [ask(INSIDE[0], c, repeat=n) for n, c in enumerate((Claim.INFEASIBLE, Claim.FAILED))]
+NOT_ASKED = [
+    ask(INSIDE[n], Claim.NONE, outcome=outcome)
+    for n, outcome in ((1, "unsupported"), (2, "unavailable"))
+]
+
+
+@pytest.mark.parametrize(
+    ("made", "expected"),
+    [
+        # the presolve's time is not the engine's
+        (rows(), {"presolved": 1, "reached": 3, "wall_s": 2.0, "presolve_s": 1e-4}),
+        (rows(), {"right_share": 1 / 3, "silent_share": 1 / 3, "wrong_share": 1 / 3}),
+        # a path that is denied is a wrong answer of its own; a failure denies nothing
+        (rows(), {"questions": 3, "denied": 1, "denied_share": 1 / 3}),
+        # repeats are parts of a question: one trial, half of it right
+        (SPLIT, {"right_of": 1, "right_share": 1 / 2, "silent_share": 1 / 2}),
+        # who cannot be asked is not silent: a solver of the branch best alone does not answer LS
+        ([ask(INSIDE[0], Claim.INFEASIBLE), *NOT_ASKED], {"reached": 1, "unasked": 2, "right": 1}),
+    ],
+)
+def test_the_counts_by_hand(tmp_path, made, expected):
+    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
+
+    assert {name: line[name] for name in expected} == pytest.approx(expected)
+
+
+def test_the_interval_of_a_denial(results):
+    """Wilson's interval of 1 of 3, from a table of it."""
     line = line_of(results)
 
-    assert line["presolved"] == 1
-    assert line["reached"] == 3
-    assert [line[f"{name}_share"] for name in ("right", "silent", "wrong")] == pytest.approx(
-        [1 / 3] * 3
-    )
-    assert line["wall_s"] == 2.0  # the presolve's time is not the engine's
-    assert line["presolve_s"] == 1e-4
-
-
-def test_a_failure_where_no_path_exists_is_no_miss(results):
-    """Misses, and shares of right answers, are of questions that have a path."""
-    (line,) = verdicts(results.attempts).to_dict("records")
-
-    assert (line["attempts"], line["optimal"], line["none"], line["misses"]) == (3, 1, 2, 0)
-
-
-def test_a_path_that_is_denied_is_a_wrong_answer_of_its_own(results):
-    """One of three questions that have a path is called infeasible; a failure denies nothing."""
-    line = line_of(results)
-
-    assert (line["questions"], line["denied"]) == (3, 1)
-    assert line["denied_share"] == pytest.approx(1 / 3)
-    # Wilson's interval of 1 of 3, from a table of it
     assert (line["denied_low"], line["denied_high"]) == pytest.approx((0.0615, 0.7923), abs=5e-5)
-
-
-def test_repeats_are_parts_of_a_question(tmp_path):
-    """Three repeats, right in one: a third of a question, and one trial."""
-    claims = (Claim.INFEASIBLE, Claim.FAILED, Claim.LIMIT)
-    made = [ask(INSIDE[0], claim, repeat=n) for n, claim in enumerate(claims)]
-    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
-
-    assert line["right_of"] == 1
-    assert line["right_share"] == pytest.approx(1 / 3)
-    assert line["silent_share"] == pytest.approx(2 / 3)
-
-
-def test_who_cannot_be_asked_is_not_silent(tmp_path):
-    """A solver of the branch best alone does not answer LS."""
-    made = [
-        ask(INSIDE[0], Claim.INFEASIBLE),
-        ask(INSIDE[1], Claim.NONE, outcome="unsupported"),
-        ask(INSIDE[2], Claim.NONE, outcome="unavailable"),
-    ]
-    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
-
-    assert (line["reached"], line["unasked"], line["right_share"]) == (1, 2, 1.0)
 
 
 def test_times_are_of_attempts_that_reached_the_engine(results):

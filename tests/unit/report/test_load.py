@@ -121,13 +121,6 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
     assert "\n" not in str(caught.value)
 
 
-def test_no_folder_is_refused(tmp_path):
-    with pytest.raises(ResultsError, match="not a folder"):
-        load([tmp_path / "nowhere"])
-    with pytest.raises(ResultsError, match="at least one"):
-        load([])
-
-
 def test_a_gap_that_differs_contradicts(tmp_path):
     """By more than the tolerance; where everything else agrees, and whichever comes first."""
     rows = [attempt(scenario) for scenario in paper_scenarios()]

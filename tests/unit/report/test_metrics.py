@@ -8,16 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.attempts import VERDICTS
 from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
-from dubins_study.report.statistics.costs import performance_ratios
 from dubins_study.report.topics.agreement import agreement
 from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
-from dubins_study.report.topics.time import mean_times, right_times
+from dubins_study.report.topics.time import mean_times
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import COLUMNS, Pose
 from tests.unit.report.results_folder import attempts_of
@@ -40,85 +38,82 @@ def frame(**columns):
     return pd.DataFrame({**base, **columns})
 
 
-def test_failures_stay_in_every_denominator(tmp_path):
-    """Four questions with a path, two answered optimally: half are right, whatever came of the
-    others. What was asked where no path exists is not counted."""
-    rows = frame(
-        scenario_id=list("01234"),
-        verdict=["optimal", "optimal", "misses", "none", "misses"],
-        outcome=["returned", "returned", "returned", "timeout", "crashed"],
-        false_claim=[False, False, True, False, True],
-        reference_word=["LS"] * 4 + [None],
-    )
-    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
-
-    assert (line["attempts"], line["questions"], line["right_share"]) == (4, 4, 0.5)
-    # Wilson's interval of 2 of 4 by hand: 1/2 -+ (1.96 / sqrt(4 + 1.96^2)) / 2
-    assert line["right_low"] == pytest.approx(0.1500, abs=5e-5)
-    assert line["right_text"] == "50.0 % of 4,\n15.0 to 85.0 %"
-    assert (line["misses"], line["none"]) == (1, 1)
-    assert (line["false_claims"], line["not_returned"]) == (1, 1)
+def wilson(successes, trials):
+    """Wilson's 95 % interval, from its quadratic (p - k/n)^2 = z^2 p (1 - p) / n."""
+    share, z2 = successes / trials, 1.959963984540054**2 / trials
+    return sorted(np.roots([1 + z2, -(2 * share + z2), share**2]))
 
 
-def test_repeats_are_parts_of_a_question(tmp_path):
-    """Right in two of three repeats counts 2/3; the interval is that of two questions, not six."""
-    rows = frame(
-        scenario_id=["0"] * 3 + ["1"] * 3,
-        verdict=["optimal"] * 5 + ["longer"],
-        repeat=[0, 1, 2] * 2,
-    )
-    attempts = attempts_of(tmp_path, rows)
-    line = solver_summary(attempts).iloc[0]
+SUMMARIES = {
+    # Four questions with a path, two answered optimally: half are right, whatever came of the
+    # others. What was asked where no path exists is not counted.
+    "failures stay in every denominator": (
+        {
+            "scenario_id": list("01234"),
+            "verdict": ["optimal", "optimal", "misses", "none", "misses"],
+            "outcome": ["returned", "returned", "returned", "timeout", "crashed"],
+            "false_claim": [False, False, True, False, True],
+            "reference_word": ["LS"] * 4 + [None],
+        },
+        {"attempts": 4, "questions": 4, "right_share": 0.5, "misses": 1, "none": 1}
+        | {"false_claims": 1, "not_returned": 1, "right_text": "50.0 % of 4,\n15.0 to 85.0 %"}
+        | dict(zip(("right_low", "right_high"), wilson(2, 4), strict=True)),
+    ),
+    # Right in two of three repeats counts 2/3.
+    "repeats are parts of a question": (
+        {"scenario_id": list("000111"), "verdict": ["optimal"] * 5 + ["longer"]}
+        | {"repeat": [0, 1, 2] * 2},
+        {"attempts": 6, "questions": 2, "right": 5 / 3, "right_share": 5 / 6},
+    ),
+    # Counted as twenty trials the interval would be narrower by a factor of about the root of two.
+    "cold and warm attempts at a question are one trial": (
+        {"scenario_id": [*"0123456789"] * 2, "initial_guess": ["cold"] * 10 + ["warm"] * 10}
+        | {"verdict": (["optimal"] * 7 + ["longer"] * 3) * 2},
+        {"attempts": 20, "questions": 10, "right": 7}
+        | dict(zip(("right_low", "right_high"), wilson(7, 10), strict=True)),
+    ),
+    "every attempt is in one verdict column": (
+        {"verdict": ["optimal", "longer", "longer", "misses", *["none exists"] * 2]}
+        | {"presolved": [False] * 5 + [True]},
+        {"optimal": 1, "longer": 2, "misses": 1, "none": 0, "none exists": 1, "by presolve": 1},
+    ),
+}
 
-    assert (line["attempts"], line["questions"]) == (6, 2)
-    assert line["right"] == pytest.approx(5 / 3)
-    assert line["right_share"] == pytest.approx(5 / 6)
-    assert line["right_low"] < 0.3  # of six trials it would be 0.44
 
+@pytest.mark.parametrize("name", SUMMARIES)
+def test_the_summary_by_hand(tmp_path, name):
+    columns, expected = SUMMARIES[name]
+    line = solver_summary(attempts_of(tmp_path, frame(**columns))).iloc[0]
 
-def test_every_attempt_is_in_one_verdict_column(tmp_path):
-    rows = frame(
-        verdict=["optimal", "longer", "longer", "misses", "none", "none exists", "none exists"],
-        presolved=[False] * 6 + [True],
-    )
-    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
-
-    assert (line["none exists"], line["by presolve"]) == (1, 1)
-    assert sum(line[verdict] for verdict in VERDICTS) == line["attempts"]
+    assert line[list(expected)].to_dict() == pytest.approx(expected)
 
 
 def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
-    """Nor a failure; by rows and by counting alike."""
+    """Nor a failure, but where it denies a path; by rows and by counting alike."""
     rows = frame(
-        verdict=["none exists"] * 3,
-        proof=["proved", "none", "proved"],
-        presolved=[False, True, None],
+        verdict=["none exists"] * 3 + ["none"],
+        proof=["proved", "none", "proved", "none"],
+        presolved=[False, True, None, True],
+        false_claim=[False] * 3 + [True],
         gap=NAN,
     )
     counted = attempts_of(tmp_path, rows)
     line, proofs = solver_summary(counted).iloc[0], counted.proofs().iloc[0]
 
-    assert metrics.success(rows).tolist() == [True, False, True]
-    assert metrics.proof(rows).tolist() == ["proved", "none", "proved"]
-    assert (line["attempts"], line["none exists"], line["by presolve"]) == (3, 2, 1)
-    assert line["right_share"] == pytest.approx(2 / 3)
-    assert (proofs["proved"], proofs["none"]) == (2, 1)
-    assert failure_counts(counted).empty
-
-
-def test_a_presolve_that_denies_a_path_is_a_failure(tmp_path):
-    """It is wrong, and no success is credited to anybody."""
-    rows = frame(verdict=["none"], claim=["infeasible"], presolved=True, false_claim=True, gap=NAN)
-    counted = attempts_of(tmp_path, rows)
-    line = solver_summary(counted).iloc[0]
-
-    assert (line["by presolve"], line["none"], line["false_claims"]) == (0, 1, 1)
-    assert len(failure_counts(counted)) == 1
+    assert metrics.success(rows).tolist() == [True, False, True, False]
+    assert metrics.proof(rows).tolist() == ["proved", "none", "proved", "none"]
+    assert (line["attempts"], line["none exists"], line["by presolve"]) == (4, 2, 1)
+    assert (line["right_share"], line["none"], line["false_claims"]) == (0.5, 1, 1)
+    assert (proofs["proved"], proofs["none"]) == (2, 2)
+    assert failure_counts(counted)["attempts"].tolist() == [1]
 
 
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
-    """Of ten attempts nine arrive: the median is a number, the worst is not."""
-    rows = frame(gap=[0.1 * i for i in range(9)] + [NAN])
+    """Of ten attempts nine arrive: the median is a number, the worst is not.
+
+    The eleventh is at a question without a path: refusing it must not look like an infinite gap.
+    """
+    rows = frame(gap=[0.1 * i for i in range(9)] + [NAN] * 2, reference_word=["LS"] * 10 + [None])
     line = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]
 
     assert line["attempts"] == 10
@@ -126,12 +121,6 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
     assert line["q50"] == pytest.approx(0.4)  # the fifth of ten
     assert line["q90"] == pytest.approx(0.8)
     assert line["q100"] == math.inf
-
-
-def test_questions_without_an_answer_have_no_gap_to_measure(tmp_path):
-    """LS inside the left disc does not exist; refusing it must not look like an infinite gap."""
-    rows = frame(gap=[0.0, NAN], reference_word=["LS", None], verdict=["optimal", "none exists"])
-    assert gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]["attempts"] == 1
 
 
 def test_a_crash_counts_where_an_answer_exists(tmp_path):
@@ -210,20 +199,6 @@ def test_mean_times_use_only_what_every_solver_got_right():
     assert table["rank"].tolist() == [1, 2]
 
 
-def test_time_ratios_keep_failures_as_never_solved():
-    """Question 0: b is right in twice the time; 1: only a is right; 2 was never put to b."""
-    rows = frame(
-        scenario_id=["0", "0", "1", "1", "2"],
-        solver=["a", "b", "a", "b", "a"],
-        wall_s=[1.0, 2.0, 3.0, 1.0, 1.0],
-        verdict=["optimal", "optimal", "optimal", "longer", "optimal"],
-    )
-    ratios = performance_ratios(right_times(rows))
-
-    assert ratios["a"].tolist() == [1.0, 1.0]
-    assert ratios["b"].tolist() == [2.0, math.inf]
-
-
 def test_agreement_by_hand():
     """Two questions put to both, one answered by both: 10 against 11 long, on one straight line."""
     rows = frame(
@@ -290,31 +265,6 @@ def test_the_order_is_fitted_as_far_as_the_gap_falls():
     found = work_precision(rows, settings_of(*rows["solver"]))
 
     assert found["order"].tolist() == pytest.approx([2.0] * 4)
-
-
-def test_cold_and_warm_attempts_at_a_question_are_one_trial(tmp_path):
-    """Of ten questions asked cold and warm, a solver that is right on seven has seven of ten.
-
-    Counted as twenty trials the interval would be narrower by a factor of about the root of two.
-    """
-    rows = pd.DataFrame(
-        [
-            {
-                **{"experiment": "e", "solver": "b", "branch": "best", "scenario_id": f"{place}"},
-                **{"initial_guess": start, "reference_word": "LS", "outcome": "returned"},
-                "verdict": "optimal" if place < 7 else "longer",
-            }
-            for place in range(10)
-            for start in ("cold", "warm")
-        ]
-    )
-    line = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
-
-    assert (line["attempts"], line["questions"], line["right"]) == (20, 10, 7)
-    # Wilson's interval of 7 in 10, from the quadratic (p - 0.7)^2 = z^2 p (1 - p) / 10
-    z = 1.959963984540054
-    ends = np.roots([1 + z * z / 10, -(1.4 + z * z / 10), 0.49])
-    assert [line["right_low"], line["right_high"]] == pytest.approx(sorted(ends), abs=1e-12)
 
 
 def test_cold_and_warm_starts_apart(tmp_path):

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from dubins_study.experiments.definition.experiment import ExperimentError, packaged, parse, read
+from dubins_study.experiments.definition.experiment import packaged, parse, read
 from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from tests.unit.report.results_folder import attempt, paper_scenarios
@@ -90,11 +90,3 @@ def test_a_study_enters_no_pooled_number(results):
 
     assert table["solver"].tolist() == ["analytic"]
     assert table["attempts"].tolist() == [1]
-
-
-@pytest.mark.parametrize("section", ['"../x"', '"Basins"', '""', "3", '"a b"'])
-def test_a_section_is_a_plain_name(section):
-    text = read("basins").text.replace('section = "basins"', f"section = {section}")
-
-    with pytest.raises(ExperimentError, match="section"):
-        parse("odd", "odd.toml", text)
