@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from dubins_study.report.data.results import Results, load
 from tests.unit.report.results_folder import write_folder
 from tests.unit.report.topic_page import without_pdf_files
 
@@ -20,6 +21,12 @@ def results(tmp_path: FilePath) -> Callable[..., FilePath]:
         return write_folder(tmp_path / name, name, rows, **manifest)
 
     return make
+
+
+@pytest.fixture
+def load_rows(results: Callable[..., FilePath]) -> Callable[..., Results]:
+    """Writes a results folder below the test's own, and loads it."""
+    return lambda *given, **manifest: load([results(*given, **manifest)])
 
 
 @pytest.fixture(autouse=True, scope="module")

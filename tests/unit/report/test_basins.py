@@ -1,4 +1,4 @@
-"""Where starts lead: ends named by length, shares by hand, the section, and the claim for real."""
+"""Where starts lead: ends named by length, shares by hand, and the section."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.basins import (
     FALSE_MINIMUM,
     FALSE_PATH,
@@ -89,9 +88,9 @@ def every_end():
     ]
 
 
-def test_every_end_is_told_apart(results):
+def test_every_end_is_told_apart(load_rows):
     """By verdict, claim and length; full turns are counted in minima only."""
-    table = ends(load([results("basins", every_end())]).rows)
+    table = ends(load_rows("basins", every_end()).rows)
 
     assert table["end"].tolist() == [
         OPTIMUM,
@@ -109,7 +108,7 @@ def test_every_end_is_told_apart(results):
     assert line[["turns_1", "turns_2", "turns_more", "most_turns"]].tolist() == [1, 1, 0, 2]
 
 
-def test_what_a_cap_changes_by_hand(results):
+def test_what_a_cap_changes_by_hand(load_rows):
     free, bounded = SPEC, "slsqp[model=joint,order=LRS,initial_guess=given]"
     local = {"claim": Claim.LOCAL}
     rows = [
@@ -121,7 +120,7 @@ def test_what_a_cap_changes_by_hand(results):
         | {"solver": "nlp[initial_guess=given]"},
     ]
 
-    change = capping(shares(ends(load([results("basins", rows)]).rows)))
+    change = capping(shares(ends(load_rows("basins", rows).rows)))
 
     assert change["optimal"].to_dict() == {False: 0.5, True: 0.5}
     assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
@@ -130,15 +129,15 @@ def test_what_a_cap_changes_by_hand(results):
     assert not is_capped(free)
 
 
-def test_cold_starts_are_not_of_the_study(results):
-    assert ends(load([results("basins", [attempt(THREE)])]).rows).empty
+def test_cold_starts_are_not_of_the_study(load_rows):
+    assert ends(load_rows("basins", [attempt(THREE)]).rows).empty
 
 
-def test_the_section_tells_what_the_rows_hold(results):
+def test_the_section_tells_what_the_rows_hold(load_rows):
     """Its numbers are of these rows; without refuted claims it does not speak of any."""
-    text = basins_section(load([results("basins", every_end())])).text
+    text = basins_section(load_rows("basins", every_end())).text
     honest = [given(FOUR, z1, z2, claim=Claim.LOCAL) for z1 in (0.0, 1.0) for z2 in (0.0, 1.0)]
-    plain = basins_section(load([results("honest", honest)])).text
+    plain = basins_section(load_rows("honest", honest)).text
 
     assert "3 statements are refuted" in text
     assert "22.2 % of all attempts end in a minimum with full turns in it, with up to 2" in text

@@ -7,7 +7,6 @@ import shlex
 import pytest
 
 from dubins_study.report.data.command import solve_command
-from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.belief import (
     PROOFS,
@@ -33,8 +32,8 @@ def honest(scenario, solver, claim, path="exact", branch="best", **changes):
     return attempt(scenario, solver, branch, path, claim, **({"false_bound": False} | changes))
 
 
-def frame(results, rows, name="benchmark"):
-    return claims(compared(load([results(name, rows)])))
+def frame(load_rows, rows):
+    return claims(compared(load_rows("benchmark", rows)))
 
 
 LONGER, MISSES = shortest_path(PLAIN, "RS"), Path(PLAIN.start, [0.0], [1.0])
@@ -69,23 +68,23 @@ WORTHS = [
 ]
 
 
-def test_the_worth_of_each_claim(results):
+def test_the_worth_of_each_claim(load_rows):
     """Of claims about a question that has a path, and about one that has none; of bounds."""
     presolved = honest(DISC, "scip", Claim.INFEASIBLE, None, "LS", presolved=True)
     rows = [row | {"repeat": n} for n, (row, _) in enumerate(WORTHS)]
-    made = frame(results, [presolved, *rows])
+    made = frame(load_rows, [presolved, *rows])
     proofs = false_proofs(made).set_index("proof")["most"].dropna()
 
     assert made["truth"].tolist() == [worth for _, worth in WORTHS]
     assert proofs.to_dict() == pytest.approx({PROOFS[0]: 0.1, PROOFS[1]: 5e-8})
 
 
-def test_a_question_counts_once_however_often_it_is_asked(results):
+def test_a_question_counts_once_however_often_it_is_asked(load_rows):
     """False in one of three repeats counts a third; the interval is that of two trials."""
     rows = [
         honest(PLAIN, "scip", Claim.OPTIMAL, "exact" if n else LONGER, repeat=n) for n in range(3)
     ] + [honest(FAR, "scip", Claim.OPTIMAL, repeat=n) for n in range(3)]
-    line = beliefs(frame(results, rows), ["solver"]).loc["scip"]
+    line = beliefs(frame(load_rows, rows), ["solver"]).loc["scip"]
 
     assert (line["questions"], line["false"]) == (2, pytest.approx(1 / 6))
     assert line["true"] == pytest.approx(5 / 6)
@@ -94,10 +93,10 @@ def test_a_question_counts_once_however_often_it_is_asked(results):
     assert line["false_high"] > 1.96**2 / (2 + 1.96**2)
 
 
-def test_the_plainest_example_and_its_command(results):
+def test_the_plainest_example_and_its_command(load_rows):
     """The round numbers are shown; the command holds all digits of the question."""
     rows = [honest(s, "scip[a=1]", Claim.INFEASIBLE, None) for s in (FAR, PLAIN)]
-    (line,) = false_proofs(frame(results, rows)).to_dict("records")
+    (line,) = false_proofs(frame(load_rows, rows)).to_dict("records")
 
     assert (line["proof"], line["attempts"], line["questions"]) == (PROOFS[3], 2, 2)
     assert line["command"] == "dubins-study solve --solver 'scip[a=1]' -- 5 2"
@@ -117,7 +116,7 @@ def test_a_command_asks_the_question_again():
     ]
 
 
-def test_a_cure_is_the_same_engine_without_false_claims(results):
+def test_a_cure_is_the_same_engine_without_false_claims(load_rows):
     """Not one that lies elsewhere, nor another engine; none is said to be none."""
     shared = {"engine": "SCIP", "formulation": "disjunction"}
     liar = [honest(PLAIN, "scip", Claim.INFEASIBLE, None, **shared)]
@@ -126,17 +125,17 @@ def test_a_cure_is_the_same_engine_without_false_claims(results):
     stranger = [honest(PLAIN, "gurobi", Claim.OPTIMAL, **(shared | {"engine": "Gurobi"}))]
 
     def cured(rows, name):
-        made = compared(load([results(name, rows)]))
+        made = compared(load_rows(name, rows))
         return cures(claims(made), made.methods).set_index("solver")["cure"].to_dict()
 
     assert cured(liar + cure + stranger, "a") == {"scip": "scip[tight=True]"}
     assert cured(liar + other + stranger, "b") == {"scip": "", "scip[loose=True]": ""}
 
 
-def test_the_section(results):
+def test_the_section(load_rows):
     """It names the liar; without false claims it says so, and has no table of them."""
-    liar = load([results("liar", [honest(PLAIN, "scip", Claim.INFEASIBLE, None)])])
-    good = load([results("good", [honest(PLAIN, "scip", Claim.OPTIMAL)])])
+    liar = load_rows("liar", [honest(PLAIN, "scip", Claim.INFEASIBLE, None)])
+    good = load_rows("good", [honest(PLAIN, "scip", Claim.OPTIMAL)])
 
     section = belief_section(liar)
     assert [block.name for block in section.blocks] == [
@@ -155,11 +154,11 @@ def test_the_section(results):
     assert len(belief_section(good).blocks) == 2
 
 
-def test_the_most_often_false_was_asked_as_much_as_others(results):
+def test_the_most_often_false_was_asked_as_much_as_others(load_rows):
     """False at its one question says less than false at one of three."""
     rows = [honest(PLAIN, solver, Claim.INFEASIBLE, None) for solver in ("scip", "gurobi")]
     rows += [honest(scenario, "gurobi", Claim.OPTIMAL) for scenario in (FAR, DISC)]
 
-    text = belief_section(load([results("few", rows)])).text
+    text = belief_section(load_rows("few", rows)).text
     assert "2 of 2 methods make false claims" in text
     assert "others, gurobi (bearing) on one NLP a word: at 33.3 %" in text

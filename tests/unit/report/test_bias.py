@@ -1,4 +1,4 @@
-"""The bias in the segments: numbers by hand, the section, and the claim for real."""
+"""The bias in the segments: numbers by hand, and the section."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.bias import (
     barrier,
     bias_section,
@@ -91,9 +90,9 @@ def test_slope_of_a_power():
     assert math.isnan(slope(np.ones(3), np.ones(3)))
 
 
-def test_numbers_by_hand(results):
+def test_numbers_by_hand(load_rows):
     """Twice the predicted turn is a ratio of 2 and a slope of 1, at each barrier."""
-    table = left_over(load([results("bias", by_theory(2.0))]))
+    table = left_over(load_rows("bias", by_theory(2.0)))
     told, others = by_barrier(table), without_barrier(table)
 
     assert told["mu"].tolist() == pytest.approx([1e-6, last_barrier(1e-8), 1e-9])
@@ -106,14 +105,14 @@ def test_numbers_by_hand(results):
     assert others["most"].tolist() == pytest.approx([1e-3, 0])
 
 
-def test_the_section_says_what_the_rows_say(results):
+def test_the_section_says_what_the_rows_say(load_rows):
     """Where the prediction holds it says so, with numbers; where it does not, not.
 
     A part of the rows is enough; without an answer there is no section.
     """
     lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
     good, bad, part = (
-        bias_section(load([results(name, rows)])).text
+        bias_section(load_rows(name, rows)).text
         for name, rows in (
             ("good", by_theory()),
             ("bad", by_theory(2.0)),
@@ -125,4 +124,4 @@ def test_the_section_says_what_the_rows_say(results):
     assert "though the solver calls 1 of them failures" in good
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
     assert "Over 3 attempts" in part
-    assert bias_section(load([results("none", [lost])])) is None
+    assert bias_section(load_rows("none", [lost])) is None

@@ -7,7 +7,6 @@ import math
 import pytest
 
 from dubins_study import Path, Scenario
-from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.caution import shorter_paths
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -27,15 +26,15 @@ def row(scenario, path="exact"):
     return attempt(scenario, "slsqp", path=path, reference_low=shortest_path(scenario).total_length)
 
 
-def caution_of(results, rows):
-    return shorter_paths(compared(load([results("x", rows)])))
+def caution_of(load_rows, rows):
+    return shorter_paths(compared(load_rows("x", rows)))
 
 
-def test_a_path_that_stops_on_the_circle_is_named(results):
+def test_a_path_that_stops_on_the_circle_is_named(load_rows):
     """The arc of one radian misses by less than arriving allows, and is right."""
     short = Path(INSIDE.start, [1.0], [1.0])
     rows = [row(INSIDE, short), row(OUTSIDE)]
-    caution = caution_of(results, rows)
+    caution = caution_of(load_rows, rows)
 
     assert rows[0]["verdict"] == "optimal"
     times = shortest_path(INSIDE).total_length / 1.0
@@ -47,5 +46,5 @@ def test_a_path_that_stops_on_the_circle_is_named(results):
     )
 
 
-def test_paths_to_the_target_itself_need_no_warning(results):
-    assert caution_of(results, [row(INSIDE), row(OUTSIDE)]) is None
+def test_paths_to_the_target_itself_need_no_warning(load_rows):
+    assert caution_of(load_rows, [row(INSIDE), row(OUTSIDE)]) is None

@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.certificates import certificates_section
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
@@ -46,9 +45,9 @@ def rows():
     ]
 
 
-def test_numbers_by_hand(results):
+def test_numbers_by_hand(load_rows):
     """Counts of each word, a lost row has no proof; worst and least of what is measured."""
-    table = load([results("tiny", rows())]).attempts.proofs().set_index("solver")
+    table = load_rows("tiny", rows()).attempts.proofs().set_index("solver")
     words = ["attempts", "proved", "bounded", "extremal", "none"]
 
     assert table.loc["slsqp", words].tolist() == [2, 2, 0, 0, 0]
@@ -60,7 +59,7 @@ def test_numbers_by_hand(results):
 
 
 @pytest.mark.slow
-def test_multipliers_are_compared_with_costates_that_are_there(results):
+def test_multipliers_are_compared_with_costates_that_are_there(load_rows):
     """Not of a single arc, which leaves them free, nor of a path that is no extremal or is lost."""
     scenario = paper_scenarios()[0]
     kept = attempt(scenario, "slsqp", costate_error=1e-9, **PROVED)
@@ -72,33 +71,33 @@ def test_multipliers_are_compared_with_costates_that_are_there(results):
         kept | {"repeat": 4, "gap": None},
     ]
 
-    table = load([results("tiny", made)]).attempts.proofs()
+    table = load_rows("tiny", made).attempts.proofs()
 
     assert table[["attempts", "multipliers", "costate_error"]].to_numpy().tolist() == [[5, 1, 1e-9]]
     for row in made[1:]:
-        alone = load([results(f"only-{row['repeat']}", [row])]).attempts.proofs()
+        alone = load_rows(f"only-{row['repeat']}", [row]).attempts.proofs()
         assert alone["multipliers"].tolist() == [0]
 
 
-def test_width_of_enclosures(results):
+def test_width_of_enclosures(load_rows):
     """Of every attempt, and not where no path exists; a jump is counted apart."""
     made = rows()
     made[0] |= {"reference_low": 2.0, "reference_high": 2.001}
     made[2] |= {"reference_low": 2.0, "reference_high": 2.001}
     made.append(made[0] | {"repeat": 1, "reference_low": 0.3, "reference_high": 6.5})
     made.append(made[4] | {"repeat": 1, "reference_low": 0.0, "reference_high": 0.0})
-    table = load([results("tiny", made)]).attempts.proofs().set_index("solver")
+    table = load_rows("tiny", made).attempts.proofs().set_index("solver")
 
     assert table["enclosed"].to_dict() == {"slsqp": 3, "disjunctive": 2}
     assert table["open"].to_dict() == {"slsqp": 1, "disjunctive": 0}
     assert table["width"].to_dict() == pytest.approx(dict.fromkeys(table.index, 0.001 / 2.001))
     narrow = [row | {"repeat": 1} for row in rows()[:2]]
-    alone = load([results("narrow", narrow)]).attempts.proofs()
+    alone = load_rows("narrow", narrow).attempts.proofs()
     assert alone["width"].tolist() == pytest.approx([4e-16])
 
 
-def test_the_section_says_what_the_rows_say(results):
-    text = certificates_section(load([results("tiny", rows())])).text
+def test_the_section_says_what_the_rows_say(load_rows):
+    text = certificates_section(load_rows("tiny", rows())).text
 
     assert "Of 5 attempts 2 are proved (40.0 %; 1 bounded, 1 extremal, 1 none)." in text
     assert "is 4.4e−16 of it: as much as the rounding of the data leaves open." in text
@@ -107,12 +106,12 @@ def test_the_section_says_what_the_rows_say(results):
     assert "Of 2 lower bounds that solvers report 1 lie above" in text
 
     wide = [row | {"reference_low": 0.5} for row in rows()[:2]]
-    text = certificates_section(load([results("wide", wide)])).text
+    text = certificates_section(load_rows("wide", wide)).text
     assert "2 intervals hold the lengths on both sides of a jump" in text
     assert "lower bounds" not in text
 
 
-def test_rows_without_certificates_have_no_section(results):
-    folder = results("tiny", [attempt(s) for s in paper_scenarios()])
+def test_rows_without_certificates_have_no_section(load_rows):
+    results = load_rows("tiny", [attempt(s) for s in paper_scenarios()])
 
-    assert certificates_section(load([folder])) is None
+    assert certificates_section(results) is None

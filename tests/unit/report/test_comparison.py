@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import compared, methods_of
 from dubins_study.report.topics.comparison import (
     comparison_section,
@@ -50,21 +49,23 @@ def answers():
     return rows
 
 
-def loaded(results, rows, name="benchmark", **manifest):
-    return load([results(name, rows, **({"time_limit_s": 2.0} | manifest))])
+@pytest.fixture
+def asked(load_rows):
+    """Results of a run with a limit of 2 s an attempt."""
+    return lambda rows, name="benchmark": load_rows(name, rows, time_limit_s=2.0)
 
 
-def test_costs_leave_out_the_closed_form_and_who_met_too_few(results):
+def test_costs_leave_out_the_closed_form_and_who_met_too_few(asked):
     rows = [*answers(), answer(QUESTIONS[0], "rare", 1.0)]
-    table = times(compared(loaded(results, rows)))
+    table = times(compared(asked(rows)))
 
     assert list(table.columns) == ["ipopt", "slsqp", "ipopt[model=joint]"]
     assert np.isinf(table["ipopt[model=joint]"]).sum() == 6
 
 
-def test_means_ranks_and_shares(results):
+def test_means_ranks_and_shares(asked):
     """By hand: half the questions at the limit of 2 s, PAR-2 with twice that."""
-    made = compared(loaded(results, answers()))
+    made = compared(asked(answers()))
     ranked, shift, common = mean_ranks(made)
     joint = ranked.loc["ipopt[model=joint]"]
     joint_times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
@@ -78,9 +79,9 @@ def test_means_ranks_and_shares(results):
     assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
 
 
-def test_paired_tests_share_a_formulation_or_an_engine(results):
+def test_paired_tests_share_a_formulation_or_an_engine(asked):
     """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
-    made = compared(loaded(results, answers()))
+    made = compared(asked(answers()))
     tests = shared_tests(times(made), mean_ranks(made)[0])
     (engine,) = tests["formulation"].to_dict("records")
     (formulation,) = tests["engine"].to_dict("records")
@@ -91,25 +92,25 @@ def test_paired_tests_share_a_formulation_or_an_engine(results):
     assert (formulation["shared"], formulation["rival"]) == ("Ipopt", "ipopt[model=joint]")
 
 
-def test_the_spread_counts_questions_whose_verdict_changes(results):
+def test_the_spread_counts_questions_whose_verdict_changes(asked):
     rows = [
         answer(scenario, "ipopt", 1e-3, right=repeat == 0 or number > 2, repeat=repeat)
         for number, scenario in enumerate(QUESTIONS)
         for repeat in range(2)
     ]
-    line = spread(compared(loaded(results, rows))).iloc[0]
+    line = spread(compared(asked(rows))).iloc[0]
 
     assert (line["questions"], line["changing"]) == (12, 0.25)
-    assert spread(compared(loaded(results, answers(), "single"))).empty
+    assert spread(compared(asked(answers(), "single"))).empty
 
 
-def test_methods_are_named_by_the_settings_that_differ(results):
+def test_methods_are_named_by_the_settings_that_differ(asked):
     rows = [
         answer(QUESTIONS[0], spec, 1e-3, engine="Ipopt")
         for spec in ("ipopt", "ipopt[presolve=True]", "ipopt[presolve=True,polish=False]")
     ]
     rows.append(answer(QUESTIONS[0], "slsqp[presolve=True]", 1e-3, engine="SLSQP"))
-    names = methods_of(loaded(results, rows).rows)["short"]
+    names = methods_of(asked(rows).rows)["short"]
 
     assert names.to_dict() == {
         "ipopt": "Ipopt",
@@ -119,9 +120,9 @@ def test_methods_are_named_by_the_settings_that_differ(results):
     }
 
 
-def test_the_section_and_what_has_none(results):
-    section = comparison_section(loaded(results, answers()))
-    single = loaded(results, [answer(s, "slsqp", 1e-3) for s in QUESTIONS], "single")
+def test_the_section_and_what_has_none(asked):
+    section = comparison_section(asked(answers()))
+    single = asked([answer(s, "slsqp", 1e-3) for s in QUESTIONS], "single")
     failed = [
         answer(s, solver, 1e-3, right=False) for s in QUESTIONS for solver in ("slsqp", "ipopt")
     ]
@@ -136,4 +137,4 @@ def test_the_section_and_what_has_none(results):
     ]
     assert "12 questions with a path, put to 3 methods" in section.text
     assert comparison_section(single) is None
-    assert comparison_section(loaded(results, failed, "failed")) is not None
+    assert comparison_section(asked(failed, "failed")) is not None

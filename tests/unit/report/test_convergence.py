@@ -1,4 +1,4 @@
-"""Order of convergence: numbers by hand, the section, and the claim for real."""
+"""Order of convergence: numbers by hand, and the section."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.convergence import (
     convergence_section,
     medians,
@@ -39,14 +38,18 @@ def rows():
     return made
 
 
-def frames(folder):
-    loaded = load([folder])
-    return refined(loaded.rows, loaded.settings)
+@pytest.fixture
+def attempts_of(load_rows):
+    def made(rows):
+        results = load_rows("convergence", rows)
+        return refined(results.rows, results.settings)
+
+    return made
 
 
-def test_orders_by_hand(results):
+def test_orders_by_hand(attempts_of):
     """Powers made up are powers found; the median is the middle target's."""
-    attempts = frames(results("convergence", rows()))
+    attempts = attempts_of(rows())
     table = medians(attempts).set_index(["series", "place", "size"])
     found = orders(attempts).set_index(["series", "place"])
 
@@ -61,31 +64,31 @@ def test_orders_by_hand(results):
     assert (raw["measure"], raw["order"]) == ("miss", pytest.approx(3))
 
 
-def test_what_does_not_arrive_is_infinitely_far_off(results):
+def test_what_does_not_arrive_is_infinitely_far_off(attempts_of):
     """Two of three lost at the finest n: the median is infinite there, and the order is of the
     rest."""
     lost = [row | {"gap": None} for row in rows()[:3]]  # n = 10 outside
     made = [*lost[:2], *rows()[2:]]
-    table = medians(frames(results("convergence", made)))
+    table = medians(attempts_of(made))
     line = table[(table["place"] == "outside") & (table["size"] == 10)].iloc[0]
 
     assert line["value"] == math.inf
 
 
-def test_a_wrong_basin_measures_no_order(results):
+def test_a_wrong_basin_measures_no_order(attempts_of):
     """One jump to another optimum moves no single order; it is counted."""
     made = rows()
     made[-6] |= {"gap": 1.5, "wrong_basin": True}
     assert made[-6]["solver"] == "turn-rate-qp[n=40]"
-    found = orders(frames(results("convergence", made))).set_index(["series", "place"])
+    found = orders(attempts_of(made)).set_index(["series", "place"])
     line = found.loc[("turn-rate-qp", "in a disc")]
 
     assert line["wrong"] == 1
     assert line["least"] == pytest.approx(2)
 
 
-def test_a_figure_names_the_order_of_each_line(results):
-    *pictures, _ = convergence_section(load([results("convergence", rows())])).blocks
+def test_a_figure_names_the_order_of_each_line(load_rows):
+    *pictures, _ = convergence_section(load_rows("convergence", rows())).blocks
     legends = {
         each.name: [text.get_text() for text in each.figure.legends[0].get_texts()]
         for each in pictures

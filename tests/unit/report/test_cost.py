@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.statistics.costs import KINDS
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.cost import (
@@ -67,14 +66,14 @@ def presolved(scenario):
     )
 
 
-def attempts(results, rows):
-    folder = results("benchmark", rows)
-    loaded = load([folder])
-    return loaded, compared(loaded)
+@pytest.fixture
+def attempts(load_rows):
+    """Attempts at a benchmark's questions, as they are compared."""
+    return lambda rows: compared(load_rows("benchmark", rows))
 
 
-def test_every_evaluation_and_second_has_one_kind(results):
-    _, made = attempts(results, [costly(scenario) for scenario in outside()])
+def test_every_evaluation_and_second_has_one_kind(attempts):
+    made = attempts([costly(scenario) for scenario in outside()])
     parts = split(made)
     numbers = {
         "evaluations": [10, 20, 20, 150, 0, 5, 205],
@@ -89,7 +88,7 @@ def test_every_evaluation_and_second_has_one_kind(results):
         assert summed.to_numpy() == pytest.approx(frame["total"].to_numpy())
 
 
-def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(results):
+def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(attempts):
     """A path LS comes from the joint model's order LRS; a tie is decided by the engine's time."""
     joint = costly(
         outside()[0],
@@ -103,17 +102,17 @@ def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(results):
         best_run_s=0.02,
         evaluations=64,
     )
-    _, made = attempts(results, [joint])
+    made = attempts([joint])
     line = split(made).evaluations.iloc[0]
 
     assert (line["winning run"], line["restarts"], line["losing words"]) == (20, 0, 44)
     assert line["words without a path"] == 0
 
 
-def test_factors_and_shares(results):
+def test_factors_and_shares(attempts):
     """205 / 10 evaluations and 0.23 / 0.01 s everywhere; the presolve saves 205 / 50."""
     rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
-    _, made = attempts(results, rows)
+    made = attempts(rows)
     parts = split(made)
     line = factors(made, parts).loc["ipopt"]
     saved = presolve_savings(made, parts).iloc[0]
@@ -131,7 +130,7 @@ def test_factors_and_shares(results):
     ]
 
 
-def test_wrong_answers_and_engines_that_do_not_count(results):
+def test_wrong_answers_and_engines_that_do_not_count(attempts):
     """Only right answers have a winning run; without counts the seconds still do."""
     first, second, *_ = outside()
     uncounted = costly(
@@ -141,7 +140,7 @@ def test_wrong_answers_and_engines_that_do_not_count(results):
         subproblem_evaluations=[float("nan")] * 4,
     )
     wrong = attempt(second, "ipopt", path=None, claim=Claim.FAILED, best_run_s=0.5)
-    _, made = attempts(results, [uncounted, wrong])
+    made = attempts([uncounted, wrong])
     parts = split(made)
 
     assert parts.evaluations["total"].isna().all()
@@ -150,11 +149,10 @@ def test_wrong_answers_and_engines_that_do_not_count(results):
     assert pd.isna(factors(made, parts).loc["ipopt", "evaluations"])
 
 
-def test_the_section_is_there_only_with_efforts(results):
+def test_the_section_is_there_only_with_efforts(load_rows):
     rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
-    loaded, _ = attempts(results, rows)
-    section = cost_section(loaded)
-    bare = load([results("bare", [attempt(scenario) for scenario in outside()])])
+    section = cost_section(load_rows("benchmark", rows))
+    bare = load_rows("bare", [attempt(scenario) for scenario in outside()])
 
     assert [block.name for block in section.blocks] == [
         "cost-evaluations",

@@ -7,13 +7,12 @@ import math
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.data.verdicts import existence as counts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.report.topics.existence import engine_times, existence, existence_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import astray, attempt, write_folder
+from tests.unit.report.results_folder import astray, attempt
 
 # The left disc has its centre at (0, 1): an LS path cannot end inside.
 INSIDE = [Scenario(0, 0, 0, x, 1.0) for x in (-0.4, -0.2, 0.2, 0.4)]
@@ -37,12 +36,6 @@ def rows():
         ask(OUTSIDE[1], Claim.FAILED),
         ask(OUTSIDE[2], Claim.LOCAL, "exact"),
     ]
-
-
-@pytest.fixture
-def results(tmp_path):
-    """The rows, loaded."""
-    return load([write_folder(tmp_path / "e", "e", rows())])
 
 
 def line_of(results):
@@ -72,31 +65,31 @@ NOT_ASKED = [
         ([ask(INSIDE[0], Claim.INFEASIBLE), *NOT_ASKED], {"reached": 1, "unasked": 2, "right": 1}),
     ],
 )
-def test_the_counts_by_hand(tmp_path, made, expected):
-    line = line_of(load([write_folder(tmp_path / "e", "e", made)]))
+def test_the_counts_by_hand(load_rows, made, expected):
+    line = line_of(load_rows("e", made))
 
     assert {name: line[name] for name in expected} == pytest.approx(expected)
 
 
-def test_the_interval_of_a_denial(results):
+def test_the_interval_of_a_denial(load_rows):
     """Wilson's interval of 1 of 3, from a table of it."""
-    line = line_of(results)
+    line = line_of(load_rows("e", rows()))
 
     assert (line["denied_low"], line["denied_high"]) == pytest.approx((0.0615, 0.7923), abs=5e-5)
 
 
-def test_times_are_of_attempts_that_reached_the_engine(results):
+def test_times_are_of_attempts_that_reached_the_engine(load_rows):
     """The median of 1, 2 and 4 s; the interval's ends are values that occur."""
-    (line,) = engine_times(results.rows).to_dict("records")
+    (line,) = engine_times(load_rows("e", rows()).rows).to_dict("records")
 
     assert line["estimate"] == 2.0
     assert {line["low"], line["high"]} <= {1.0, 2.0, 4.0}
     assert line["low"] <= 2.0 <= line["high"]
 
 
-def test_the_section_marks_what_is_wrong_and_says_who_denies(results):
+def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
     """A denial is told in the text with its share; both kinds of error are marked."""
-    section = existence_section(results)
+    section = existence_section(load_rows("e", rows()))
     (table,) = section.blocks
     wrong = [key for (_, key), mark in table.marks.items() if mark == "bad"]
 
@@ -105,18 +98,18 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(results):
     assert "33.3 % of 3" in section.text
 
 
-def test_a_presolve_that_answers_all_leaves_the_engine_out(tmp_path):
+def test_a_presolve_that_answers_all_leaves_the_engine_out(load_rows):
     """Then shares of the engine's answers are not defined, and its time is missing.
 
     Without a question that has no path there is no section.
     """
     made = [ask(INSIDE[0], Claim.INFEASIBLE, presolved=True)]
-    results = load([write_folder(tmp_path / "e", "e", made)])
+    results = load_rows("e", made)
     line = line_of(results)
     (table,) = existence_section(results).blocks
     asked = [ask(OUTSIDE[2], Claim.LOCAL, "exact")]
 
-    assert existence_section(load([write_folder(tmp_path / "asked", "e", asked)])) is None
+    assert existence_section(load_rows("asked", asked)) is None
     assert math.isnan(line["right_share"])
     assert pd.isna(line["wall_s"])
     shown = dict(zip([column.key for column in table.columns], table.texts()[0], strict=True))

@@ -112,10 +112,10 @@ def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
     assert page.count('<section id="failures"') == 1
 
 
-def test_without_failures_a_sentence(results):
+def test_without_failures_a_sentence(load_rows):
     """No table where nothing failed, nothing was asked, or none exists and that was found."""
-    good = failures_section(load([results("good", [attempt(NEAR), attempt(FAR)])]))
-    none = failures_section(load([results("none", [attempt(IN_DISC, branch="LS")])]))
+    good = failures_section(load_rows("good", [attempt(NEAR), attempt(FAR)]))
+    none = failures_section(load_rows("none", [attempt(IN_DISC, branch="LS")]))
 
     for section in (good, none, failures_section(None)):
         assert not section.blocks
@@ -125,9 +125,9 @@ def test_without_failures_a_sentence(results):
     assert "No attempt was recorded" in failures_section(None).lead
 
 
-def test_returned_failures_alone(results):
+def test_returned_failures_alone(load_rows):
     wrong = [attempt(NEAR, "b", path=astray(NEAR, 0.1), claim=Claim.LOCAL), attempt(FAR, "b")]
-    section = failures_section(load([results("e", wrong)]))
+    section = failures_section(load_rows("e", wrong))
 
     assert [block.name for block in section.blocks] == ["failures", "failures-by-region"]
     assert section.lead == (

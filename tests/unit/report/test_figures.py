@@ -202,7 +202,7 @@ def test_long_tables_scroll_inside_their_frame(folder, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("formulation", ["closed form", None, "x" * 3000 + "\n<b>", "$\\frac"])
-def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results):
+def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_rows):
     """No formulation of our own, or none that an engine solves; names as long as they like."""
     engine = "e" * 3000 + "\n\u202e$"
     strange = [
@@ -212,7 +212,7 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, results)
         for n in range(16)
         for k, scenario in enumerate(SCENARIOS)
     ]
-    loaded = load([results("strange", strange)])
+    loaded = load_rows("strange", strange)
     with drawing():
         drawn = drawn_of(s for topic in TOPICS for s in sections_of(topic, loaded))
         files = [figure_bytes(block.figure, "svg") for block in drawn]

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
@@ -265,7 +264,7 @@ def test_an_engine_that_met_few_questions_answers_them_too():
     assert finding.estimate.value == pytest.approx(100 * (1 - 5 / MANY))
 
 
-def test_the_section_has_eight_sentences_first(results):
+def test_the_section_has_eight_sentences_first(load_rows):
     """Of real rows; and none where no row carries a finding."""
     rows = []
     for number in range(12):
@@ -273,7 +272,7 @@ def test_the_section_has_eight_sentences_first(results):
         moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)
         rows += [attempt(moved, "ipopt", engine="Ipopt", wall_s=1e-3, best_run_s=1e-3)]
         rows += [attempt(moved, "slsqp", engine="SLSQP", wall_s=3e-3)]
-    loaded = load([results("benchmark", rows)])
+    loaded = load_rows("benchmark", rows)
     section = findings_section(loaded)
     made = compared(loaded)
 
@@ -288,4 +287,4 @@ def test_the_section_has_eight_sentences_first(results):
     assert "SLSQP takes 3.00" in " ".join(section.blocks[0].frame["sentence"])
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
     assert "that of two medians" in section.blocks[0].caption
-    assert findings_section(load([results("few", rows[:6])])) is None
+    assert findings_section(load_rows("few", rows[:6])) is None

@@ -1,10 +1,9 @@
-"""The ladder toward a turning circle: numbers by hand, the section, and the claim for real."""
+"""The ladder toward a turning circle: numbers by hand, and the section."""
 
 from __future__ import annotations
 
 import math
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.ladder import SIDES, down_to, ladder, ladder_section, rungs
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
@@ -46,18 +45,18 @@ def rows():
     return made
 
 
-def test_the_four_sides_and_their_rungs(results):
+def test_the_four_sides_and_their_rungs(load_rows):
     """Arc angle below pi is the front half; the sign of the margin is the region."""
-    attempts = rungs(load([results("ladder", rows())]).rows)
+    attempts = rungs(load_rows("ladder", rows()).rows)
 
     assert set(attempts["side"]) == set(SIDES)
     assert sorted(attempts["rung"].unique()) == [-8, -4, -2]
     assert (attempts.groupby("side").size() == 6).all()
 
 
-def test_a_short_path_is_told_from_a_right_one(results):
+def test_a_short_path_is_told_from_a_right_one(load_rows):
     """The check calls both optimal; only just inside the front half does a miss pay."""
-    attempts = rungs(load([results("ladder", rows())]).rows)
+    attempts = rungs(load_rows("ladder", rows()).rows)
     short = attempts[attempts["finding"] == "by its miss"]
     found = down_to(ladder(attempts)).set_index("solver")
 
@@ -67,7 +66,7 @@ def test_a_short_path_is_told_from_a_right_one(results):
     assert found["by_miss"].to_dict() == {"ipopt": 1, "collocation": 0}
 
 
-def test_findings_and_the_worst_of_a_rung(results):
+def test_findings_and_the_worst_of_a_rung(load_rows):
     """Coarse is not a wrong basin, and a rung is as good as its worst answer."""
     inside = target(FRONT, -1e-2)
     other = shortest_path(inside, "RS")
@@ -77,7 +76,7 @@ def test_findings_and_the_worst_of_a_rung(results):
         row(inside, "nlp", path=None),
         row(target(FRONT, -1e-4), "nlp"),
     ]
-    loaded = load([results("ladder", made)])
+    loaded = load_rows("ladder", made)
     attempts = rungs(loaded.rows)
     table = ladder(attempts)
 
@@ -87,10 +86,10 @@ def test_findings_and_the_worst_of_a_rung(results):
     assert down_to(table)["front, inside"].isna().all()
 
 
-def test_the_section_says_what_the_rows_say(results):
+def test_the_section_says_what_the_rows_say(load_rows):
     good = [r for r in rows() if r["solver"] == "collocation"]
     text, level = (
-        ladder_section(load([results(name, each)])).text
+        ladder_section(load_rows(name, each)).text
         for name, each in (("ladder", rows()), ("good", good))
     )
 

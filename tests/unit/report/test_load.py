@@ -15,9 +15,9 @@ from dubins_study.study.rows.schema import VERSION
 from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 
 
-def test_paths_come_back_as_they_were_written(results):
+def test_paths_come_back_as_they_were_written(load_rows):
     one, two = paper_scenarios()[:2]
-    found = load([results("paper", [attempt(one), attempt(two, path=None)])])
+    found = load_rows("paper", [attempt(one), attempt(two, path=None)])
 
     assert found.path(0) == shortest_path(one)
     assert found.path(1) is None

@@ -41,7 +41,7 @@ ROWS = st.lists(
 )
 
 
-def test_a_warm_question_does_not_make_two_methods_of_one_name(results):
+def test_a_warm_question_does_not_make_two_methods_of_one_name(load_rows):
     """Asked with a path as well as without, the guess is still the method's: a setting differs."""
     word = "one NLP a word"
     rows = [
@@ -49,20 +49,20 @@ def test_a_warm_question_does_not_make_two_methods_of_one_name(results):
         row("ipopt[units=scenario]", word, "Ipopt", "bearing"),
     ]
 
-    assert names_of(load([results("warm", rows)]))["label"].to_dict() == {
+    assert names_of(load_rows("warm", rows))["label"].to_dict() == {
         "ipopt": "Ipopt, word NLPs",
         "ipopt[units=scenario]": "Ipopt, word NLPs, units=scenario",
     }
 
 
-def test_a_long_name_keeps_the_settings_that_come_last(results):
+def test_a_long_name_keeps_the_settings_that_come_last(load_rows):
     """They are those that a study varies; cut at the end, the names would differ in a number."""
     spec = "ipopt[model=joint,order=LRS,tol=1e-12,bound_relax=1e-08,mu_target={mu}]"
     specs = [spec.format(mu=mu) for mu in ("1e-11", "1e-10")]
     rows = [row(text, "joint NLP, LRS", "Ipopt", "bearing") for text in specs]
     rows.append(row("ipopt[model=joint,order=LRS]", "joint NLP, LRS", "Ipopt", "bearing"))
     rows.append(row("ipopt[initial_guess=zero]", "joint NLP, LRS", "Ipopt", "zero"))
-    labels = names_of(load([results("long", rows)]))["label"]
+    labels = names_of(load_rows("long", rows))["label"]
 
     start = "Ipopt, joint LRS, bearing start, …, "
     assert labels[specs[0]].startswith(start)

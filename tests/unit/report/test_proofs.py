@@ -1,4 +1,4 @@
-"""What a proof costs: numbers by hand, the section, and the claim for real."""
+"""What a proof costs: numbers by hand, and the section."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.proofs import (
     PAPER,
     prices,
@@ -44,9 +43,9 @@ def rows():
     return made
 
 
-def test_numbers_by_hand(results):
+def test_numbers_by_hand(load_rows):
     """Own bounds, the certificate's words and times; no bound is no proof of one's own."""
-    loaded = load([results("proofs", rows())]).rows
+    loaded = load_rows("proofs", rows()).rows
     table = proofs(loaded).set_index("solver")
 
     assert provers(loaded) == ["disjunctive"]
@@ -57,10 +56,10 @@ def test_numbers_by_hand(results):
     assert table.loc["shooting", ["success", "none"]].tolist() == [0.5, 3]
 
 
-def test_a_price_is_over_the_fastest_right_answer(results):
+def test_a_price_is_over_the_fastest_right_answer(load_rows):
     """On the paper's problems that is shooting's 1 ms; in the disc, where it is wrong, slsqp's
     20 ms."""
-    loaded = load([results("proofs", rows())]).rows
+    loaded = load_rows("proofs", rows()).rows
     found = prices(loaded).set_index(["group", "solver"])["ratio"]
 
     assert found[PAPER, "disjunctive"] == pytest.approx(40)
@@ -70,11 +69,11 @@ def test_a_price_is_over_the_fastest_right_answer(results):
     assert ("in a disc", "shooting") not in found.index
 
 
-def test_a_false_bound_proves_nothing(results):
+def test_a_false_bound_proves_nothing(load_rows):
     """It lies above the shortest length, and so below no gap."""
     made = rows()
     made[0] |= {"lower_bound": 2 * made[0]["length"], "false_bound": True}
-    loaded = load([results("proofs", made)]).rows
+    loaded = load_rows("proofs", made).rows
 
     assert math.isnan(proven_gap(loaded)[0])
     assert proofs(loaded).set_index("solver").loc["disjunctive", "own_bound"] == pytest.approx(
@@ -82,7 +81,7 @@ def test_a_false_bound_proves_nothing(results):
     )
 
 
-def test_the_section_says_what_the_rows_say(results):
-    section = proofs_section(load([results("proofs", rows())]))
+def test_the_section_says_what_the_rows_say(load_rows):
+    section = proofs_section(load_rows("proofs", rows()))
 
     assert "proves 9 of the 12 answers" in section.text

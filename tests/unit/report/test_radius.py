@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.radius import (
     answers,
@@ -43,8 +42,8 @@ def folder_rows():
 
 
 @pytest.fixture
-def loaded(results):
-    return load([results("radius-sweep", folder_rows())])
+def loaded(load_rows):
+    return load_rows("radius-sweep", folder_rows())
 
 
 def test_only_visibly_wrong_answers_are_drawn(loaded):
@@ -61,7 +60,7 @@ def test_only_visibly_wrong_answers_are_drawn(loaded):
     assert table.loc["slsqp", ["attempts", "right"]].tolist() == [9, 9]
 
 
-def test_one_curve_a_formulation(results):
+def test_one_curve_a_formulation(load_rows):
     scenarios = [Scenario(0, 0, 0, 5, y, 1) for y in (1.0, 2.0, 3.0)]
     rows = []
     for scenario in scenarios:
@@ -73,7 +72,7 @@ def test_one_curve_a_formulation(results):
         ]
         wrong = {"path": astray(scenario), "formulation": "turn rates", "wall_s": 1e-6}
         rows.append(attempt(scenario, "wrong", **wrong))
-    frame = load([results("random", rows)]).rows
+    frame = load_rows("random", rows).rows
 
     assert best_solvers(frame) == ["analytic", "fast", "qp"]
 
@@ -114,12 +113,12 @@ def warm_rows():
     return made
 
 
-def test_ratios_by_hand(results):
+def test_ratios_by_hand(load_rows):
     """Ratios 0.1 to 0.5 in five steps; iterations halved; without a number there is no ratio.
 
     A solver that is never warm is left out.
     """
-    table = warm_starts(load([results("radius-sweep", warm_rows())]).rows).set_index("solver")
+    table = warm_starts(load_rows("radius-sweep", warm_rows()).rows).set_index("solver")
 
     assert table.index.tolist() == ["ipopt", "nlp", "shooting", "slsqp"]
     assert table.loc["ipopt", ["questions", "ratio", "work"]].tolist() == pytest.approx(
@@ -128,9 +127,9 @@ def test_ratios_by_hand(results):
     assert table.loc[["shooting", "nlp"], "work"].isna().all()
 
 
-def test_only_rows_with_both_starts_make_a_section(results):
+def test_only_rows_with_both_starts_make_a_section(load_rows):
     cold = [row for row in warm_rows() if row["initial_guess"] == "cold"]
-    both, plain = (load([results(n, each)]) for n, each in (("both", warm_rows()), ("cold", cold)))
+    both, plain = (load_rows(n, each) for n, each in (("both", warm_rows()), ("cold", cold)))
 
     assert warm_section(both).blocks[0].name == "warm-starts"
     assert warm_section(plain) is None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.appendix import runs_section
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
@@ -27,9 +26,9 @@ NOISY = [1e-3 * (1 + 0.3 * (i % 2)) for i in range(40)]
 
 
 @pytest.fixture
-def section(results):
+def section(load_rows):
     def written(*entries):
-        return runs_section(load([results("paper", [attempt(paper_scenarios()[0])], runs=entries)]))
+        return runs_section(load_rows("paper", [attempt(paper_scenarios()[0])], runs=entries))
 
     return written
 

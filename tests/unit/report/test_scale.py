@@ -1,4 +1,4 @@
-"""Scale invariance: numbers by hand, the section, and the claim for real."""
+"""Scale invariance: numbers by hand, and the section."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.topics.scale import ROUNDING, dependence, scale_section, spreads
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
@@ -41,9 +40,9 @@ def rows():
     return made
 
 
-def test_numbers_by_hand(results):
+def test_numbers_by_hand(load_rows):
     """Spreads over the answers that arrive, iterations as a ratio, misses not invariant."""
-    table = dependence(spreads(load([results("scale", rows())]).rows)).set_index("solver")
+    table = dependence(spreads(load_rows("scale", rows()).rows)).set_index("solver")
     exact = shortest_path(scenario(1.0))
     straight, whole = exact.length[1], exact.total_length
 
@@ -57,7 +56,7 @@ def test_numbers_by_hand(results):
     assert table.loc["ipopt", "iterations"] == 1
 
 
-def test_another_word_is_not_invariant(results):
+def test_another_word_is_not_invariant(load_rows):
     """Straight behind two words tie; taking now one and now the other is no invariance."""
     tie = [Scenario(0, 0, 0, -R, 0, R, label="tie") for R in RADII]
     words = ("LS", "RS", "LS")
@@ -66,17 +65,17 @@ def test_another_word_is_not_invariant(results):
         for where, word in zip(tie, words, strict=True)
     ]
 
-    line = dependence(spreads(load([results("scale", made)]).rows)).iloc[0]
+    line = dependence(spreads(load_rows("scale", made).rows)).iloc[0]
 
     assert line["spread"] <= ROUNDING
     assert not line["words"]
     assert line["invariant"] == 0
 
 
-def test_the_section_says_what_the_rows_say(results):
+def test_the_section_says_what_the_rows_say(load_rows):
     """Who is level, who is not and why; with nobody to blame it blames nobody."""
     text, level = (
-        scale_section(load([results(name, each)])).text
+        scale_section(load_rows(name, each)).text
         for name, each in (("scale", rows()), ("level", rows()[:6]))
     )
 
