@@ -159,14 +159,13 @@ def of_many(folder):
 
 
 def test_no_panel_has_more_than_ten_methods(of_many):
-    """Neither bars with names nor curves; the matrix of agreement has a line per formulation."""
+    """Neither bars with names nor curves, which the closed form joins."""
     for block in drawn_of(of_many.values()):
         for ax in block.figure.axes:
             names = [label.get_text() for label in ax.get_yticklabels()]
             lines = [line for line in curves(ax) if line.get_clip_on()]
-            limit = MOST_ENGINES if block.name != "agreement-formulations" else len(FORMULATIONS)
-            assert len(lines) <= limit + 1, block.name
-            assert sum("engine" in name for name in names) <= limit, block.name
+            assert len(lines) <= MOST_ENGINES + 1, block.name
+            assert sum("engine" in name for name in names) <= MOST_ENGINES, block.name
 
 
 def test_agreement_is_between_the_best_of_each_formulation(of_many):

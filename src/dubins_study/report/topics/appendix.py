@@ -32,8 +32,13 @@ def solvers_section(results: Results) -> Section | None:
     if names.empty:
         return None
     frame = names.reset_index(names="solver")
-    parts = [_settings(spec, results.settings.get(spec, {})) for spec in frame["solver"]]
-    frame = frame.join(pd.DataFrame(parts, columns=["given", "defaults"]))
+    given = [parse_spec(spec)[1] for spec in frame["solver"]]
+    known = [results.settings.get(spec, {}) for spec in frame["solver"]]
+    frame["given"] = [_listed(each) for each in given]
+    frame["defaults"] = [
+        _listed({key: value for key, value in every.items() if key not in each})
+        for every, each in zip(known, given, strict=True)
+    ]
     caption = (
         "Short names and specs. A spec names the settings that are not the default; the solver's "
         "manifest has the others. Its hash and the versions of its packages stand under Provenance."
@@ -50,19 +55,9 @@ def solvers_section(results: Results) -> Section | None:
     )
 
 
-def _settings(spec: str, settings: Mapping[str, Any]) -> tuple[str, str]:
-    """The settings of a spec, and those that it leaves at their default."""
-    given = parse_spec(spec)[1]
-    rest = {key: value for key, value in settings.items() if key not in given}
-    return _listed(given), _listed(rest)
-
-
 def _listed(settings: Mapping[str, Any]) -> str:
-    return ", ".join(f"{key} {_text(value)}" for key, value in settings.items())
-
-
-def _text(value: Any) -> str:
-    return {"True": "yes", "False": "no"}.get(str(value), str(value))
+    texts = {"True": "yes", "False": "no"}
+    return ", ".join(f"{key} {texts.get(str(v), v)}" for key, v in settings.items())
 
 
 def runs(folders: Iterable[Folder]) -> pd.DataFrame:

@@ -105,7 +105,7 @@ def failures_section(results: Results | None) -> Section:
     frame = counts.regions(attempts)
     kinds = frame[list(KINDS)].sum()
     asked, failed = int(frame["attempts"].sum()), int(kinds.sum())
-    limits = _time_limits(results)
+    limits = time_limits(results)
     blocks: list[Table] = []
     if len(stopped):
         blocks.append(_outcome_table(with_commands(stopped, limits)))
@@ -118,7 +118,7 @@ def failures_section(results: Results | None) -> Section:
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
-def _time_limits(results: Results) -> dict[str, float]:
+def time_limits(results: Results) -> dict[str, float]:
     """Experiment -> the time limit of its first folder that states one (s)."""
     stated = [(run.name, run.manifest.time_limit_s) for run in reversed(results.folders)]
     return {name: limit for name, limit in stated if limit is not None}

@@ -26,6 +26,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic,
 from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
+from dubins_study.report.topics.failures import time_limits
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import METHOD, ROW, names
 from dubins_study.study.scenario import NUMBERS, Pose
@@ -130,7 +131,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     most = _MOST_ATTEMPTS
     while True:
         rows = sample(results.attempts, most)
-        more = {"solvers": _solvers(rows["solver"], results), "time_limits": _time_limits(results)}
+        more = {"solvers": _solvers(rows["solver"], results), "time_limits": time_limits(results)}
         content = packed(rows, more)
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
@@ -150,12 +151,6 @@ def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
         method = {name: str(row[name]) for name in ("label", "formulation", "engine")}
         solvers.append({"spec": spec} | method | mark)
     return solvers
-
-
-def _time_limits(results: Results) -> dict[str, float]:
-    """Experiment -> the limit of each solve (s), where the manifest knows it."""
-    limits = {folder.name: folder.manifest.time_limit_s for folder in results.folders}
-    return {name: limit for name, limit in limits.items() if limit is not None}
 
 
 @cache
