@@ -20,6 +20,7 @@ from dubins_study.report.elements.identity import (
     interval_keys,
     method_columns,
     method_table,
+    strata_table,
     with_interval,
     with_interval_texts,
 )
@@ -115,7 +116,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     """The false ones of `claims` by solver and kind, each with its plainest example.
 
     In the order of `PROOFS`: solver, proof, attempts, questions, most (the largest excess of a
-    bound); of the example its index, scenario, lengths, tolerance and command.
+    bound); of the example its scenario, lengths, tolerance and command.
     """
     false = rows[rows["proof"].notna()]
     if false.empty:
@@ -132,7 +133,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
-    frame = frame.reset_index(names="index").join(counts, on=["solver", "proof"])
+    frame = frame.join(counts, on=["solver", "proof"])
     frame["command"] = [solve_command(line) for line in frame.to_dict("records")]
     return frame
 
@@ -281,17 +282,12 @@ def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
         return None
     table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
     texts = with_interval_texts(table, false=share)["false_text"]
-    frame = texts.unstack("solver").reindex(attempts.strata).dropna(how="all")
-    frame = frame.rename_axis(columns=None).reset_index(names="stratum")
-    shown = (
-        Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names["name"][solver]), kind="cell") for solver in chosen),
-    )
+    wide = texts.unstack("solver").reindex(index=attempts.strata, columns=chosen)
     caption = (
         "Share of questions with a false claim, by stratum, with Wilson's 95 % intervals; the "
         f"{len(chosen)} methods with the most false claims."
     )
-    return Table("belief-strata", caption, frame, shown, dense=True)
+    return strata_table("belief-strata", caption, wide.dropna(how="all"), names["name"])
 
 
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:

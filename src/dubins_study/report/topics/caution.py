@@ -13,12 +13,11 @@ from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings import WARNINGS, findings
 from dubins_study.report.topics.findings_evidence import Estimate, Evidence, Finding
+from dubins_study.report.topics.ladder import profits_from_its_miss
 from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
-# Relative; along one word a miss of 1e-6 R shortens a path by far less.
-_OTHER_PATH = 1e-4
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
@@ -91,7 +90,7 @@ def shorter_paths(attempts: Compared) -> Finding | None:
     and much shorter where the length jumps.
     """
     rows = attempts.answerable[attempts.answerable["right"]]
-    shorter = rows[rows["length"] < (1 - _OTHER_PATH) * rows["reference_low"]]
+    shorter = rows[profits_from_its_miss(rows)]
     if shorter.empty:
         return None
     most = float((shorter["reference_low"] / shorter["length"]).max())

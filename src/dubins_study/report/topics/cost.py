@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     method_table,
+    strata_table,
     with_interval,
     with_interval_texts,
 )
@@ -269,17 +270,11 @@ def _stratum_table(attempts: Compared, answers: Split, kinds: pd.DataFrame) -> T
     texts = texts.reindex(index=present, columns=chosen)
     medians = kept.groupby("solver")["ratio"].median().reindex(chosen)
     texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
-    frame = texts.reset_index()
-    names = attempts.methods["short"]
-    shown = (
-        Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names[solver]), kind="cell") for solver in chosen),
-    )
     caption = (
         "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
         f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
     )
-    return Table("cost-strata", caption, frame, shown, dense=True)
+    return strata_table("cost-strata", caption, texts, attempts.methods["short"])
 
 
 TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

@@ -44,7 +44,8 @@ MARKS = (
 )
 FINDINGS = tuple(mark.key for mark in MARKS)
 ANSWERED = ("right", "coarse")  # the shortest path, accurate or not
-SHORTER = 1e-4  # relative; an answer that is shorter than the optimum by this profits from its miss
+# Relative; along one word a miss of 1e-6 R shortens a path by far less.
+SHORTER = 1e-4
 _FALSE_CLAIM = Mark("false claim", "", VERMILION, "o", filled=False).dots() | {"markersize": 9}
 _ARRIVES = math.log10(ARRIVES)
 
@@ -80,7 +81,7 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     side = (ahead > 0).map({True: "front, ", False: "rear, "})
     inside = group["region"].str.endswith("disc").eq(True)
     optimal, longer = group["verdict"] == "optimal", group["verdict"] == "longer"
-    short = group["length"] < group["reference_low"].fillna(0.0) * (1 - SHORTER)
+    short = profits_from_its_miss(group)
     basin = group["wrong_basin"].astype(bool)
     kinds = [optimal & ~short, longer & ~basin, optimal & short, longer]
     return pd.DataFrame(
@@ -93,6 +94,11 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
             "miss": group["miss"] / group["radius"],
         }
     )
+
+
+def profits_from_its_miss(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each answer is shorter than any path to the target itself."""
+    return rows["length"] < (1 - SHORTER) * rows["reference_low"].fillna(0.0)
 
 
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:

@@ -104,7 +104,9 @@ def time_section(results: Results) -> Section | None:
     if several:
         chosen = cold[cold["solver"].isin([EXACT, *best_of_formulations(timed)])]
     else:
-        chosen = _not_variants(cold)
+        # Each variant would reduce the questions that all have in common.
+        plain = ~cold["solver"].str.contains("[", regex=False)
+        chosen = cold[plain] if plain.any() else cold
     which = " Of each formulation the method that is most surely right." if several else ""
     times = right_times(chosen[chosen["solver"] != EXACT])
     if times.shape[1] > 1 and len(performance_ratios(times)) > 1:
@@ -138,12 +140,6 @@ def _quartiles(table: pd.DataFrame, palette: Palette, several: bool) -> Picture:
         named = table.assign(name=table["solver"].map(palette.label))
         figure = quartile_lines(named, PARTS, palette, label)
     return Picture("times", caption, figure, "Median times and quartiles, one line per method")
-
-
-def _not_variants(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows of plain solvers, if there are any: each variant would reduce the common questions."""
-    plain = ~rows["solver"].str.contains("[", regex=False)
-    return rows[plain] if plain.any() else rows
 
 
 def _profile(times: pd.DataFrame, palette: Palette, which: str) -> Picture:
