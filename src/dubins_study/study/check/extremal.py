@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import (
     ABNORMAL,
     FULL_RATE,
@@ -186,8 +187,8 @@ def extremal(driven: Pieces) -> Extremal | None:
     poses = corners(_ORIGIN, rates, np.repeat(driven.length / halves, halves))
     stretch = max(1.0, float(driven.length.sum()))
     hamiltonian, straight, ends = _conditions(u, poses, stretch)
-    if not math.isfinite(sum(map(sum, hamiltonian))):
-        return None  # rates times positions overflow
+    if stretch > 1 / EPS or not math.isfinite(sum(map(sum, hamiltonian))):
+        return None  # rates times positions are lost in rounding, or overflow
     # the row of zeros keeps the matrix as high as it is wide
     matrix = np.array([*hamiltonian, *straight, ends[0], (0.0,) * 4, *ends[1:]])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
