@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from dubins_study.report.statistics import intervals
-from dubins_study.report.statistics.costs import shifted_geometric_mean
+from dubins_study.report.statistics.costs import shifted_geometric_means
 from dubins_study.report.statistics.intervals import (
     averages,
     bootstrap,
@@ -178,7 +178,7 @@ def test_medians_and_means_as_of_every_resample_written_out(rows):
 
     for line, place, statistic in (
         (middle, 0, np.median),
-        (mean, 1, lambda known: shifted_geometric_mean(known, 2.0)),
+        (mean, 1, lambda known: shifted_geometric_means(pd.DataFrame(known), 2.0)[0]),
     ):
         known = [sample[~np.isnan(sample[:, place]), place] for sample in samples]
         each = [statistic(sample) if sample.size else NAN for sample in known]

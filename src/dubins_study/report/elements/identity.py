@@ -8,18 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import ABSENT, Format, count, digits, share
 from dubins_study.report.statistics.intervals import wilson_intervals
 
-FORMULATION = Column("formulation", "formulation", kind="text")
-ENGINE = Column("engine", "engine", kind="text")
-METHOD = (
-    FORMULATION,
-    ENGINE,
-    Column("guess", "initial guess", kind="text"),
-    Column("settings", "settings", kind="text"),
+METHOD = columns(
+    kind="text",
+    formulation="formulation",
+    engine="engine",
+    guess="initial guess",
+    settings="settings",
 )
 
 
@@ -134,11 +133,11 @@ def with_share(
     ends = wilson_intervals(k, n)
     shares = np.where(n > 0, k / np.where(n > 0, n, 1.0), np.nan)
     numbers = {"of": n, "share": shares, "low": ends[:, 0], "high": ends[:, 1]}
-    columns = {f"{name}_{key}": values for key, values in numbers.items()}
+    named = {f"{name}_{key}": values for key, values in numbers.items()}
     texts = [
         share_text(*each) for each in zip(shares, ends[:, 0], ends[:, 1], n.tolist(), strict=True)
     ]
-    return frame.assign(**columns, **{f"{name}_text": texts})
+    return frame.assign(**named, **{f"{name}_text": texts})
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:

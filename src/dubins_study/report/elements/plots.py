@@ -111,19 +111,13 @@ def quartile_lines(
     return figure
 
 
-def stacked_shares(
-    table: pd.DataFrame,
-    marks: Sequence[Mark],
-    label: str = "share of all attempts",
-    *,
-    panels: bool = False,
-) -> Figure:
-    """One bar per row, stacked of shares; marks that no row has are left out.
+def stacked_shares(table: pd.DataFrame, marks: Sequence[Mark], label: str) -> Figure:
+    """One bar per row, stacked of shares, in a panel per formulation.
 
     Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
-    in the order of the stack, from dark to light.
+    in the order of the stack, from dark to light; those that no row has are left out.
     """
-    figure, axes = named_lines(table, label, panels=panels)
+    figure, axes = named_lines(table, label, panels=True)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
     for ax, rows in axes:
         places, left = np.arange(len(rows))[::-1], np.zeros(len(rows))

@@ -15,13 +15,12 @@ from io import BytesIO
 from typing import Any, NamedTuple, TypeAlias
 
 import matplotlib as mpl
+import numpy as np
 from fontTools import subset
 from fontTools.ttLib import TTFont
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontPath
 from matplotlib.lines import Line2D
@@ -169,6 +168,7 @@ def percent_axis(axis: Axis) -> None:
 
 
 _DPI = 200  # of pictures inside a figure; lines and letters stay lines and letters
+_PLACE_DECIMALS = 6  # of the figure's size: less than a thousandth of a point
 
 
 def fix_layout(figure: Figure) -> None:
@@ -180,8 +180,15 @@ def fix_layout(figure: Figure) -> None:
         figure.set_dpi(_DPI)
         FigureCanvasAgg(figure)
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
         figure.set_dpi(dpi)
+        # The layout's solver sorts its variables by their addresses, so that the last digits of a
+        # place change from run to run; an SVG file's ids are made of them.
+        for part in figure.subfigs:
+            corners = part.bbox_relative.get_points()
+            part.bbox_relative.set_points(corners.round(_PLACE_DECIMALS))
+        for ax in figure.axes:
+            ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACE_DECIMALS))
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
         if not axis.get_label_text():
             # For the place of a label, empty or not, matplotlib measures all tick labels again.
@@ -194,18 +201,9 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     Equal figures give equal bytes: no dates, fixed ids.
     """
     buffer = BytesIO()
-    if kind not in ("svg", "pdf"):
-        figure.savefig(buffer, format=kind, dpi=_DPI)
-        return buffer.getvalue()
-    # savefig would draw the figure twice, the first time only to compute its layout
-    dpi = figure.dpi
-    figure.set_dpi(_DPI)
-    if kind == "svg":
-        FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})  # type: ignore[no-untyped-call]
-    else:
-        with _fonts_without_layout():
-            FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
-    figure.set_dpi(dpi)
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    with _fonts_without_layout():
+        figure.savefig(buffer, format=kind, dpi=_DPI, metadata=dates.get(kind))
     return buffer.getvalue()
 
 

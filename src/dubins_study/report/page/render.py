@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
@@ -100,20 +99,13 @@ def write_page(
     target = FilePath(out)
     try:
         _check_target(target)
-    except OSError as error:  # e.g. the name is too long, or the folder may not be read
-        raise _unwritable(target, error) from None
-    with style.drawing():
-        sections = draw()
-        try:
+        with style.drawing():
+            sections = draw()
             target.parent.mkdir(parents=True, exist_ok=True)
             _write_whole(target, sections, folders, head)
-        except OSError as error:
-            raise _unwritable(target, error) from None
-    return target / "index.html"
-
-
-def _unwritable(target: FilePath, error: OSError) -> ReportError:
-    return ReportError(f"{target} cannot be written: {error.strerror or error}")
+    except OSError as error:  # e.g. the name is too long, or the folder may not be read
+        raise ReportError(f"{target} cannot be written: {error.strerror or error}") from None
+    return target / FRONT_PAGE
 
 
 # Names of all files and folders of a report. A folder that holds anything else is never replaced.
@@ -124,12 +116,8 @@ _BY_LATEX = {"report.aux", "report.log", "report.pdf"}  # what pdflatex makes of
 def _check_target(target: FilePath) -> None:
     if target.exists() and not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
-    others = (
-        {entry.name for entry in target.iterdir()} - _WRITTEN - _BY_LATEX
-        if target.is_dir()
-        else set()
-    )
-    if others:
+    entries = {entry.name for entry in target.iterdir()} if target.exists() else set()
+    if others := entries - _WRITTEN - _BY_LATEX:
         raise ReportError(
             f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
         )
@@ -159,19 +147,15 @@ def _write_whole(
     target: FilePath, sections: Sequence[Section], runs: Sequence[Folder], head: Head
 ) -> None:
     """Write to a temporary folder, then rename it: a reader never sees an incomplete report."""
-    fresh = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    try:
-        fresh.chmod(0o755)  # mkdtemp creates a private folder
+    with tempfile.TemporaryDirectory(
+        prefix=f".{target.name}-", dir=target.parent, ignore_cleanup_errors=True
+    ) as place:
+        fresh, old = FilePath(place, "new"), FilePath(place, "old")
+        fresh.mkdir()
         _write(fresh, sections, runs, head)
         if target.exists():
-            old = FilePath(tempfile.mkdtemp(prefix=f".{target.name}-old-", dir=target.parent))
-            target.rename(old / "report")
-            fresh.rename(target)
-            shutil.rmtree(old)
-        else:
-            fresh.rename(target)
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
+            target.rename(old)
+        fresh.rename(target)
 
 
 def _write(

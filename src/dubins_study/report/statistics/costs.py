@@ -28,9 +28,7 @@ PENALTIES = (1.0, 2.0, 10.0)
 GAP_TARGETS = tuple(10.0 ** (-step / 5) for step in range(41))
 
 
-def cost_table(
-    rows: pd.DataFrame, *, cost: str, right: str, question: Sequence[str]
-) -> pd.DataFrame:
+def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.DataFrame:
     """The cost table of attempts: the median over repeats, infinite unless all repeats are right.
 
     The column `cost` holds the cost of an attempt in any unit, NaN if not counted; the column
@@ -38,7 +36,7 @@ def cost_table(
     apart, a missing value is a value.
     """
     groups = rows.groupby([*question, "solver"], observed=True, dropna=False)
-    table = groups.agg(cost=(cost, "median"), right=(right, "all"))
+    table = groups.agg(cost=(cost, "median"), right=("right", "all"))
     costs = table["cost"].where(table["right"].astype(bool), np.inf)
     return pd.DataFrame(costs.unstack("solver")).astype(np.float64)
 
@@ -57,21 +55,23 @@ def solved_by_all(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(costs[np.isfinite(costs.to_numpy()).all(axis=1)])
 
 
-def shifted_geometric_mean(values: ArrayLike, shift: float) -> float:
-    """exp(mean(log(t + shift))) - shift, in the unit of the values.
+def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
+    """exp(mean(log(t + shift))) - shift of each column, in the unit of the table.
 
     Costs far below the shift hardly change it, and a large cost counts by its factor (Achterberg
     2007, Constraint Integer Programming, PhD thesis, TU Berlin, appendix A). With shift 0 it is
     the geometric mean; as the shift grows it tends to the arithmetic mean.
 
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
+    Indexed by solver.
     """
-    costs = np.asarray(values, dtype=np.float64).ravel()
-    costs = costs[~np.isnan(costs)]
-    if not costs.size:
-        return float("nan")
-    with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
-        return float(np.exp(np.mean(np.log(costs + shift))) - shift)
+    means = pd.Series(np.nan, table.columns.rename("solver"))
+    for solver, column in table.items():
+        costs = column.dropna().to_numpy(dtype=np.float64)
+        if costs.size:
+            with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
+                means[solver] = np.exp(np.mean(np.log(costs + shift))) - shift
+    return means
 
 
 def chosen_shift(values: ArrayLike) -> float:
@@ -111,7 +111,9 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     """
     costs = shared_questions(table)
     means = {
-        (factor, penalty): column_means(penalised(costs, limit, penalty), factor * shift)
+        (factor, penalty): shifted_geometric_means(
+            penalised(costs, limit, penalty), factor * shift
+        )
         for factor, penalty in itertools.product(SHIFT_FACTORS, PENALTIES)
     }
     ranks = pd.DataFrame({choice: ranks_of(each) for choice, each in means.items()})
@@ -124,12 +126,6 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
 def ranks_of(means: pd.Series) -> pd.Series:
     """Ranks, 1 for the smallest; equal means share the better rank, NaN has none (<NA>)."""
     return means.rank(method="min").astype("Int64")
-
-
-def column_means(table: pd.DataFrame, shift: float) -> pd.Series:
-    """The shifted geometric mean of each column, indexed by solver."""
-    means = {solver: shifted_geometric_mean(column, shift) for solver, column in table.items()}
-    return pd.Series(means, index=table.columns.rename("solver"), dtype=np.float64)
 
 
 def performance_ratios(table: pd.DataFrame) -> pd.DataFrame:

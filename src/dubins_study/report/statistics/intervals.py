@@ -201,7 +201,7 @@ def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def geometric_means(shift: float) -> Statistic:
-    """The `Statistic` of `costs.shifted_geometric_mean`, of finite costs."""
+    """The `Statistic` of `costs.shifted_geometric_means`, of finite costs."""
 
     def means(values: FloatArray, weights: FloatArray) -> FloatArray:
         result: FloatArray = np.exp(averages(np.log(values + shift), weights)) - shift

@@ -152,10 +152,8 @@ def best_solvers(rows: pd.DataFrame) -> list[str]:
     frame = methods_of(rows)[["formulation"]].join(shares["low"].rename("right_low"))
     frame = frame.join(rows.groupby("solver", observed=True)["wall_s"].median())
     best = best_methods(frame.reset_index(names="solver"), ["formulation"])
-    surest = best.assign(other=best["solver"] != EXACT).sort_values(
-        ["other", "right_low", "wall_s"], ascending=[True, False, True], kind="stable"
-    )
-    kept = set(surest["solver"].head(MOST_CURVES))
+    surest = _ranked(best[best["solver"] != EXACT])["solver"]
+    kept = {EXACT, *surest.head(MOST_CURVES - 1)}
     return [str(solver) for solver in best["solver"] if solver in kept]
 
 

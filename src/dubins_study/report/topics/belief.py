@@ -239,7 +239,7 @@ def _picture(table: pd.DataFrame) -> Picture:
     alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
     notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in numbers]
-    figure = stacked_shares(shown.assign(note=notes), MARKS, "share of questions", panels=True)
+    figure = stacked_shares(shown.assign(note=notes), MARKS, "share of questions")
     return Picture("belief-claims", caption, figure, alt)
 
 

@@ -23,7 +23,6 @@ from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import share_curves
 from dubins_study.report.statistics.costs import (
     chosen_shift,
-    column_means,
     cost_table,
     penalised,
     performance_profile,
@@ -31,6 +30,7 @@ from dubins_study.report.statistics.costs import (
     ranking,
     shared_questions,
     shares_within,
+    shifted_geometric_means,
     solved_by_all,
     target_ecdf,
 )
@@ -78,7 +78,7 @@ def _costs(compared: Compared, cost: str) -> pd.DataFrame:
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
         return pd.DataFrame(index=pd.Index([], name="question"))
-    table = cost_table(rows, cost=cost, right="right", question=["question"])
+    table = cost_table(rows, cost, ["question"])
     met = table.notna().mean()
     kept = [s for s in compared.engines.index if s in table and met[s] >= ENOUGH_ASKED]
     return table[kept]
@@ -106,7 +106,7 @@ def mean_ranks(compared: Compared) -> tuple[pd.DataFrame, float, int]:
     frame = compared.methods.join(right, how="inner").reindex(shared.columns)
     frame = frame.join(compared.bootstrap(at_limit, geometric_means(shift), "mean"))
     frame = frame.join(compared.bootstrap(twice, averages, "par2"))
-    frame["common"] = column_means(common, shift)
+    frame["common"] = shifted_geometric_means(common, shift)
     frame = frame.join(ranking(shared, compared.limit_s, shift))
     return frame.sort_values("mean", kind="stable"), shift, len(common)
 

@@ -223,7 +223,7 @@ def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
     noted = shown.assign(note=shown["total"].map(show))
-    return Picture(f"cost-{amount}", caption, stacked_shares(noted, MARKS, label, panels=True), alt)
+    return Picture(f"cost-{amount}", caption, stacked_shares(noted, MARKS, label), alt)
 
 
 def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:

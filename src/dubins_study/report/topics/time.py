@@ -20,7 +20,7 @@ from dubins_study.report.statistics.costs import (
     performance_profile,
     performance_ratios,
     ranks_of,
-    shifted_geometric_mean,
+    shifted_geometric_means,
     solved_by_all,
 )
 from dubins_study.report.statistics.intervals import bootstrap, geometric_means
@@ -51,34 +51,32 @@ PARTS = (Mark("solve_s", "solving"), Mark("build_s", "building the model", fille
 WHOLE = (Mark("wall_s"),)
 
 
-def mean_times(rows: pd.DataFrame, shift: float | None = None) -> tuple[pd.DataFrame, float]:
+def mean_times(rows: pd.DataFrame) -> tuple[pd.DataFrame, float]:
     """Shifted geometric means over the questions that every solver answered correctly.
-
-    The default shift is `means.chosen_shift` of all times used.
 
     Returns:
         The columns `MEANS`: means (s) with their 95 % bootstrap intervals over scenarios, and ranks
-        at the shift, at a tenth and at ten times of it; and the shift (s).
+        at the shift, at a tenth and at ten times of it; and the shift, the `chosen_shift` of all
+        times used (s).
     """
     table = solved_by_all(right_times(rows))
     if table.empty:
         return pd.DataFrame(), 0.0
-    chosen = chosen_shift(table) if shift is None else shift
-    means = table.apply(lambda times: shifted_geometric_mean(times, chosen))
+    shift = chosen_shift(table)
+    means = shifted_geometric_means(table, shift)
     frame = pd.DataFrame({"questions": len(table), "mean_s": means})
     by_scenario = table.set_axis(table.index.get_level_values("scenario_id"))
-    ends = bootstrap(by_scenario, geometric_means(chosen))
+    ends = bootstrap(by_scenario, geometric_means(shift))
     frame["mean_low_s"], frame["mean_high_s"] = ends["low"], ends["high"]
     for name, factor in zip(("rank_tenth", "rank", "rank_tenfold"), SHIFT_FACTORS, strict=True):
-        shifted = table.apply(lambda t, s=chosen * factor: shifted_geometric_mean(t, s))
-        frame[name] = ranks_of(shifted)
-    return frame.rename_axis("solver").reset_index(), chosen
+        frame[name] = ranks_of(shifted_geometric_means(table, shift * factor))
+    return frame.reset_index(), shift
 
 
 def right_times(rows: pd.DataFrame) -> pd.DataFrame:
     """Cost table of median total times (s): questions by solvers in the order of the report."""
     right = rows.assign(right=success(rows))
-    table = cost_table(right, cost="wall_s", right="right", question=QUESTION)
+    table = cost_table(right, "wall_s", QUESTION)
     return table[solver_order(list(table.columns))]
 
 

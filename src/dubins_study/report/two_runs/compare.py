@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, load
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, picture
+from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
 from dubins_study.report.elements.style import (
@@ -21,6 +21,7 @@ from dubins_study.report.elements.style import (
     MUTED,
     VERMILION,
     WIDE,
+    Style,
     duration,
     log_axis,
     new_figure,
@@ -108,7 +109,6 @@ def _described(place: FilePath, folder: Folder) -> str:
     return f"{place.name or place} ({', '.join(filter(None, parts))})"
 
 
-_LEAD = "A difference here may explain a change above."
 _REGRESSIONS = (
     Column("kind", "what", kind="text"),
     SOLVER,
@@ -243,13 +243,15 @@ def _else(comparison: Comparison) -> Section:
         *columns(kind="text", what="what", base="base", new="new"),
         *columns(count, solvers="solvers"),
     )
-    if frame.empty:
-        text = "The manifests hold the same machine, limits, packages and code."
-        return Section("differences", "What else differs", text, (), _LEAD)
     caption = "From the manifests; solvers: how many of those in both runs it is about."
-    text = f"{some(len(frame), 'difference')} in the manifests."
-    table = Table("differences", caption, frame, shown)
-    return Section("differences", "What else differs", text, (table,), _LEAD)
+    blocks = (Table("differences", caption, frame, shown),) if len(frame) else ()
+    text = (
+        f"{some(len(frame), 'difference')} in the manifests."
+        if len(frame)
+        else "The manifests hold the same machine, limits, packages and code."
+    )
+    lead = "A difference here may explain a change above."
+    return Section("differences", "What else differs", text, blocks, lead)
 
 
 # More solvers than these have no line of their own: those that changed most are drawn.
@@ -320,38 +322,20 @@ def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None
         "Each dot is a question of one solver: its time in the new run against the base's. "
         "Solid: equally long; dashed: what the machine explains. Triangles: a slower solver."
     )
-    return picture(
-        "times-pairs",
-        _plot_times,
-        both,
-        set(slower),
-        1.0 if comparison.speed is None else comparison.speed.ratio,
-        caption=caption,
-        alt="times of questions in two runs",
-        height=4.5,
-        width=WIDE,
-    )
-
-
-def _plot_times(ax: Axes, both: pd.DataFrame, slower: set[str], machine: float) -> None:
+    figure = new_figure(WIDE, 4.5)
+    ax = figure.add_subplot()
     apart = both["solver"].isin(slower)
     looks = ((~apart, MUTED, "o", 0.35), (apart, VERMILION, "^", 0.7))
     for flag, colour, marker, alpha in looks:
-        ax.scatter(
-            both.loc[flag, "time_base"],
-            both.loc[flag, "time_new"],
-            c=colour,
-            marker=marker,
-            alpha=alpha,
-            s=8,
-            linewidths=0,
-            rasterized=True,
-        )
-    ends = np.array(
-        [both[["time_base", "time_new"]].min().min(), both[["time_base", "time_new"]].max().max()]
-    )
+        dots: Style = {"c": colour, "marker": marker, "alpha": alpha, "s": 8, "linewidths": 0}
+        times = both[flag]
+        ax.scatter(times["time_base"], times["time_new"], rasterized=True, **dots)
+    times = both[["time_base", "time_new"]].to_numpy()
+    ends = np.array([times.min(), times.max()])
+    machine = 1.0 if comparison.speed is None else comparison.speed.ratio
     ax.plot(ends, ends, color=INK, linewidth=0.8)
     ax.plot(ends, ends * machine, color=INK, linewidth=0.8, linestyle="--")
     ax.set(xscale="log", yscale="log", xlabel="time in the base", ylabel="time in the new run")
     for axis in (ax.xaxis, ax.yaxis):
         log_axis(axis, duration)
+    return Picture("times-pairs", caption, figure, "times of questions in two runs")
