@@ -76,6 +76,7 @@ def pictures(sections):
         for block in blocks:
             fix_layout(block.figure)
             figure_bytes(block.figure, "svg")
+            block.figure.set_dpi(200)  # at less, letters are as wide as whole pixels
     return {block.name: block for block in blocks}
 
 

@@ -1,4 +1,4 @@
-"""Parts of the page: figures made small, the glossary, folded figures, dictionaries, odd runs."""
+"""Parts of the page: figures, the glossary, folded figures, dictionaries, odd runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Picture, Place, Section, Show, Table, Widget
-from dubins_study.report.page.drawings import Drawings
+from dubins_study.report.page.drawings import inline
 from dubins_study.report.page.environment import folded, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
 from dubins_study.study.rows.parts import ResultsError
@@ -35,38 +35,30 @@ z"/><clipPath id="cut"><rect x="0.5" y="1" width="2.0" height="3"/></clipPath></
   <use xlink:href="#mark" x="1.23456789" y="2.0" style="fill: #1a1c1f; stroke: none"/>
   <path d="M 3.999999 4 L 5 6" clip-path="url(#cut)" style="fill: #1a1c1f; stroke: none"/>
   <rect width="1" height="1" fill="#0072b2"/>
-  <text style="fill: #123456" transform="rotate(-0 1 2)">1.23456789 &lt;b&gt; M 1.000001</text>
+  <text style="fill: #123456" transform="rotate(-0 1 2)">1.23456789 &lt;b&gt; id="x" #1a1c1f</text>
  </g></svg>"""
 
 
-def test_a_figure_is_smaller_and_shows_the_same():
-    """Text is unchanged, and nothing that is used is lost; lengths are cut to a hundredth.
+def test_a_figure_follows_the_page_and_shows_the_same():
+    """Text is unchanged, ids are of this figure alone, and what refers to them finds them.
 
     The colour of a hatch, an attribute, becomes a style: the page's modes change styles alone.
     """
-    drawings = Drawings()
-    inline = drawings.inline(SVG, "a <figure>")
-    tree = ElementTree.fromstring(inline)
+    element = inline(SVG, "times", "a <figure>")
+    tree = ElementTree.fromstring(element)
     name = "{http://www.w3.org/2000/svg}"
     use, text = tree.find(f".//{name}use"), tree.find(f".//{name}text")
     anchor = use.attrib["{http://www.w3.org/1999/xlink}href"].removeprefix("#")
 
     assert tree.attrib["aria-label"] == "a <figure>"
-    assert text.text == "1.23456789 <b> M 1.000001"
-    assert (use.attrib["x"], use.attrib["y"]) == ("1.23", "2.0")
-    assert tree.find(f".//*[@id='{anchor}']").attrib["d"].split() == [
-        "M",
-        "0",
-        "1.23",
-        "L",
-        "1",
-        "-2.5e-3",
-        "z",
-    ]
-    assert "metadata" not in inline
-    assert "var(--ink)" in drawings.css()
-    assert "fill:var(--blue)" in drawings.css()
-    assert len(inline) < len(SVG)
+    assert text.text == '1.23456789 <b> id="x" #1a1c1f'
+    assert anchor == "times-mark"
+    assert tree.find(f".//*[@id='{anchor}']").attrib["d"] == "M 0 1.23456789 L 1 -2.5e-3 z"
+    assert 'clip-path="url(#times-cut)"' in element
+    assert 'id="times-cut"' in element
+    assert use.attrib["style"] == "fill: var(--ink); stroke: none"
+    assert tree.find(f".//{name}g/{name}rect").attrib["style"] == "fill: var(--blue)"
+    assert "metadata" not in element
 
 
 def test_the_first_use_of_a_word_is_a_link():

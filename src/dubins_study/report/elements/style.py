@@ -10,19 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 from io import BytesIO
 from typing import Any, NamedTuple, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
-from fontTools import subset
-from fontTools.ttLib import TTFont
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontPath
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -202,35 +198,5 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     """
     buffer = BytesIO()
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    with _fonts_without_layout():
-        figure.savefig(buffer, format=kind, dpi=_DPI, metadata=dates.get(kind))
-    return buffer.getvalue()
-
-
-# The tables of a TrueType font that a PDF file reads (ISO 32000-1, sec. 9.9).
-_TABLES = {"cvt ", "fpgm", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "prep"}
-
-
-@contextmanager
-def _fonts_without_layout() -> Iterator[None]:
-    """Inside the `with` block matplotlib cuts the fonts of PDF files from smaller ones.
-
-    Most of the time of cutting a font goes to tables that set text, which matplotlib has done.
-    """
-    load = subset.load_font
-    subset.load_font = lambda file, options: load(BytesIO(_drawn_part(file)), options)
-    try:
-        yield
-    finally:
-        subset.load_font = load
-
-
-@cache
-def _drawn_part(file: FontPath) -> bytes:
-    """The font with all its letters, and with those tables alone that draw them."""
-    buffer = BytesIO()
-    with TTFont(file, fontNumber=file.face_index, recalcTimestamp=False) as font:
-        for table in set(font.keys()) - _TABLES - {"GlyphOrder"}:
-            del font[table]
-        font.save(buffer, reorderTables=False)
+    figure.savefig(buffer, format=kind, dpi=_DPI, metadata=dates.get(kind))
     return buffer.getvalue()

@@ -64,11 +64,6 @@ def choice(text: str) -> Markup:
     return Markup("<strong>{}</strong><br>{}").format(first, Markup("<br>").join(rest))
 
 
-def page_of(section: Section) -> str:
-    """The file that shows a section."""
-    return PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
-
-
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     """The title of a section, and what may follow a colon, as a link from `page` to that section.
 
@@ -78,7 +73,7 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     title = text.partition(":")[0]
     for section in sections:
         if section.title == title:
-            file = page_of(section)
+            file = PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
             place = "" if file == page else file
             return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)
     named = any(section.title.startswith(f"{title}:") for section in sections)

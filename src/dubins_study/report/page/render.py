@@ -16,7 +16,7 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Place, Section, Table
 from dubins_study.report.elements.formats import some
 from dubins_study.report.elements.style import figure_bytes, fix_layout
-from dubins_study.report.page.drawings import Drawings
+from dubins_study.report.page.drawings import inline
 from dubins_study.report.page.environment import (
     FRONT_PAGE,
     PAPER_PAGE,
@@ -168,13 +168,13 @@ def _write(
         for suffix, to_text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
             file = folder / "tables" / f"{table.name}.{suffix}"
             file.write_text(to_text(table), encoding="utf-8", newline="\n")
-    drawn, drawings = {}, Drawings()
+    drawn = {}
     for picture in (b for b in blocks if isinstance(b, Picture)):
         fix_layout(picture.figure)
         svg, pdf = (figure_bytes(picture.figure, kind) for kind in ("svg", "pdf"))
         (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
         (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
-        drawn[picture.name] = drawings.inline(svg.decode("utf-8"), picture.alt)
+        drawn[picture.name] = inline(svg.decode("utf-8"), picture.name, picture.alt)
     content = {
         "sections": sections,
         "runs": runs,
@@ -183,7 +183,7 @@ def _write(
         "paper_title": TITLE,
     }
     content |= {"glossary": GLOSSARY, **head._asdict()}
-    content |= {"style": styles() + drawings.css(), "scripts": scripts()}
+    content |= {"style": styles(), "scripts": scripts()}
     for name, text in _documents(sections, runs, content):
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
 

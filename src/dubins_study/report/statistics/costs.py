@@ -65,13 +65,13 @@ def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
     Indexed by solver.
     """
-    means = pd.Series(np.nan, table.columns.rename("solver"))
-    for solver, column in table.items():
-        costs = column.dropna().to_numpy(dtype=np.float64)
+    means = dict.fromkeys(table.columns, np.nan)
+    for solver in table.columns:
+        costs = table[solver].dropna().to_numpy(dtype=np.float64)
         if costs.size:
             with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
-                means[solver] = np.exp(np.mean(np.log(costs + shift))) - shift
-    return means
+                means[solver] = float(np.exp(np.mean(np.log(costs + shift))) - shift)
+    return pd.Series(means, table.columns.rename("solver"), dtype=np.float64)
 
 
 def chosen_shift(values: ArrayLike) -> float:
@@ -111,9 +111,7 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     """
     costs = shared_questions(table)
     means = {
-        (factor, penalty): shifted_geometric_means(
-            penalised(costs, limit, penalty), factor * shift
-        )
+        (factor, penalty): shifted_geometric_means(penalised(costs, limit, penalty), factor * shift)
         for factor, penalty in itertools.product(SHIFT_FACTORS, PENALTIES)
     }
     ranks = pd.DataFrame({choice: ranks_of(each) for choice, each in means.items()})

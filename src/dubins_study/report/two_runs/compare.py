@@ -98,8 +98,16 @@ def compare(
     was, is_now = _described(FilePath(base), folders[0]), _described(FilePath(new), folders[1])
     asked = f"What became better or worse in the new run, {is_now}, than in the base, {was}?"
     head = Head("Two runs compared", asked)
-    page = write_page(out, lambda: _sections(paired, comparison), folders, head)
-    return replace(comparison, page=page)
+
+    def sections() -> list[Section]:
+        return [
+            _regressions(comparison),
+            _solvers(comparison),
+            _times(paired, comparison),
+            _else(comparison),
+        ]
+
+    return replace(comparison, page=write_page(out, sections, folders, head))
 
 
 def _described(place: FilePath, folder: Folder) -> str:
@@ -115,16 +123,6 @@ _REGRESSIONS = (
     *columns(kind="text", scenario="scenario", branch="branch", base="base", new="new"),
     Column("command", "asks it again", kind="code"),
 )
-
-
-def _sections(pairs: pd.DataFrame, comparison: Comparison) -> list[Section]:
-    """The page's sections: what became worse, every solver, times, and what else differs."""
-    return [
-        _regressions(comparison),
-        _solvers(comparison),
-        _times(pairs, comparison),
-        _else(comparison),
-    ]
 
 
 def _regressions(comparison: Comparison) -> Section:
@@ -328,8 +326,8 @@ def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None
     looks = ((~apart, MUTED, "o", 0.35), (apart, VERMILION, "^", 0.7))
     for flag, colour, marker, alpha in looks:
         dots: Style = {"c": colour, "marker": marker, "alpha": alpha, "s": 8, "linewidths": 0}
-        times = both[flag]
-        ax.scatter(times["time_base"], times["time_new"], rasterized=True, **dots)
+        drawn = both[flag]
+        ax.scatter(drawn["time_base"], drawn["time_new"], rasterized=True, **dots)
     times = both[["time_base", "time_new"]].to_numpy()
     ends = np.array([times.min(), times.max()])
     machine = 1.0 if comparison.speed is None else comparison.speed.ratio
