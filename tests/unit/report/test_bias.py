@@ -13,7 +13,6 @@ from dubins_study.report.topics.bias import (
     by_barrier,
     last_barrier,
     left_over,
-    slope,
     without_barrier,
 )
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -81,13 +80,6 @@ def test_whose_barrier_is_known():
     known = [barrier(spec, settings) for spec in (*settings, "unheard-of")]
 
     np.testing.assert_allclose(known, [1e-5, 1e-6 / 11, math.nan, math.nan, math.nan])
-
-
-def test_slope_of_a_power():
-    """x^3 has slope 3; zeros and NaN are left out; one place is no slope."""
-    x = np.array([1.0, 2.0, 4.0, 0.0, 5.0])
-    assert slope(x, np.array([1.0, 8.0, 64.0, 1.0, math.nan])) == pytest.approx(3)
-    assert math.isnan(slope(np.ones(3), np.ones(3)))
 
 
 def test_numbers_by_hand(load_rows):

@@ -118,7 +118,7 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     Adds the columns z1, z2, z3 (lengths of the guess in radii; for the turns z1 and z2 this is
     rad), end, turns (needless full turns; NaN if the end is not a minimum).
     """
-    guessed = rows[~rows["initial_guess"].isin(["cold", "warm"]) & rows["solver"].notna()]
+    guessed = rows[~rows["initial_guess"].isin(["cold", "warm"])]
     if guessed.empty:
         return guessed.assign(z1=[], z2=[], z3=[], end=[], turns=[])
     points = guessed["initial_guess"].str.split(expand=True).astype(float)

@@ -119,8 +119,6 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     bound); of the example its scenario, lengths, tolerance and command.
     """
     false = rows[rows["proof"].notna()]
-    if false.empty:
-        return pd.DataFrame(columns=["solver", "proof"])
     order = false.assign(
         # few characters of a round number
         digits=false[[*SCENARIO]].map(lambda value: len(number_text(value))).sum(axis=1),

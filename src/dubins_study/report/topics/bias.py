@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
@@ -103,11 +102,9 @@ def _number(value: Any) -> float:
     return float(value) if isinstance(value, (int, float)) else math.nan
 
 
-def slope(x: ArrayLike, y: ArrayLike) -> float:
-    """Slope of log y against log x by least squares; NaN with fewer than two points to fit."""
-    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
-    keep = np.isfinite(x) & (x > 0)
-    return -fitted_order(x[keep], y[keep], floor=0.0)
+def slope(table: pd.DataFrame) -> float:
+    """Slope of log z2 against log predicted by least squares; NaN if there are not two places."""
+    return -fitted_order(table["predicted"], table["z2"], floor=0.0)
 
 
 def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
@@ -129,7 +126,7 @@ def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
         failed=("failed", "sum"),
     )
     frame["by"] = frame["barrier_set"].map({True: "told", False: "its defaults"})
-    frame["slope"] = pd.Series({s: slope(g["predicted"], g["z2"]) for s, g in groups}, dtype=float)
+    frame["slope"] = pd.Series({s: slope(g) for s, g in groups}, dtype=float)
     return frame.reset_index().sort_values("mu", ascending=False, ignore_index=True)
 
 
@@ -220,7 +217,7 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(slope(with_barrier['predicted'], with_barrier['z2']))}{failures}."
+        f"{digits(5)(slope(with_barrier))}{failures}."
     )
 
 
