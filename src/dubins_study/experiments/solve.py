@@ -85,7 +85,7 @@ def solve_frame(
 
     Args:
         scenarios: columns `x y heading target_x target_y radius`, and `speed` and `label` if
-            wanted; one row a scenario.
+            wanted; one row a scenario, its values as `Scenario` takes them.
         solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         profile: `default`, `fast` or `accurate`.

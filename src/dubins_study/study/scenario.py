@@ -66,9 +66,7 @@ class Scenario:
         speed: float = 1.0,
         label: str = "",
     ) -> None:
-        if isinstance(heading, str):
-            heading = _heading(heading)
-        given = (x, y, heading, target_x, target_y, radius, speed)
+        given = (x, y, _heading(heading), target_x, target_y, radius, speed)
         for name, value in zip(NUMBERS, given, strict=True):
             object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
         object.__setattr__(self, "label", _label(label))
@@ -102,7 +100,10 @@ LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
-def _heading(text: str) -> float:
+def _heading(text: float | str) -> float:
+    """The heading, in rad where it is a text; anything else stays as it is."""
+    if not isinstance(text, str):
+        return text
     try:
         return parse_angle(text)
     except AngleError as error:
@@ -163,8 +164,8 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
     `speed` and `label` may be left out, and a label that is missing is empty. The caller's frame
     is not changed; its index is kept. Columns of any type are read if each value is a number as
-    `Scenario` takes it (a heading is in radians) or, of `label`, a text. A `ScenarioError` names
-    columns, or the first row that no scenario may have.
+    `Scenario` takes it (a heading may be a text such as `120deg`) or, of `label`, a text. A
+    `ScenarioError` names columns, or the first row that no scenario may have.
     """
     import pandas as pd
 
@@ -194,7 +195,7 @@ def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float
         with np.errstate(over="ignore"):
             values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
     else:
-        given = _each(frame, frame[name], lambda v: np.nan if v is None else _number(name, v))
+        given = _each(frame, frame[name], lambda value: _cell(name, value))
         values = np.fromiter(given, np.float64, len(frame))
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
@@ -205,6 +206,13 @@ def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float
         return values
     row = int(np.argmin((least <= values) & (values <= LARGEST)))
     raise ScenarioError(f"{_row(frame, row)}: {_problem(name, float(values[row]))}")
+
+
+def _cell(name: str, value: Any) -> float:
+    """A number of a frame's row; NaN, which is refused with the column, where it is missing."""
+    if value is None:
+        return math.nan
+    return _number(name, _heading(value) if name == "heading" else value)
 
 
 def _labels(frame: pd.DataFrame) -> pd.Series[Any]:

@@ -36,6 +36,14 @@ FRAME = pd.DataFrame(
 )
 
 
+def test_headings_with_units_are_solved_as_those_in_radians():
+    numbers = FRAME.assign(heading=[0.5, -np.pi / 2, np.radians(30)])
+    texts = FRAME.assign(heading=["0.5", "-90deg", "30deg"])
+
+    rows = solve_frame(texts).drop(columns=[*TIMES])
+    pd.testing.assert_frame_equal(rows, solve_frame(numbers).drop(columns=[*TIMES]))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_a_frame_says_what_single_attempts_say(branch):

@@ -91,13 +91,18 @@ NO_NUMBERS = [
 @pytest.mark.parametrize(("value", "shown"), NO_NUMBERS, ids=[shown for _, shown in NO_NUMBERS])
 @pytest.mark.parametrize("field", ["x", "heading", "radius"])
 def test_what_is_no_number(field, value, shown):
-    """Only the heading of a scenario may be a text."""
-    message = rf"{field} is {shown}.*; expected a number"
-    if field == "heading" and shown == "'1'":
-        assert Scenario(**(GOOD | {field: value})).heading == 1.0
-        refused_in_a_frame(message, **{field: value})
-    else:
-        refused(message, **{field: value})
+    """Only the heading may be a text."""
+    if (field, value) != ("heading", "1"):
+        refused(rf"{field} is {shown}.*; expected a number", **{field: value})
+
+
+@pytest.mark.parametrize("dtype", [object, "str", "category"])
+def test_a_heading_of_a_frame_may_be_a_text_as_of_a_scenario(dtype):
+    texts = ["30deg", "-pi/2", "1"]
+    frame = pd.DataFrame([GOOD] * 3).assign(heading=pd.Series(texts, dtype=dtype))
+    expected = [Scenario(**(GOOD | {"heading": text})) for text in texts]
+
+    assert list(scenarios(check_frame(frame))) == expected
 
 
 @pytest.mark.parametrize(
@@ -228,6 +233,7 @@ def test_a_text_beyond_a_full_turn_needs_a_unit(text):
         parse_angle(text)
     with pytest.raises(ScenarioError, match=rf"heading is '{text}'; .* write {text}deg, or"):
         Scenario(heading=text, target_x=1, target_y=0)
+    refused_in_a_frame(rf"heading is '{text}'; .* write {text}deg, or", heading=text)
 
 
 def test_a_scenario_has_the_defaults_of_the_command():
