@@ -129,8 +129,11 @@ def answer_text(answer: Answer) -> str:
         ]
     circle = f"{answer.margin:.3g} R from the nearer turning circle"
     lines.append(_line("region", f"{answer.region}, {circle}"))
-    if answer.wall_s is not None:
-        lines.append(_line("solve time", _times(answer)))
+    if answer.solve_s is not None:
+        built = f", after {_milliseconds(answer.build_s or 0.0)} to build"
+        lines.append(_line("solve time", f"{_milliseconds(answer.solve_s)}{built}"))
+    elif answer.wall_s is not None:  # it was not solved
+        lines.append(_line("ended after", _milliseconds(answer.wall_s)))
     if answer.false_claim:
         lines.append("false claim: the claim is stronger than the verdict")
     if answer.false_bound:
@@ -153,13 +156,6 @@ def _segments(answer: Answer) -> str:
     ]
     more = len(pieces) - len(texts)
     return ", ".join(texts) + (f", and {more} more: --json lists them" if more else "")
-
-
-def _times(answer: Answer) -> str:
-    """Times of the solve and of the building of its model, by the clock of whoever asked."""
-    solve_s = answer.wall_s if answer.solve_s is None else answer.solve_s
-    build = "" if answer.build_s is None else f", after {_milliseconds(answer.build_s)} to build"
-    return f"{_milliseconds(solve_s or 0.0)}{build}"
 
 
 def _milliseconds(seconds: float) -> str:

@@ -141,6 +141,22 @@ def test_the_text_has_segments_and_the_solve_time():
     assert line_of("segments", many).endswith("and 16 more: --json lists them")
 
 
+def test_a_solver_that_raises_has_no_solve_time(tmp_path):
+    """What passed until it raised has a name of its own."""
+    plugin = tmp_path / "raising.py"
+    plugin.write_text(
+        "from dubins_study import Solver\n"
+        "class Raising(Solver):\n"
+        "    name = 'raising'\n"
+        "    def solve(self, question, limit):\n"
+        "        raise ValueError('later')\n"
+    )
+    text = asked(*PATH, "--solver", f"{plugin}:Raising").stdout
+
+    assert "solve time" not in text
+    assert re.fullmatch(r"[\d.e-]+ m?s", line_of("ended after", text))
+
+
 def labels(figure):
     return [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
 

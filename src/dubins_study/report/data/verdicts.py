@@ -28,7 +28,7 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
 
     Columns: solver, attempts, questions, right (questions answered right), the attempts with each
     verdict, false_claims, wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s
-    (median, s).
+    (median, s; null if no attempt returned).
     """
     counts = {f'"{verdict}"': f"verdict = '{verdict}'" for verdict in VERDICTS}
     counts |= {"false_claims": "false_claim", "wrong_basins": "wrong_basin"}
@@ -41,7 +41,8 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
         f"""SELECT solver, count(*) FILTER (answerable) AS attempts,
             {_questions("answerable")} AS questions,
             {_questions(f"answerable AND {_RIGHT}")} AS "right", {counted},
-            median(wall_s) FILTER (answerable) AS wall_s
+            CASE WHEN bool_or(outcome = 'returned') FILTER (answerable)
+                THEN median(wall_s) FILTER (answerable) END AS wall_s
         FROM {_weighted(attempts)} GROUP BY solver"""
     )
 
