@@ -54,7 +54,7 @@ LIES = {
     "raises behind": ("outcome", "LinAlgError: Matrix is not positive definite"),
     "returns a dict": ("outcome", "solve returned dict; expected a Solution"),
     "crashes": ("outcome", "its process was ended by SIGABRT"),
-    "hangs": ("outcome", "it did not return.*look at `limit`"),
+    "hangs": ("outcome", "the limit is 1 s, beyond which 11.5 s were allowed.*look at `limit`"),
 }
 # class -> the check that finds its habit, and words of what it says
 HABITS = {
@@ -109,6 +109,7 @@ def test_every_lie_is_found_in_the_right_words(beside, lie):
 
     for finding in report[check].findings:
         assert finding.command.startswith("dubins-study solve ")
+        assert " --time-limit 1 --solver " in finding.command
         assert shlex.quote(report.solver) in finding.command
 
 

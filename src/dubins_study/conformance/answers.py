@@ -90,11 +90,11 @@ def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
         advice = _OUTCOMES.get(answer.outcome, "")
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
         observations = [(Kind.OUTCOME, Status.FAIL, observed, advice)]
-    shown = command(answer.solver, seen.question)
+    shown = command(answer.solver, seen.question, seen.limit)
     if seen.question.initial_guess is not None:  # no option of `solve` hands one over
-        shown = check_command(answer.solver, "warm")
+        shown = check_command(answer.solver, "warm", seen.limit)
     return [
-        Problem(kind, Finding(status, observed, advice, name, shown, seen.traceback))
+        Problem(kind, Finding(status, observed, advice, name, shown, seen.observed.traceback))
         for kind, status, observed, advice in observations
     ]
 

@@ -82,7 +82,7 @@ def limits(interview: Interview) -> Checked:
         f"with a limit of {_SHORT_LIMIT_S} s {took}",
         advice,
         "all at once",
-        command(interview.spec, question) + f" --time-limit {_SHORT_LIMIT_S}",
+        command(interview.spec, question, _SHORT_LIMIT_S),
     )
     return [*silent, late], ""
 
@@ -173,6 +173,7 @@ _ADVICE = {
     "numpy's error handling": "use `with np.errstate(...):`",
     "decimal context": "use `with decimal.localcontext():`",
     "signal handlers": "restore the handlers that were there",
+    "clock": "leave the functions of the module `time` as they are",
     "timers": "switch your timer off before you return",
     "threads": "end your threads before you return",
     "child processes": "wait for your processes before you return",
@@ -194,7 +195,7 @@ def state(interview: Interview) -> Checked:
         interview.ask(_question(interview, other))
     seen = interview.seen
     found = [*of_kind(Kind.OUTCOME, interview, seen[before:])]
-    changed = Counter(change for one in seen for change in one.changes)
+    changed = Counter(change for one in seen for change in one.observed.changes)
     for change, count in changed.items():
         status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")
         advice = f"{advice}; {_CHANGED}"
@@ -204,11 +205,12 @@ def state(interview: Interview) -> Checked:
         observed = f"after a solve this is not as it was before: {change}"
         found.append(Finding(status, observed, advice, count=count))
     found += _files(seen)
-    loud = [one for one in seen if one.output and not one.loaded]
+    outputs = [one.observed.output for one in seen if not one.observed.loaded]
+    loud = list(filter(None, outputs))
     if loud:
         advice = "switch the output of the library off, or leave print out"
         status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
-        observed = f"it prints: {loud[0].output[-120:]}"
+        observed = f"it prints: {loud[0][-120:]}"
         found.append(Finding(status, observed, advice, count=len(loud)))
     return found, f"{len(seen)} questions"
 

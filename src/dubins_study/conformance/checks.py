@@ -36,8 +36,7 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean, short
 from dubins_study.study.words import Verdict
 
-# Seconds for one question, and for all of them.
-TIME_LIMIT_S, TOTAL_TIME_LIMIT_S = 5.0, 600.0
+TOTAL_TIME_LIMIT_S = 600.0  # for all questions
 
 
 class ConformanceError(DubinsStudyError, ValueError):
@@ -205,7 +204,7 @@ def check_solver(
     solver: str | type[Solver],
     *,
     checks: Iterable[str] = CHECKS,
-    time_limit: float = TIME_LIMIT_S,
+    time_limit: float = questions.TIME_LIMIT_S,
     total_time_limit: float = TOTAL_TIME_LIMIT_S,
     profile: str = "default",
     isolated: bool = True,
@@ -273,7 +272,7 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             stopped = summary = str(reason)
             findings = of_kind(Kind.OUTCOME, interview, interview.seen[before:])
             applied = Status.NOT_ASKED
-        shown = questions.check_command(interview.spec, name)
+        shown = questions.check_command(interview.spec, name, interview.limit)
         listed = tuple(replace(one, command=one.command or shown) for one in findings)
         yield CheckResult(name, title, listed, summary, applied)
         if interview.declared["unavailable"] is not None:

@@ -138,19 +138,18 @@ def _observations(values: list[list[Any]]) -> list[Observation]:
 
 
 class Seen(NamedTuple):
-    """A judged answer, and what else was seen while the solver worked on it (`Observation`).
+    """A judged answer, and what was seen while the solver worked on it.
 
-    `files` are new in the folder of the worker; `seconds` passed until the answer was here.
+    `files` are new in the folder of the worker; `seconds` passed until the answer was here, and
+    `limit` (s) was the question's.
     """
 
     answer: Answer
     question: Question
-    traceback: str
-    changes: tuple[str, ...]
-    loaded: bool
-    output: str
+    observed: Observation
     files: tuple[str, ...]
     seconds: float
+    limit: float
 
 
 class Interview:
@@ -235,7 +234,7 @@ class Interview:
         observations = self._source.ask(questions, limit, as_frame)
         seconds, files = monotonic() - began, self._new_files()
         return [
-            Seen(self._judged(question, one.reply), question, *one[1:], files, seconds)
+            Seen(self._judged(question, one.reply), question, one, files, seconds, limit)
             for question, one in zip(questions, observations, strict=True)
         ]
 

@@ -7,6 +7,7 @@ import os
 import random
 import sys
 import tempfile
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
@@ -25,7 +26,12 @@ from dubins_study.experiments.isolation.messages import (
     decode_question,
     encode_reply,
 )
-from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
+from dubins_study.experiments.isolation.process_state import (
+    ProcessState,
+    bound_process,
+    clocks,
+    seed,
+)
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solution, Solver
@@ -44,7 +50,7 @@ RANDOM = "global random generators"
 # state that no import changes: what has changed while modules were imported is the solver's doing
 _NO_IMPORTS = {
     *("working directory", "umask", "numpy's error handling", "decimal context", "timers"),
-    *("standard streams", "recursion limit", "garbage collector", "trace functions"),
+    *("standard streams", "recursion limit", "garbage collector", "trace functions", "clock"),
 }
 # Files of this package whose functions call a solver's code.
 _PACKAGE = FilePath(__file__).parents[1]
@@ -72,7 +78,10 @@ class Observer:
 
     def __init__(self, spec: str, profile: str):
         self._spec, self._profile = spec, profile
+        clock = clocks(time)
         self.solver = load(spec, profile)
+        # The state is accepted with what was changed at loading, but the clock is the run's.
+        self._changed_at_loading = [] if clocks(time) == clock else ["clock"]
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state = ProcessState(MEMORY_BYTES)
         self._children = _children()
@@ -88,7 +97,8 @@ class Observer:
         generators, modules = _generators(), len(sys.modules)
         reply = ask(self.solver, question, limit, raised.append)
         loaded = len(sys.modules) != modules
-        changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
+        changes = [*self._changed_at_loading]
+        changes += [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
         if _generators() != generators:
             changes.append(RANDOM)
         if _children() > self._children:

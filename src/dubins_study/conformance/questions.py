@@ -11,7 +11,10 @@ import shlex
 from dataclasses import replace
 
 from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.scenario import Scenario
+
+TIME_LIMIT_S = 5.0  # for one question, unless the caller gives another
 
 # General positions, outside both turning discs: the shortest path is LS or RS.
 GENERAL = {
@@ -126,20 +129,26 @@ def name_of(scenario: Scenario) -> str:
     return next(names, "")
 
 
-def command(spec: str, question: Question) -> str:
-    """The command that asks a question again."""
+def command(spec: str, question: Question, limit: float) -> str:
+    """The command that asks a question again, with the same limit (s)."""
     s = question.scenario
     words = ["dubins-study", "solve", _digits(s.target_x), _digits(s.target_y)]
     words += ["--from", _digits(s.x), _digits(s.y), f"{_digits(s.heading)}rad"]
     for option, value in (("--radius", s.radius), ("--speed", s.speed)):
         words += [option, _digits(value)] if value != 1 else []
     words += ["--branch", question.branch] if question.branch != "best" else []
-    return shlex.join([*words, "--solver", spec])
+    return shlex.join([*words, *_limited(limit, DEFAULT_LIMIT), "--solver", spec])
 
 
-def check_command(spec: str, check: str) -> str:
+def check_command(spec: str, check: str, limit: float = TIME_LIMIT_S) -> str:
     """The command that makes a check again, where one question does not show what was seen."""
-    return shlex.join(["dubins-study", "check-solver", spec, "--check", check])
+    words = ["dubins-study", "check-solver", spec, "--check", check]
+    return shlex.join([*words, *_limited(limit, TIME_LIMIT_S)])
+
+
+def _limited(limit: float, default: float) -> list[str]:
+    """The option of a limit (s) that is not the command's own."""
+    return [] if limit == default else ["--time-limit", _digits(limit)]
 
 
 def _digits(value: float) -> str:

@@ -119,6 +119,16 @@ class Tiring(Right):
         return super().solve(question, limit)
 
 
+class Timeless(Right):
+    """Stops the clock."""
+
+    branches = ("best",)
+
+    def solve(self, question, limit):
+        time.perf_counter = lambda: 0.0
+        return super().solve(question, limit)
+
+
 class Slow(Right):
     """Takes twice as long as a run lets it, whatever its limit."""
 
@@ -230,12 +240,12 @@ def test_a_solver_of_one_word_is_asked_that_word():
 
 
 def test_an_initial_guess_is_no_answer():
-    report = checked(Misled, ["warm"])
+    report = check_solver(Misled, checks=["warm"], time_limit=2, isolated=False)
 
     assert report["warm"].status is Status.FAIL
     assert report["warm"].findings[0].question.startswith("initial guess: ")
     assert report["warm"].findings[0].count == 3
-    assert report["warm"].findings[0].command.endswith(":Misled --check warm")
+    assert report["warm"].findings[0].command.endswith(":Misled --check warm --time-limit 2")
 
 
 def test_the_time_for_all_questions_is_a_bound():
@@ -260,7 +270,9 @@ def test_the_report_as_json():
     }
     finding = values["checks"][1]["findings"][0]
     assert finding["count"] == 6
-    assert finding["command"].startswith("dubins-study solve 0 1 --from 0 0 0rad --solver ")
+    assert finding["command"].startswith(
+        "dubins-study solve 0 1 --from 0 0 0rad --time-limit 5 --solver "
+    )
 
 
 @pytest.mark.parametrize(
@@ -312,12 +324,12 @@ def test_the_questions_are_where_they_say():
 
 def test_a_command_holds_every_number_to_the_last_bit():
     scenario = SYMMETRIES["turned by 2 rad"]
-    words = command("my solver.py:Mine[n=2]", Question(scenario, "RL")).split()
+    words = command("my solver.py:Mine[n=2]", Question(scenario, "RL"), 0.1).split()
 
     assert float(words[2]) == scenario.target_x
     assert float(words[7].removesuffix("rad")) == scenario.heading
     assert words[8:] == [
-        *("--radius", "0.4", "--speed", "0.6", "--branch", "RL"),
+        *("--radius", "0.4", "--speed", "0.6", "--branch", "RL", "--time-limit", "0.1"),
         *("--solver", "'my", "solver.py:Mine[n=2]'"),
     ]
 
@@ -344,12 +356,27 @@ def test_a_false_bound_is_found_where_it_is_given_and_by_its_check_alone():
     assert "lies above the shortest length" in text(checked(Bounding, ["bounds"]), "bounds")
 
 
-def test_a_change_that_every_solve_makes_alike_is_seen():
+@pytest.mark.parametrize(("kind", "changed"), [(Tiring, "signal handlers"), (Timeless, "clock")])
+def test_a_change_that_every_solve_makes_alike_is_seen(kind, changed):
     """In a new process, where what our own first path imports does not excuse the first solve."""
-    report = check_solver(Tiring, checks=["state"])
+    report = check_solver(kind, checks=["state"])
 
     assert report["state"].status is Status.FAIL, report
-    assert "signal handlers" in text(report, "state")
+    assert f"not as it was before: {changed}" in text(report, "state")
+
+
+def test_a_clock_that_is_replaced_at_loading_is_seen(tmp_path):
+    file = tmp_path / "timeless.py"
+    file.write_text(
+        "import time\n"
+        "from dubins_study.solvers.analytic import Analytic\n"
+        "time.monotonic = lambda: 0.0\n"
+        "class Timeless(Analytic):\n"
+        "    pass\n"
+    )
+    report = check_solver(f"{file}:Timeless", checks=["state"])
+
+    assert "not as it was before: clock" in text(report, "state")
 
 
 def test_checks_that_are_asked_for_alone_ask_what_they_look_at():
