@@ -30,6 +30,13 @@ def words(question: Question, presolve: bool) -> tuple[str, ...]:
     return tuple(word for word in named if unreachable(question.scenario, word) is None)
 
 
+def nearer_first(question: Question, presolve: bool, Y: float) -> list[str]:
+    """The same, those first that turn to the side of a target at Y (radii) to the left."""
+    ordered = ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL")
+    shapes = words(question, presolve)
+    return [word for word in ordered if word in shapes]
+
+
 def unreachable(scenario: Scenario, word: str) -> str | None:
     """Why no path of a word ends at the target, or None.
 

@@ -34,7 +34,7 @@ from dubins_study.solvers.minlp_engines.program import (
 )
 from dubins_study.solvers.optimal_control.turn_rate_template import Compiled
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.path import FloatArray, Path
@@ -314,12 +314,12 @@ class HeadingMilp(EngineSolver):
 
     def _families(self, question: Question, X: float, Y: float) -> list[Family]:
         """The families of a question; the likelier side first, since its length cuts off others."""
-        shapes, families = words(question, self.presolve), []
-        for word in ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL"):
-            if word in shapes and word[1] == "S":
+        families: list[Family] = []
+        for word in nearer_first(question, self.presolve, Y):
+            if word[1] == "S":
                 side = 1 if word == "LS" else -1
                 families.append(one_turn(side, self.headings, self.legs, X, Y))
-            elif word in shapes:
+            else:
                 families += two_turns(1 if word == "RL" else -1, self.headings)
         return families
 

@@ -37,7 +37,7 @@ from dubins_study.solvers.optimal_control.arcs import (
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.body_coordinates import Local, local
@@ -142,7 +142,7 @@ class Transcription(EngineSolver):
         if place.X == place.Y == 0:
             return staying(question)
         until = perf_counter() + limit
-        shapes = words(question, self.presolve)
+        shapes = nearer_first(question, self.presolve, place.Y)
         kind = Kind(self.initial_guess, self.seed + question.repeat, self.count)
         run = partial(self._run, model)
         every = self.initial_guess == "random"
@@ -293,9 +293,7 @@ def _words(
 
     if question.branch != "best":
         return [shaped(question.branch)]
-    # the nearer side first
-    words = ("LS", "RS", "RL", "LR") if target.Y >= 0 else ("RS", "LS", "LR", "RL")
-    return [shaped(word) for word in words if word in shapes]
+    return [shaped(word) for word in shapes]
 
 
 def _random(

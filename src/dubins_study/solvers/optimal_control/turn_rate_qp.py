@@ -30,7 +30,7 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
     template,
 )
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.path import FloatArray, Path, drivable
@@ -138,10 +138,7 @@ def _guesses(
         if not (runs and runs[-1].claim is Claim.LOCAL):
             yield question.branch, _turn_then_straight(question.branch, X, Y, ends)
         return
-    shapes = words(question, presolve)
-    for word in ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL"):
-        if word not in shapes:
-            continue
+    for word in nearer_first(question, presolve, Y):
         if word[1] == "S":
             yield word, _turn_then_straight(word, X, Y, ends)
         else:

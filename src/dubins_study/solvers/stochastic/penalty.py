@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -44,13 +44,6 @@ _GROWTH = 4.0
 # radii: a point that misses by more has stopped short of the target, which a larger weight cures;
 # one that misses by less is the target's, as exactly as the engine got
 _SHORT = 1e-2
-
-
-class Model(NamedTuple):
-    """A question and the subproblems to search."""
-
-    question: Question
-    cases: list[Subproblem]
 
 
 @dataclass(frozen=True)
@@ -117,19 +110,16 @@ class Penalty(EngineSolver):
         guess = self.initial_guess if self._guided else "none"
         return Method("penalty", ENGINES[self.engine].label, guess)
 
-    def build(self, question: Question) -> Model:
-        return Model(question, subproblems(question, "joint", self.order))
-
-    def solve(self, model: Model, limit: float) -> Solution:
-        if there := at_start(model.question):
+    def solve(self, model: Question, limit: float) -> Solution:
+        if there := at_start(model):
             return there
         until = perf_counter() + limit
         runs = [
             run
-            for number, case in enumerate(model.cases)
-            for run in self._searches(model.question, case, number, until)
+            for number, case in enumerate(subproblems(model, "joint", self.order))
+            for run in self._searches(model, case, number, until)
         ]
-        return _answer(model.question, runs)
+        return _answer(model, runs)
 
     def _searches(
         self, question: Question, case: Subproblem, number: int, until: float
