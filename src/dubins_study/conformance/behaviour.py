@@ -180,9 +180,6 @@ _ADVICE = {
     "standard streams": "use `contextlib.redirect_stdout` with a file of your own",
     "memory or files": "close what you open, and keep no model between questions",
 }
-_CHANGED = (
-    "a run then replaces the worker after every question, which takes longer than most solves"
-)
 
 
 def state(interview: Interview) -> Checked:
@@ -198,7 +195,10 @@ def state(interview: Interview) -> Checked:
     changed = Counter(change for one in seen for change in one.observed.changes)
     for change, count in changed.items():
         status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")
-        advice = f"{advice}; {_CHANGED}"
+        advice = (
+            f"{advice}; a run then replaces the worker after every question, which takes longer "
+            "than most solves"
+        )
         if change == RANDOM:
             status = Status.NOTE
             advice = "draw from a generator of your own: np.random.default_rng(seed)"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from inspect import getsourcefile
 from pathlib import Path as FilePath
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -34,20 +34,13 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean, short
-from dubins_study.study.words import Verdict
+from dubins_study.study.words import Outcome, Verdict
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
 
 
 class ConformanceError(DubinsStudyError, ValueError):
     """A request for checks that cannot be met."""
-
-
-class Check(NamedTuple):
-    """One check: what it looks at, and the function that does."""
-
-    title: str
-    run: Callable[[Interview], Checked]
 
 
 def _asked(
@@ -105,13 +98,18 @@ def _branches(interview: Interview) -> Checked:
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
         raise NotApplicableError("the solver answers `best` only")
-    found: list[Problem] = []
+    asked = {}
     for word in words:
-        scenarios = {f"{word}, question {n}": q for n, q in enumerate(questions.WORDS[word], 1)}
-        scenarios[f"{word}, which has no path here"] = questions.WITHOUT[word]
-        for label, scenario in scenarios.items():
-            found += problems(interview, interview.ask(Question(scenario, word)), label)
-    return united(found), ", ".join(words)
+        for n, scenario in enumerate(questions.WORDS[word], 1):
+            asked[f"{word}, question {n}"] = Question(scenario, word)
+        asked[f"{word}, which has no path here"] = Question(questions.WITHOUT[word], word)
+    return _wrong(interview, asked), ", ".join(words)
+
+
+def _wrong(interview: Interview, asked: Mapping[str, Question]) -> tuple[Finding, ...]:
+    """What is wrong with the answers to questions, by their labels."""
+    pairs = asked.items()
+    return united(p for label, q in pairs for p in problems(interview, interview.ask(q), label))
 
 
 def _bounds(interview: Interview) -> Checked:
@@ -147,11 +145,8 @@ def _warm(interview: Interview) -> Checked:
         "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
         "a path of no arcs": Path(start, [], []),
     }
-    found: list[Problem] = []
-    for label, guess in guesses.items():
-        seen = interview.ask(Question(scenario, initial_guess=guess))
-        found += problems(interview, seen, f"initial guess: {label}")
-    return united(found), f"{len(guesses)} initial guesses"
+    asked = {f"initial guess: {k}": Question(scenario, initial_guess=v) for k, v in guesses.items()}
+    return _wrong(interview, asked), f"{len(guesses)} initial guesses"
 
 
 def _frames(interview: Interview) -> Checked:
@@ -160,44 +155,41 @@ def _frames(interview: Interview) -> Checked:
         raise NotApplicableError("the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
     rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
-    found: list[Problem] = []
-    for label, seen in zip(scenarios, rows, strict=True):
-        found += problems(interview, seen, f"in a frame: {label}")
+    pairs = zip(scenarios, rows, strict=True)
+    found = [p for label, seen in pairs for p in problems(interview, seen, f"in a frame: {label}")]
     return united(found), f"{len(rows)} rows"
 
 
-# simple questions first
-_CHECKS = {
-    "loading": Check("loads, and says what it is", behaviour.loading),
-    "outcome": Check(
+# name -> what is looked at, and the function that does; simple questions first
+_CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
+    "loading": ("loads, and says what it is", behaviour.loading),
+    "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
         _asked(questions.GENERAL, (Kind.OUTCOME,)),
     ),
-    "controls": Check(
+    "controls": (
         "paths start at the start, keep the radius and arrive",
         _asked(questions.GENERAL, (Kind.CONTROLS,)),
     ),
-    "claims": Check(
+    "claims": (
         "claims of optimality, of a bound, of no path; paths that are longer",
         _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND)),
     ),
-    "axis": Check("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
-    "discs": Check(
-        "targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)
-    ),
-    "circles": Check("targets on and near a turning circle", _asked(questions.CIRCLES)),
-    "symmetries": Check("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
-    "scale": Check("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
-    "branches": Check("the words that it declares", _branches),
-    "bounds": Check("lower bounds are below the shortest length", _bounds),
-    "warm": Check("initial guesses, good and bad", _warm),
-    "frames": Check("whole frames of scenarios", _frames),
-    "limits": Check("returns by its time limit", behaviour.limits),
-    "determinism": Check("the same question has the same answer", behaviour.determinism),
-    "state": Check("leaves its process as it was", behaviour.state),
+    "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
+    "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),
+    "circles": ("targets on and near a turning circle", _asked(questions.CIRCLES)),
+    "symmetries": ("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
+    "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
+    "branches": ("the words that it declares", _branches),
+    "bounds": ("lower bounds are below the shortest length", _bounds),
+    "warm": ("initial guesses, good and bad", _warm),
+    "frames": ("whole frames of scenarios", _frames),
+    "limits": ("returns by its time limit", behaviour.limits),
+    "determinism": ("the same question has the same answer", behaviour.determinism),
+    "state": ("leaves its process as it was", behaviour.state),
 }
 CHECKS = tuple(_CHECKS)
-TITLES = {name: check.title for name, check in _CHECKS.items()}
+TITLES = {name: title for name, (title, _) in _CHECKS.items()}
 
 
 def check_solver(
@@ -275,9 +267,10 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
         shown = questions.check_command(interview.spec, name, interview.limit)
         listed = tuple(replace(one, command=one.command or shown) for one in findings)
         yield CheckResult(name, title, listed, summary, applied)
+        outcomes = {one.answer.outcome for one in interview.seen}
         if interview.declared["unavailable"] is not None:
             stopped = f"it cannot run here: {interview.declared['unavailable']}"
-        elif interview.seen and not interview.answered:
+        elif outcomes and Outcome.RETURNED not in outcomes:
             stopped = "no question was answered so far; mend that first"
 
 

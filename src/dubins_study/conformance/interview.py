@@ -183,11 +183,6 @@ class Interview:
     def __exit__(self, *_: object) -> None:
         self._source.close()
 
-    @property
-    def answered(self) -> bool:
-        """Whether any question was answered, rightly or wrongly."""
-        return any(seen.answer.outcome is Outcome.RETURNED for seen in self.seen)
-
     def counts(self) -> dict[str, int]:
         """How the questions ended, as `ConformanceReport.answers` has it."""
         ended = Counter(_ending(seen.answer) for seen in self.seen)

@@ -7,7 +7,6 @@ import os
 import random
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
@@ -26,12 +25,7 @@ from dubins_study.experiments.isolation.messages import (
     decode_question,
     encode_reply,
 )
-from dubins_study.experiments.isolation.process_state import (
-    ProcessState,
-    bound_process,
-    clocks,
-    seed,
-)
+from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solution, Solver
@@ -78,12 +72,11 @@ class Observer:
 
     def __init__(self, spec: str, profile: str):
         self._spec, self._profile = spec, profile
-        clock = clocks(time)
-        self.solver = load(spec, profile)
-        # The state is accepted with what was changed at loading, but the clock is the run's.
-        self._changed_at_loading = [] if clocks(time) == clock else ["clock"]
-        Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state = ProcessState(MEMORY_BYTES)
+        self.solver = load(spec, profile)
+        self._changed_at_loading = [name for name in self._state.changes() if name == "clock"]
+        Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
+        self._state.accept()
         self._children = _children()
 
     def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:

@@ -48,9 +48,8 @@ _ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined
 _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
 # Seconds between two checks of memory and open files, which take longer than the other checks.
 _LEAK_INTERVAL_S = 0.02
-# The functions of `time` that tell it, as a tuple: a solver must not replace them.
-_CLOCKS = "time", "monotonic", "perf_counter", "process_time", "thread_time"
-clocks = attrgetter(*_CLOCKS, *(f"{name}_ns" for name in _CLOCKS))
+# Functions that a solver must not replace.
+_clocks = attrgetter("time", "monotonic", "perf_counter", "process_time", "perf_counter_ns")
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -90,7 +89,7 @@ def _state() -> dict[str, Any]:
         # `_signal` returns plain numbers; `signal` would convert each to an enumeration.
         "signal handlers": [_signal.getsignal(number) for number in _SIGNALS],
         "signal mask": _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
-        "clock": clocks(time),
+        "clock": _clocks(time),
         "timers": [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
         "resource limits": [resource.getrlimit(number) for number in _RLIMITS],
         "standard streams": (sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),

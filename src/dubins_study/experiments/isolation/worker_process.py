@@ -29,8 +29,6 @@ POLL_INTERVAL_S, _CHECKS_PER_CHILDREN_CHECK = 0.02, 10
 _STALL_S = 10.0
 # Seconds that count at most between two checks. In a longer pause the run was suspended.
 _MAX_PAUSE_S = 1.0
-# Seconds: a longer margin beyond a limit is named where a task breaks it.
-_LONG_MARGIN_S = 1.0
 # Length of the last output that is kept, in bytes, and that a message shows, in characters.
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20
@@ -201,7 +199,7 @@ class WorkerProcess:
             limit_s, margin_s, activity = allowance
             if seconds > limit_s + margin_s:
                 message = f"stopped after {seconds:.2f} s; the limit is {limit_s:g} s"
-                if margin_s > _LONG_MARGIN_S:
+                if margin_s > 1:  # more than an answer needs to arrive
                     message = f"{message}, beyond which {margin_s:g} s were allowed"
                 if activity:
                     message = f"stopped after {seconds:.0f} s of {activity}"
