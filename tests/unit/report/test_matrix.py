@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.results import load
 from dubins_study.report.elements.identity import share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods, stratum_order
 from dubins_study.report.topics.matrix import (
@@ -18,7 +17,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, write_folder
+from tests.unit.report.results_folder import attempt
 
 WORDS, JOINT = "one NLP a word", "joint NLP, LRS"
 
@@ -138,7 +137,7 @@ def labelled(label, place, solver, right, **changes):
 
 
 @pytest.fixture
-def benchmark(tmp_path):
+def benchmark(load_rows):
     """Two engines in two strata; the rows of a benchmark, with entries."""
     made = [labelled("near", n, "a", right=n < 3) for n in range(4)]
     made += [labelled("far", n, "a", right=True) for n in range(4)]
@@ -147,9 +146,7 @@ def benchmark(tmp_path):
     experiment = {"name": "e", "text": text, "section": "benchmark"}
     entries = [entry(WORDS, "a"), entry(WORDS, "b"), entry(JOINT, "a", reason="because")]
     dumped = [each.model_dump() for each in entries]
-    return load(
-        [write_folder(tmp_path / "e", "e", made, experiment=experiment, matrix=dumped)],
-    )
+    return load_rows("e", made, experiment=experiment, matrix=dumped)
 
 
 def test_strata_have_shares_with_intervals(benchmark):

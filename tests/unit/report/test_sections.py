@@ -18,14 +18,10 @@ SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"
 SECTIONS = ("where initial guesses lead", "summary", "success and gaps")
 
 
-def guesses():
-    """Two attempts as the study of initial guesses makes them."""
-    return [attempt(paper_scenarios()[2], SPEC, initial_guess=f"{z} 0 5") for z in (0, 1)]
-
-
-def folder(results, name, section, rows=None):
-    """Results of an experiment that names a section."""
-    return results(name, guesses() if rows is None else rows, section=section)
+def folder(results, name, section):
+    """Results of an experiment that names a section: two attempts from given initial guesses."""
+    guesses = [attempt(paper_scenarios()[2], SPEC, initial_guess=f"{z} 0 5") for z in (0, 1)]
+    return results(name, guesses, section=section)
 
 
 def section_ids(page):
