@@ -190,8 +190,8 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
         ({"experiment": None}, "experiment is None; expected a name or the path"),
         ({"out": 3}, "out is 3; expected the path of a folder"),
-        ({"time_limit": "long"}, "time_limit_s is 'long': expected a number"),
-        ({"solvers": "slsqp"}, "solvers is 'slsqp': expected a list"),
+        ({"time_limit": "long"}, "^time_limit is 'long': expected a number"),
+        ({"solvers": "slsqp"}, "^solvers is 'slsqp': expected a list"),
     ],
 )
 def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):

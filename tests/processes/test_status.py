@@ -104,6 +104,15 @@ def test_the_time_left_is_each_solvers_mean_and_the_overhead(folder):
     assert "left      2: slsqp 2" in text
 
 
+def test_how_long_a_killed_run_took_is_not_known(folder):
+    """Its entry holds the time at which it last wrote the manifest."""
+    amend(folder, runs=[{"run_id": "r", "state": "running", "seconds": 0.001}])
+    (entry,) = status(folder).runs
+
+    assert (entry.state, entry.seconds) == ("killed", None)
+    assert "1 ms" not in status_text(status(folder))
+
+
 def test_of_many_solvers_the_text_names_the_five_with_most_cells_left(folder):
     """The benchmark has 179 solvers; `--json` names them all."""
     left = {f"s{number}": number for number in range(1, 10)}

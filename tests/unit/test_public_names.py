@@ -15,8 +15,14 @@ from dubins_study import (
     Path,
     Scenario,
     available_solvers,
+    compare,
+    load_results,
+    merge,
     plot_path,
+    render,
+    run,
     solve,
+    status,
 )
 
 PUBLIC = {
@@ -100,6 +106,26 @@ def test_plot_path(tmp_path):
 def test_files_that_no_path_is_drawn_into(file, message):
     with pytest.raises(DubinsStudyError, match=message):
         plot_path(solve(Scenario(target_x=3, target_y=0)), file)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        (run, (3,)),
+        (status, (None,)),
+        (merge, (3, "out")),
+        (merge, (["a", 3], "out")),
+        (merge, (["a", "b"], 3)),
+        (load_results, (3,)),
+        (load_results, ([None],)),
+        (render, (3,)),
+        (compare, (3, "a")),
+    ],
+)
+def test_what_is_no_path_of_a_folder_or_file(function, arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DubinsStudyError, match=r"^\w+ is (3|None); expected "):
+        function(*arguments)
 
 
 def test_no_path_to_draw():

@@ -67,10 +67,15 @@ def test_no_plugin_is_loaded_for_a_message(tmp_path):
 
 
 def test_values_of_a_request_have_no_line(tmp_path):
-    """The file's own value on its line is another one."""
-    message = refusal_of(f"repeats = 3\n{HEAD}{BLOCK}", tmp_path, repeats=0)
+    """Nor are they the file's: each is named by its argument, and the file's mistakes wait."""
+    (file := tmp_path / "my.toml").write_text(f"repeats = 3\nseed = -1\n{HEAD}{BLOCK}")
+    with pytest.raises(ExperimentError) as error:
+        plan_run(Request(file, repeats=0, time_limit_s=-1.0))
 
-    assert message == "repeats is 0: expected a number of at least 1"
+    assert str(error.value) == (
+        "repeats is 0: expected a number of at least 1; "
+        "time_limit is -1.0: expected a number above 0"
+    )
 
 
 def test_twenty_mistakes_are_enough(tmp_path):

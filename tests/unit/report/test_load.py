@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from dubins_study import status
 from dubins_study.report.data.results import load
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.parts import ResultsError, read_part
@@ -34,6 +35,17 @@ def test_a_cell_that_two_folders_hold_counts_once(tmp_path, results):
 
     assert found.rows["label"].tolist() == [one.label, two.label, three.label]
     assert found.path(2) == shortest_path(three)
+
+
+def test_a_solver_that_the_manifest_does_not_name_counts_nowhere(results):
+    """Nobody knows whether such rows are of its current code; the report and `status` agree."""
+    one, two = paper_scenarios()[:2]
+    named = {"analytic": {"code_digest": "0123456789ab", "cells": 1}}
+    folder = results("paper", [attempt(one), attempt(two, "slsqp")], solvers=named)
+    (read,), counted = load([folder]).folders, status(folder)
+
+    assert load([folder]).solvers == ("analytic",)
+    assert (read.rows.current, read.rows.stale) == (counted.done, counted.stale) == (1, 1)
 
 
 def _change_manifest(**changes):

@@ -62,6 +62,8 @@ def test_a_run_that_is_not_known_to_be_noisy(section, probes, sentence):
 
 
 def test_a_run_without_an_end_is_running_or_killed(section):
-    (table,) = section(entry(state="running")).blocks
+    """How long a killed one took is not known."""
+    (table,) = section(entry(state="running", seconds=0.001), entry(seconds=3.0)).blocks
 
-    assert table.frame["state"].tolist() == ["running, or killed"]
+    assert table.frame["state"].tolist() == ["running, or killed", "finished"]
+    assert table.frame["seconds"].tolist() == pytest.approx([float("nan"), 3.0], nan_ok=True)

@@ -32,6 +32,15 @@ BYTES_PER_GIB = 2**30
 _EXECUTOR_NAMES = ("local", "dask")
 
 
+# Key of an experiment that a request may replace -> the argument that replaces it.
+_ARGUMENTS = {
+    "solvers": "solvers",
+    "time_limit_s": "time_limit",
+    "memory_limit_gib": "memory_limit",
+    "repeats": "repeats",
+}
+
+
 class RunSettings(NamedTuple):
     """The settings of one run, the same for all its cells and rows."""
 
@@ -156,8 +165,7 @@ class RunPlan(NamedTuple):
 def plan_run(request: Request) -> RunPlan:
     """The cells that a request asks for; errors name the argument, or the file and key."""
     request.check()
-    keys = ("solvers", "time_limit_s", "memory_limit_gib", "repeats")
-    changes = {key: value for key in keys if (value := getattr(request, key)) is not None}
+    changes = {key: value for key in _ARGUMENTS if (value := getattr(request, key)) is not None}
     listed = None if request.scenarios is None else str(request.scenarios)
     frame = None if listed is None else read_scenarios(listed)
     if frame is not None:
@@ -204,6 +212,10 @@ def _checked(
         for _, block in tables(fields):
             block.pop("solvers", None)
     experiment, problems = validated(fields)
+    requested = [(str(p.path[0]), p.sentence) for p in problems if {*p.path[:1]} & changes.keys()]
+    if requested:  # the caller is to blame, not the file
+        sentences = [sentence.replace(key, _ARGUMENTS[key], 1) for key, sentence in requested]
+        raise ExperimentError("; ".join(sentences))
     if experiment is not None and "solvers" in changes:
         expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
     problems += solver_problems(fields, trust_plugins or "solvers" in changes)

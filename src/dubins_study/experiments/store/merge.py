@@ -22,7 +22,7 @@ from dubins_study.experiments.store.manifest_changes import count_cells, write_m
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
-from dubins_study.study.rows.parts import PARTS, ResultsError, os_errors_as
+from dubins_study.study.rows.parts import PARTS, ResultsError, folder_paths, os_errors_as
 from dubins_study.study.rows.schema import KEY, RUN_ID, names
 
 # The columns that decide which rows are kept.
@@ -110,7 +110,7 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
             attempts contradict each other, or if `out` cannot be written. Then nothing is left at
             `out`.
     """
-    sources, target = [FilePath(folder) for folder in folders], FilePath(out)
+    sources, [target] = folder_paths(folders), folder_paths([out])
     manifests = _read_manifests(sources)
     with _new_folder(target) as fresh, locked(fresh):
         union = _unite(sources, manifests, fresh)

@@ -12,7 +12,7 @@ from dubins_study.experiments.store.folder import DAMAGED, RowCount, count_rows
 from dubins_study.experiments.store.lock import is_locked, lock_holder
 from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
-from dubins_study.study.rows.parts import ResultsError
+from dubins_study.study.rows.parts import ResultsError, folder_paths
 
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
@@ -75,7 +75,7 @@ def status(folder: str | FilePath) -> Status:
     Raises:
         ResultsError: if it is not a results folder, or a part has another schema.
     """
-    place = FilePath(folder)
+    [place] = folder_paths([folder])
     for attempt in range(_MAX_TRIES):
         live, manifest = is_locked(place), read_manifest(place)
         try:
@@ -131,9 +131,9 @@ def _status(
 
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
-    """The runs, with the state `killed` for runs that ended without writing their final state."""
+    """The runs; one that ended without writing its final state is `killed`, its time unknown."""
     ended = [
-        run.with_changes(state=KILLED) if run.state == RUNNING else run
+        run.with_changes(state=KILLED, seconds=None) if run.state == RUNNING else run
         for run in (runs[:-1] if live else runs)
     ]
     return [*ended, *runs[len(ended) :]]

@@ -15,7 +15,13 @@ from dubins_study.report.data.selection import RowCounts, select_attempts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest, read_manifest
-from dubins_study.study.rows.parts import PARTS, ResultsError, part_files, printable_batches
+from dubins_study.study.rows.parts import (
+    PARTS,
+    ResultsError,
+    folder_paths,
+    part_files,
+    printable_batches,
+)
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose
@@ -113,13 +119,12 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
     Raises:
         ResultsError: naming the folder and what is wrong with it.
     """
-    several = [folders] if isinstance(folders, str | FilePath) else folders
-    results = load(several)
+    results = load(folders)
     controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in _CONTROLS}
     return results.rows.drop(columns="answerable").assign(**controls)
 
 
-def load(folders: Iterable[str | FilePath]) -> Results:
+def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
     """Read and join results folders; if two hold the same cell, the first folder's row is kept.
 
     A `ResultsError` names the folder that cannot be read, or has no rows.
@@ -132,7 +137,7 @@ def load(folders: Iterable[str | FilePath]) -> Results:
 
 
 def load_with_rows(
-    folders: Iterable[str | FilePath],
+    folders: str | FilePath | Iterable[str | FilePath],
 ) -> tuple[Results | None, tuple[Folder, ...]]:
     """As `load`, with the folders that hold no rows set apart; no results if none has rows."""
     stored = _read(folders)
@@ -149,8 +154,8 @@ class _Stored(NamedTuple):
     rows: pa.Table
 
 
-def _read(folders: Iterable[str | FilePath]) -> list[_Stored]:
-    paths = [FilePath(folder) for folder in folders]
+def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
+    paths = folder_paths(folders)
     if not paths:
         raise ResultsError("no results folder given; expected at least one")
     manifests = [read_manifest(path, printable=True) for path in paths]

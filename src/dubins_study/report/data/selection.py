@@ -25,7 +25,7 @@ class RowCounts(NamedTuple):
     """Numbers of rows of a folder."""
 
     current: int = 0  # of the current code, counted in the report or not
-    stale: int = 0  # of earlier code
+    stale: int = 0  # of earlier code, or of a solver that the manifest does not name
     replaced: int = 0  # of cells that an earlier folder holds with other code
     # of cells that an earlier folder holds with this code and another result
     contradicting: int = 0
@@ -59,11 +59,14 @@ def select_attempts(
 
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
-    """Whether each row is of its solver's current code; all are of a solver without a digest."""
+    """Whether each row is of the code that its folder's manifest names for its solver.
+
+    A solver that the manifest does not name has no such row, as in `status` and `merge`.
+    """
     code = ["folder", "solver", "code_digest"]
     blocks = rows[code].drop_duplicates()
     blocks["current"] = [
-        manifests[folder].code_digests.get(solver, digest) == digest
+        (solver, digest) in manifests[folder].code_digests.items()
         for folder, solver, digest in blocks.itertuples(index=False)
     ]
     return rows[code].merge(blocks, on=code, how="left")["current"]

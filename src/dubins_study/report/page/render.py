@@ -31,6 +31,7 @@ from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import CITATION, TITLE
 from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
+from dubins_study.study.rows.parts import folder_paths
 
 
 class Head(NamedTuple):
@@ -71,14 +72,14 @@ def render(
         ResultsError: if a folder cannot be read.
         ReportError: if `out` cannot be written.
     """
-    given = [folders] if isinstance(folders, (str, FilePath)) else list(folders)
+    given = folder_paths(folders)
     # A report makes millions of objects and few circles of them: with Python's own thresholds a
     # sixth of its time goes to looking for circles.
     thresholds = gc.get_threshold()
     gc.set_threshold(100_000, 50, 100)
     try:
         results, empty = load_with_rows(given)
-        target = FilePath(given[0]) / "report" if out is None else FilePath(out)
+        target = given[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
         return write_page(target, lambda: _sections(results, progress), every)
     finally:

@@ -14,7 +14,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import seconds, share, some
 from dubins_study.report.elements.looks import names_of
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.rows.manifest import NOISY
+from dubins_study.study.rows.manifest import NOISY, RunEntry
 from dubins_study.study.rows.schema import ROW, VERSION
 
 _SOLVERS = (
@@ -71,7 +71,7 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
             "experiment": folder.name,
             "run": run.run_id,
             "started": run.started,
-            "seconds": float("nan") if run.seconds is None else run.seconds,
+            "seconds": _seconds(run),
             # The entry of a killed run stays `running`.
             "state": "running, or killed" if run.state == "running" else run.state,
             "engine": run.engine,
@@ -83,6 +83,11 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
         for folder in folders
         for run in folder.manifest.runs
     )
+
+
+def _seconds(run: RunEntry) -> float:
+    """The seconds of a run that has ended; those of another say nothing of its end."""
+    return float("nan") if run.seconds is None or run.state == "running" else run.seconds
 
 
 def _machine(machine: Mapping[str, Any]) -> str:

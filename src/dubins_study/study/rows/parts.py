@@ -6,7 +6,7 @@ The metadata at a part's end name its schema and its run.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, VERSION, VERSION_KEY, names
-from dubins_study.study.values import printable_text
+from dubins_study.study.values import printable_text, short
 
 PARTS = "parts"
 BATCH_ROWS = 2**17
@@ -49,6 +49,16 @@ def os_errors_as(problem: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise ResultsError(f"{problem}: {reason(error)}") from None
+
+
+def folder_paths(folders: object) -> list[FilePath]:
+    """The path of one results folder, or those of several; anything else is refused."""
+    one = isinstance(folders, str | os.PathLike) or not isinstance(folders, Iterable)
+    paths = [folders] if one else list(folders)
+    for path in paths:
+        if not isinstance(path, str | os.PathLike):
+            raise ResultsError(f"folder is {short(path)}; expected the path of a results folder")
+    return [FilePath(path) for path in paths]
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
