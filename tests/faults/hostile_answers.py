@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from functools import partial
-from itertools import count
 from pathlib import Path as FilePath
 
 import numpy as np
 
-from dubins_study.solvers import reply
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -117,14 +114,6 @@ class Trapped(Analytic):
             return Solution(solution.claim, path, native_status=trap, message=trap)
         object.__setattr__(solution, "message", trap)
         return solution
-
-
-class OtherClock(Analytic):
-    """A library that replaces the clock, by one that runs backwards."""
-
-    def solve(self, model, limit):
-        reply.perf_counter = partial(next, count(0.0, -1e6))
-        return super().solve(model, limit)
 
 
 @dataclass(frozen=True)

@@ -179,53 +179,6 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
         assert "2 rows of earlier code of their solvers" in (out / "report" / page).read_text()
 
 
-@pytest.mark.slow
-def test_folders_of_two_codes(tmp_path):
-    """Of a cell that both hold the first is kept, and the page says what was left out."""
-    one, two = tmp_path / "1", tmp_path / "2"
-    run_changed(tmp_path / "changing.toml", 1, one)
-    run_changed(tmp_path / "changing.toml", 2, two)
-
-    found = load([one, two])
-
-    assert len(found.rows) == 4
-    assert [folder.rows.replaced for folder in found.folders] == [0, 2]
-    output(finished("report", one, two, "--out", tmp_path / "page"))
-    said = "2 rows of cells that a folder before this one holds, made by other code"
-    assert said in (tmp_path / "page" / "index.html").read_text()
-    assert set(read_rows(one)["code_digest"].to_pylist()) != set(
-        read_rows(two)["code_digest"].to_pylist()
-    )
-
-
-@pytest.mark.slow
-def test_folders_that_contradict_each_other(tmp_path):
-    """The same code that found two things: the page says so first, however many folders do."""
-    plugin, file = tmp_path / "mine.py", tmp_path / "chance.toml"
-    plugin.write_text(
-        "import os\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\nclass Mine(Slsqp):\n"
-        "    def solve(self, model, limit):\n"
-        "        if os.environ.get('FAIL') and model.question.scenario.target_x == 2:\n"
-        "            raise ValueError('bad luck')\n"
-        "        return super().solve(model, limit)\n"
-    )
-    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
-    folders = [tmp_path / name for name in ("one", "two", "three")]
-    for folder, fail in zip(folders, ("", "yes", "yes"), strict=True):
-        output(finished("run", file, "--trust-plugins", "--out", folder, FAIL=fail))
-
-    found = load(folders)
-
-    assert len(found.rows) == 4
-    assert "raised" not in set(found.rows["outcome"])
-    assert [folder.rows.contradicting for folder in found.folders] == [0, 1, 1]
-    assert load(folders[1:]).folders[1].rows.contradicting == 0
-    output(finished("report", *folders, "--out", tmp_path / "page"))
-    for page in ("index.html", "report.md"):
-        text = (tmp_path / "page" / page).read_text()
-        assert text.count("It contradicts a folder before it in 1 cell, by the same code") == 2
-
-
 def test_what_lies_beside_a_plugin_file_counts(tmp_path):
     """As it would be imported if the plug-in puts its own folder on the path."""
     (tmp_path / "beside.py").write_text("SCALE = 1.0\n")

@@ -14,6 +14,7 @@ from live_run import finished, output, quick_experiment
 
 from dubins_study import load_results
 from dubins_study.solvers.export import export
+from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.scenario import Scenario
 from tests.fuzz.watched import command
 
@@ -85,6 +86,9 @@ def test_run_status_and_report(tmp_path):
     assert "index.html" in shown
     assert "slsqp" in shown
     assert "is it kept?" in page.read_text(encoding="utf-8")
+    rows = load_results(tmp_path / "results" / "quick")
+    assert {"experiment", *names(ROW)} - {"versions", "machine", "run_id"} <= set(rows.columns)
+    assert all(sum(lengths) > 0 for lengths in rows["lengths"])
 
 
 DRIVE = "target_x,target_y,x,y,heading,radius\n10,5,0,0,120deg,1\n-3,-2,0,0,pi/3,2\n"

@@ -17,7 +17,7 @@ import dask_here as here
 from live_run import wait_for
 
 from dubins_study import run
-from dubins_study.experiments.definition.experiment import ExperimentError, read
+from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.executors import dask_worker
 from dubins_study.experiments.executors.dask_cluster import local_cluster, mismatch
 from dubins_study.experiments.executors.executor import WorkUnit
@@ -219,23 +219,6 @@ def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
 
     assert len(reply.rows) == 0
     assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"engine": "ray"}, "engine is 'ray'; expected one of: local, dask"),
-        ({"engine": None}, "engine is None; expected one of"),
-        ({"engine": "dask", "scheduler": 8786}, "scheduler is 8786; expected an address"),
-        ({"engine": "dask", "scheduler": ""}, "scheduler is ''; expected an address"),
-        ({"scheduler": "tcp://x:1"}, "only engine 'dask' has a scheduler"),
-        ({"engine": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
-    ],
-)
-def test_requests_that_are_refused_leave_no_folder(experiment, tmp_path, change, message):
-    with pytest.raises(ExperimentError, match=message):
-        run(experiment, tmp_path / "out", **change)
-    assert not (tmp_path / "out").exists()
 
 
 def node_versions(python: str, distributed: str) -> dict:

@@ -9,7 +9,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from live_run import started, wait_for
+from live_run import manifest, started, wait_for
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
@@ -117,6 +117,10 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
 
     assert code == 130, err
     assert "what was done is kept, run the same command without --restart to go on (" in err
+    (entry,) = manifest(out)["runs"]
+    assert entry["state"] == "interrupted"
+    assert entry["ended"] >= entry["started"]
+    assert 0 < entry["seconds"] < 120
 
 
 @pytest.mark.slow

@@ -96,20 +96,6 @@ def test_a_finished_run_is_one_part_and_a_second_run_changes_nothing(small, fold
     assert (folder / "manifest.json").read_text() == manifest
 
 
-def test_adding_a_solver_keeps_what_is_there(small, tmp_path):
-    """The manifest counts all cells and names all solvers; the origin stays."""
-    folder = run(small, tmp_path / "out", solvers=["analytic"])
-    first = json.loads((folder / "manifest.json").read_text())
-
-    run(small, folder, solvers=["slsqp[count=3]", "analytic"])
-
-    manifest = json.loads((folder / "manifest.json").read_text())
-    assert set(manifest["solvers"]) == {"analytic", "slsqp[count=3]"}
-    assert manifest["cells"] == len(rows(folder)) > first["cells"]
-    assert manifest["created"] == first["created"]
-    assert manifest["finished"] > first["finished"]
-
-
 def test_rows_without_a_solve_are_interrupted_too(small):
     """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
     cells = chains(read(small).experiment) * 400
@@ -192,6 +178,14 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         ({"out": 3}, "out is 3; expected the path of a folder"),
         ({"time_limit": "long"}, "^time_limit is 'long': expected a number"),
         ({"solvers": "slsqp"}, "^solvers is 'slsqp': expected a list"),
+        ({"experiment": None, "scenarios": "a.csv"}, r"without solvers; expected solvers \(--sol"),
+        ({"scenarios": 3, "solvers": ["nlp"]}, "scenarios is 3; expected the path"),
+        ({"engine": "ray"}, "engine is 'ray'; expected one of: local, dask"),
+        ({"engine": None}, "engine is None; expected one of"),
+        ({"engine": "dask", "scheduler": 8786}, "scheduler is 8786; expected an address"),
+        ({"engine": "dask", "scheduler": ""}, "scheduler is ''; expected an address"),
+        ({"scheduler": "tcp://x:1"}, "only engine 'dask' has a scheduler"),
+        ({"engine": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
     ],
 )
 def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):

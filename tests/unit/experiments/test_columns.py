@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from dubins_study.experiments.definition.axes import Linear, Log
+from dubins_study.experiments.definition.axes import Log
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
@@ -84,13 +84,6 @@ def test_targets_are_those_of_the_scalar_formulas():
         r = 1 + margin
         assert x == pytest.approx(math.cos(centre) + r * math.cos(angle), abs=1e-14)
         assert y == pytest.approx(math.sin(centre) + r * math.sin(angle), abs=1e-14)
-
-
-@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.integers(1, 50))
-def test_even_axes_are_numpys(first, last, count):
-    axis = Linear(linear=(first, last, count))
-
-    assert axis_values(axis).tobytes() == np.linspace(first, last, count).tobytes()
 
 
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))

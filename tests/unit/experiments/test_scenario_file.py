@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.definition import scenario_file
-from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_file import ScenarioFileError, read_scenarios
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.study.scenario import COLUMNS, Scenario, scenarios
@@ -193,17 +192,3 @@ def test_other_scenarios_are_another_experiment(tmp_path):
     texts.append(plan_run(Request(scenarios=file, solvers=["nlp"])).experiment_file.text)
 
     assert texts[0] == texts[1] != texts[2]
-
-
-@pytest.mark.parametrize(
-    ("request_", "message"),
-    [
-        (Request(scenarios="a.csv"), "without solvers; expected solvers (--solver ipopt) or an ex"),
-        (Request(), "experiment is None; expected a name or the path"),
-        (Request(scenarios=3, solvers=["nlp"]), "scenarios is 3; expected the path"),
-    ],
-)
-def test_a_request_without_an_end(request_, message):
-    with pytest.raises(ExperimentError) as error:
-        plan_run(request_)
-    assert message in str(error.value)

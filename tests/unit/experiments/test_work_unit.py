@@ -1,14 +1,12 @@
-"""Work units: what travels arrives to the last bit, and what is left of them is right."""
+"""Work units: what is left of them once there are rows."""
 
 from __future__ import annotations
 
 import math
-import pickle
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.executors.dask_worker import UnitReply
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
@@ -17,42 +15,16 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import row_key, row_path, rows_table
+from dubins_study.study.rows.row_table import row_key, row_path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome
 
 RUN = RunSettings("run", 60.0, 2**31, jobs=2, executor="dask")
-numbers = st.floats(-1e6, 1e6)
-scenarios = st.builds(
-    Scenario, numbers, numbers, numbers, numbers, numbers, st.floats(1e-3, 1e3), label=st.text()
-)
-lengths = st.lists(st.floats(0, 1e9), max_size=5)
 
 
 def cell(number: int, scenario: Scenario, start: str = "warm") -> Cell:
     return Cell(f"id{number}", "slsqp", "default", "best", start, 0, "0" * 12, scenario, Method())
-
-
-@st.composite
-def units(draw):
-    numbered = iter(range(100))
-    chains = draw(st.lists(st.lists(scenarios, min_size=1, max_size=4), max_size=4))
-    cells = [tuple(cell(next(numbered), one) for one in chain) for chain in chains]
-    before = {}
-    for chain in cells:
-        if draw(st.booleans()):
-            path_lengths = draw(lengths)
-            before[chain[0].key] = Path(
-                chain[0].scenario.start, [0.1] * len(path_lengths), path_lengths
-            )
-    return WorkUnit(RUN, cells, before)
-
-
-@given(units())
-def test_a_work_unit_arrives_as_it_was_sent(unit):
-    assert pickle.loads(pickle.dumps(unit)) == unit
 
 
 def solved(one: Cell, arrives: bool = True):
@@ -60,16 +32,6 @@ def solved(one: Cell, arrives: bool = True):
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
     reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
     return row_of(one, None, RUN, WorkerReply(reply))[0]
-
-
-@given(scenarios)
-def test_rows_arrive_as_they_were_sent(scenario):
-    row = solved(cell(0, scenario))
-    sent = UnitReply(rows_table([row, row]), "", "machine", [0.1])
-    received = pickle.loads(pickle.dumps(sent)).rows.to_pylist()  # as Dask sends it
-
-    expected = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
-    assert received == [expected, expected]
 
 
 # three easy questions in a row, and one beside them

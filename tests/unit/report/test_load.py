@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from dubins_study import status
+from dubins_study import render, status
 from dubins_study.report.data.results import load
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.parts import ResultsError, read_part
@@ -131,6 +131,28 @@ def test_a_spoilt_folder_is_refused(results, spoil, message):
         load([folder])
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_the_page_says_which_rows_are_left_out(tmp_path):
+    """Rows of earlier code; rows of a cell that a folder before holds, by other code or by this."""
+    one, two, three = map(attempt, paper_scenarios()[:3])
+    other, named = {"code_digest": "f" * 12}, {"analytic": {"code_digest": "0123456789ab"}}
+    folders = [
+        write_folder(tmp_path / "1", "paper", [one, two, three | other], solvers=named),
+        write_folder(tmp_path / "2", "paper", [one | other, two | other]),
+        write_folder(tmp_path / "3", "paper", [one | {"outcome": "raised"}]),
+        write_folder(tmp_path / "4", "paper", [two | {"claim": "local"}]),
+    ]
+    counts = [folder.rows for folder in load(folders).folders]
+    render(folders, tmp_path / "page")
+
+    assert [each.stale for each in counts] == [1, 0, 0, 0]
+    assert [each.replaced for each in counts] == [0, 2, 0, 0]
+    assert [each.contradicting for each in counts] == [0, 0, 1, 1]
+    for page in ("index.html", "report.md"):
+        text = (tmp_path / "page" / page).read_text(encoding="utf-8")
+        assert "2 rows of cells that a folder before this one holds, made by other code" in text
+        assert text.count("It contradicts a folder before it in 1 cell, by the same code") == 2
 
 
 def test_a_gap_that_differs_contradicts(tmp_path):
