@@ -9,7 +9,7 @@ import pytest
 
 from dubins_study import Scenario, load_results, run
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.pool import AHEAD_S, Job, Limits, WorkerPool
+from dubins_study.experiments.isolation.pool import AHEAD_S, Job, WorkerPool
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.solvers.protocol import Question
 
@@ -147,7 +147,7 @@ def jobs(tmp_path):
 def test_one_slow_solve_does_not_end_working_ahead(jobs):
     """Soon after it a solve is expected to be quick again."""
     asked = jobs("slow", *["quick"] * 60)
-    with WorkerPool(1, Limits(10.0, 2**32)) as pool:
+    with WorkerPool(1, 10.0) as pool:
         answered = sum(map(len, pool.solve(asked, Interruption())))
 
     assert answered == 61
@@ -155,7 +155,7 @@ def test_one_slow_solve_does_not_end_working_ahead(jobs):
 
 
 def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
-    with WorkerPool(1, Limits(10.0, 2**32)) as pool:
+    with WorkerPool(1, 10.0) as pool:
         for _ in range(5):
             [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption()))
             assert answer.reply.outcome == "returned"

@@ -18,7 +18,7 @@ from dubins_study.experiments.executors import local
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.pool import Limits, WorkerPool
+from dubins_study.experiments.isolation.pool import WorkerPool
 from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
@@ -104,7 +104,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
     def rows_made(until):
         stop, rows = Interruption(), 0
-        with WorkerPool(1, Limits(60.0, 2**32)) as pool:
+        with WorkerPool(1, 60.0) as pool:
             pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
             for made in solve_chains(pool, unit, stop):
                 rows += len(made)

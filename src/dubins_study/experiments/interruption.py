@@ -24,8 +24,6 @@ class Interruption:
     def __init__(self, signals: Sequence[int] = _SIGNALS, *, at_once: bool = False) -> None:
         self._signals, self._at_once = signals, at_once
         self.requested = False
-        # A library may have swallowed the second signal too: its result is then not an answer.
-        self.immediate = False
         self._previous: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
@@ -43,9 +41,9 @@ class Interruption:
         return self
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.immediate = self.requested or self._at_once
+        immediate = self.requested or self._at_once
         self.requested = True
-        if self.immediate:
+        if immediate:
             raise KeyboardInterrupt
 
     def check(self) -> None:

@@ -15,13 +15,7 @@ from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.matrix import matrix
-from dubins_study.experiments.plan.run_plan import (
-    BYTES_PER_GIB,
-    Request,
-    RunPlan,
-    RunSettings,
-    plan_run,
-)
+from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
@@ -132,7 +126,7 @@ def _solve(
     settings = RunSettings(
         run_id=uuid4().hex[:12],
         time_limit_s=experiment.time_limit_s,
-        memory_limit_bytes=round(experiment.memory_limit_gib * BYTES_PER_GIB),
+        memory_limit_gib=experiment.memory_limit_gib,
         jobs=executor.jobs,
         executor=request.engine,
         seed=experiment.seed,

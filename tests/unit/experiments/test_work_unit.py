@@ -20,7 +20,7 @@ from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome
 
-RUN = RunSettings("run", 60.0, 2**31, jobs=2, executor="dask")
+RUN = RunSettings("run", 60.0, jobs=2, executor="dask")
 
 
 def cell(number: int, scenario: Scenario, start: str = "warm") -> Cell:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 
 from dubins_study.experiments.executors.executor import WorkUnit
-from dubins_study.experiments.executors.local import limits, solve_chains
+from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.plan.run_plan import RunSettings
@@ -80,7 +80,8 @@ class _Run:
         try:
             pool = self._idle.pop()
         except IndexError:
-            pool = WorkerPool(1, limits(settings), probed=self.probes_s.append)
+            limits = settings.time_limit_s, settings.memory_limit_gib
+            pool = WorkerPool(1, *limits, probed=self.probes_s.append)
         self._busy.append(pool)
         usable = False
         try:

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from dubins_study.experiments.executors.executor import ChainState, Executor, Probe, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
-from dubins_study.experiments.isolation.pool import Job, Limits, RunError, WorkerPool, worker_group
+from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.cells import Cell
-from dubins_study.experiments.plan.run_plan import BYTES_PER_GIB, RunSettings
+from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
 from dubins_study.solvers.attempt import Answer, judged, judged_row
@@ -25,8 +25,6 @@ from dubins_study.study.rows.schema import KEY, SCENARIO, names
 from dubins_study.study.words import Outcome
 
 _KEY, _SCENARIO = names(KEY), names(SCENARIO)
-# Memory that the worker of a question asked from Python, and its children, may hold.
-_MEMORY_GIB = 4.0
 
 
 @contextmanager
@@ -37,18 +35,14 @@ def local_executor(jobs: int) -> Iterator[Executor]:
         unit: WorkUnit, stop: Interruption, probed: Probe | None
     ) -> Generator[list[Row], None, None]:
         pool_probed = None if probed is None else lambda seconds: probed(seconds, 0)
-        with WorkerPool(jobs, limits(unit.settings), probed=pool_probed) as pool:
+        limits = unit.settings.time_limit_s, unit.settings.memory_limit_gib
+        with WorkerPool(jobs, *limits, probed=pool_probed) as pool:
             try:
                 yield from solve_chains(pool, unit, stop)
             except RunError as error:
                 raise RunError(f"{error}; the rows written so far are kept") from None
 
     yield Executor(jobs, {}, solve)
-
-
-def limits(settings: RunSettings) -> Limits:
-    """The limits of each solve in a run, as a pool expects them."""
-    return Limits(settings.time_limit_s, settings.memory_limit_bytes)
 
 
 def solve_chains(
@@ -131,9 +125,8 @@ def ask_isolated(
     """
     jobs = (Job(solver, profile, question, place) for place, question in enumerate(questions))
     waiting: dict[int, Answer] = {}
-    limits = Limits(limit, round(_MEMORY_GIB * BYTES_PER_GIB))
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
-    with WorkerPool(1, limits, warm_up=ours(solver)) as pool:
+    with WorkerPool(1, limit, warm_up=ours(solver)) as pool:
         place = 0
         for results in pool.solve(jobs, Interruption()):
             for job, worker_reply in results:

@@ -48,17 +48,11 @@ _YIELD_INTERVAL_S = 0.2
 _PROBE_INTERVAL_S = 2.0
 # Number of workers in a row that may end before they begin a job.
 _MAX_FALSE_STARTS = 3
+_BYTES_PER_GIB = 2**30
 
 
 class RunError(DubinsStudyError, RuntimeError):
     """No more questions can be asked; in a run the rows written so far are kept."""
-
-
-class Limits(NamedTuple):
-    """Seconds that a solve may take, and bytes that a worker and its children may use."""
-
-    time_s: float
-    memory_bytes: int
 
 
 # A solver's spec and profile.
@@ -109,6 +103,7 @@ class _Worker(WorkerProcess):
 class WorkerPool:
     """Worker processes, started when there are jobs and kept until the `with` block ends.
 
+    A solve may take `time_limit_s`; a worker and its children may hold `memory_limit_gib`.
     With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
     called every two seconds with the duration (s) of a calibration probe.
     """
@@ -116,15 +111,17 @@ class WorkerPool:
     def __init__(
         self,
         workers: int,
-        limits: Limits,
+        time_limit_s: float,
+        memory_limit_gib: float = 4.0,
         *,
         warm_up: bool = True,
         probed: Callable[[float], None] | None = None,
     ):
-        self._limits, self._probed = limits, probed
+        self._time_limit_s, self._probed = time_limit_s, probed
+        self._memory_bytes = round(memory_limit_gib * _BYTES_PER_GIB)
         # The allowance of a task tells its kind: these two, `_LOADING` and `_PROBING`.
-        self._solving = Allowance(limits.time_s, GRACE_S)
-        self._warming_up = Allowance(limits.time_s + _WARM_UP_S, activity="warming up")
+        self._solving = Allowance(time_limit_s, GRACE_S)
+        self._warming_up = Allowance(time_limit_s + _WARM_UP_S, activity="warming up")
         self._workers: list[_Worker | None] = [None] * workers
         self._warm_up = warm_up
         # Solvers whose warm-up ended a worker: they are loaded without it.
@@ -241,7 +238,7 @@ class WorkerPool:
             worker = None
         if worker is None:
             try:
-                worker = self._workers[place] = _Worker(group, self._limits.memory_bytes)
+                worker = self._workers[place] = _Worker(group, self._memory_bytes)
             except (OSError, ForkServerError) as error:
                 raise RunError(f"no worker process starts ({error})") from None
         return worker
@@ -259,9 +256,9 @@ class WorkerPool:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, tag=job)
             if self._warm_up and key not in self._without_warm_up:
-                message = ["warm up", *key, self._limits.time_s]
+                message = ["warm up", *key, self._time_limit_s]
                 worker.put(message, self._warming_up, tag=job)
-        message = ["solve", *key, encode_question(job.question), self._limits.time_s]
+        message = ["solve", *key, encode_question(job.question), self._time_limit_s]
         worker.put(message, self._solving, decode_reply, job)
 
     def _answered(self, worker: _Worker, answer: Answer) -> Results:

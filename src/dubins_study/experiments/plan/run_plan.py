@@ -27,7 +27,6 @@ from dubins_study.experiments.plan.solver_description import expand_solvers, sol
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.values import did_you_mean
 
-BYTES_PER_GIB = 2**30
 # The executors that can solve cells: worker processes of this machine, or a Dask cluster.
 _EXECUTOR_NAMES = ("local", "dask")
 
@@ -46,15 +45,10 @@ class RunSettings(NamedTuple):
 
     run_id: str
     time_limit_s: float  # of one solve
-    memory_limit_bytes: int = 4 * BYTES_PER_GIB  # of a worker process and its children
+    memory_limit_gib: float = 4.0  # of a worker process and its children
     jobs: int = 1  # cells that are solved at the same time
     executor: str = "local"
     seed: int = 0  # of the random order of the cells
-
-    @property
-    def memory_limit_gib(self) -> float:
-        """The memory limit in GiB."""
-        return self.memory_limit_bytes / BYTES_PER_GIB
 
 
 class Request(NamedTuple):
