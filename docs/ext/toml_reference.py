@@ -1,13 +1,51 @@
-"""The keys of an experiment's TOML file, from the models that check it."""
+"""The keys of an experiment's TOML file, from the models that check it: tables, and a JSON schema.
+
+Called as a program, it prints the schema for `experiment.schema.json` in the package.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from typing import Any
 
 from markdown_text import code, prose, table
 
-from dubins_study.experiments.definition.experiment import json_schema
+from dubins_study.experiments.definition.experiment import Experiment
+
+# Keys of pydantic's schema -> those of JSON schema. A value may be read by a function first, whose
+# bounds pydantic leaves with names of its own.
+_STANDARD = {
+    **{"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"},
+    "oneOf": "anyOf",
+}
+
+
+def json_schema() -> dict[str, Any]:
+    """The schema (draft 2020-12) of an experiment's file.
+
+    What a schema cannot say, such as the ways to write a target, is checked by the models alone.
+    """
+    schema: dict[str, Any] = _standard(Experiment.model_json_schema())
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "An experiment of dubins-study",
+    }
+
+
+def _standard(schema: Any) -> Any:
+    """The schema with its keys by their standard names, in all its parts."""
+    if isinstance(schema, list):
+        return [_standard(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    return {_STANDARD.get(key, key): _standard(part) for key, part in schema.items()}
+
+
+def schema_text() -> str:
+    """The schema as the text of its file."""
+    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def toml_table(model: str) -> str:
@@ -72,3 +110,6 @@ def _plain(value: float) -> str:
 
 
 SOURCES: dict[str, Callable[..., str]] = {"toml": toml_table}
+
+if __name__ == "__main__":
+    print(schema_text(), end="")

@@ -14,18 +14,13 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import dubins_study
-from dubins_study.experiments.definition.experiment import SCHEMA_FILE, packaged, schema_text
+from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.solvers.registry import load, settings
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = files("dubins_study.experiments")
-SCHEMA = FOLDER / SCHEMA_FILE
-
-
-def test_the_schema_file_is_that_of_the_models():
-    """Write it anew with the command in docs/reference/experiment.md."""
-    assert SCHEMA.read_text(encoding="utf-8") == schema_text()
+SCHEMA = FOLDER / "experiment.schema.json"
 
 
 @pytest.mark.parametrize("name", packaged())
@@ -47,6 +42,11 @@ def generator(monkeypatch: pytest.MonkeyPatch):
         return import_module(name)
 
     return loaded
+
+
+def test_the_schema_file_is_that_of_the_models(generator):
+    """Write it anew with `python docs/ext/toml_reference.py`."""
+    assert SCHEMA.read_text(encoding="utf-8") == generator("toml_reference").schema_text()
 
 
 def test_every_setting_of_every_solver_has_a_meaning(generator):

@@ -1,8 +1,7 @@
-"""An experiment: what its TOML file says, checked key by key, and the JSON schema of its keys."""
+"""An experiment: what its TOML file says, checked key by key."""
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from importlib.resources import files
@@ -222,41 +221,3 @@ def validated(fields: dict[str, Any]) -> tuple[Experiment | None, list[Problem]]
     except ValidationError as error:
         return None, problems_of(error, TABLE_KEYS) + problems
     return None if problems else experiment, problems
-
-
-# Beside the packaged experiments; `tests/docs/test_reference.py` compares it with the models.
-SCHEMA_FILE = "experiment.schema.json"
-
-# Keys of pydantic's schema -> those of JSON schema. A value may be read by a function first, whose
-# bounds pydantic leaves with names of its own.
-_STANDARD = {
-    **{"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"},
-    "oneOf": "anyOf",
-}
-
-
-def json_schema() -> dict[str, Any]:
-    """The schema (draft 2020-12) of an experiment's file.
-
-    What a schema cannot say, such as the ways to write a target, is checked by the models alone.
-    """
-    schema: dict[str, Any] = _standard(Experiment.model_json_schema())
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **schema,
-        "title": "An experiment of dubins-study",
-    }
-
-
-def _standard(schema: Any) -> Any:
-    """The schema with its keys by their standard names, in all its parts."""
-    if isinstance(schema, list):
-        return [_standard(part) for part in schema]
-    if not isinstance(schema, dict):
-        return schema
-    return {_STANDARD.get(key, key): _standard(part) for key, part in schema.items()}
-
-
-def schema_text() -> str:
-    """The schema as the text of `SCHEMA_FILE`."""
-    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
