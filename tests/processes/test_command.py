@@ -114,17 +114,6 @@ def test_scenarios_of_a_file(tmp_path):
     assert "choose another --out, or --restart" in done.stderr
 
 
-def test_errors_of_a_run_begin_the_output(tmp_path):
-    """No empty line before the message, which names the file."""
-    quick_experiment(tmp_path, 2, "anal")
-    done = dubins_here("run", "quick.toml", cwd=tmp_path)
-
-    assert done.returncode == 2
-    assert done.stderr.startswith(
-        "dubins-study: quick.toml: line 4: solvers: no solver named 'anal'"
-    )
-
-
 PLUGIN = """
 import os
 import sys

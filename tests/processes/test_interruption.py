@@ -13,7 +13,7 @@ from live_run import manifest, started, wait_for
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.store.folder import done, read_rows
+from dubins_study.experiments.store.folder import done
 
 EXPERIMENT = """
 title = "interrupted"
@@ -119,20 +119,3 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
     assert entry["state"] == "interrupted"
     assert entry["ended"] >= entry["started"]
     assert 0 < entry["seconds"] < 120
-
-
-@pytest.mark.slow
-def test_ipopt_does_not_swallow_it(experiment, tmp_path):
-    """casadi turns a KeyboardInterrupt into a warning and a failed solve; neither is recorded."""
-    out = tmp_path / "out"
-    code, _, err = interrupted(
-        *(experiment, "--out", str(out), "--solver", "ipopt", "--repeats", "100"),
-        after=out / "parts" / "*.parquet",
-    )
-
-    assert code == 130, err
-    assert "interrupted; what was done is kept" in err
-    assert "KeyboardInterrupt" not in err
-    rows = read_rows(out, ["claim"])
-    assert 0 < len(rows) < 3000
-    assert set(rows["claim"].to_pylist()) == {"local"}

@@ -127,11 +127,7 @@ def solve_frame(
 
 
 def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool = False) -> bool:
-    """Whether a solver is asked in a worker process; a plug-in is not loaded here to find out.
-
-    Raises:
-        SolverError, QuestionError: if the spec or `isolated` is not a valid one.
-    """
+    """Whether a solver is asked in a worker process; a plug-in is not loaded here to find out."""
     if isolated is not None and not isinstance(isolated, bool):
         raise QuestionError(f"isolated is {short(isolated)}; expected True, False or None")
     if isolated is False:

@@ -23,10 +23,10 @@ from dubins_study.experiments.definition.messages import Problem, problems_of, r
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
     Block,
+    Branches,
     GuessLengths,
     Sample,
     key_conflicts,
-    known_branches,
 )
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.study.values import did_you_mean
@@ -123,7 +123,7 @@ class Experiment(StrictModel):
     """The scenarios, block by block."""
     solvers: list[str] = Field(min_length=1)
     """Specs of the solvers; `*` is every registered one, `{a,b}` one with a and one with b."""
-    branches: list[str] = Field(default=["best"], min_length=1)
+    branches: Branches = Field(default=["best"])
     """Which paths are asked for: `best`, or words: `LS`, `RS`, `LR`, `RL`."""
     initial_guesses: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
     """`cold`, or `warm`: each scenario of a block from the path of the one before it."""
@@ -156,11 +156,6 @@ class Experiment(StrictModel):
                 changes = {"sample": sample, "solvers": first.solvers}
                 firsts.append(block.model_copy(update=changes))
         return [*self.scenarios, *firsts]
-
-    @field_validator("branches")
-    @classmethod
-    def _check_branches(cls, value: list[str]) -> list[str]:
-        return known_branches(value)
 
     @field_validator("profile")
     @classmethod
@@ -196,11 +191,8 @@ class ExperimentFile(NamedTuple):
 def read(name: str) -> ExperimentFile:
     """Read a packaged experiment by its name, or any experiment by the path of its TOML file.
 
-    Solvers are not looked at, nor whether scenarios go together: `plan.run_plan.read_checked`.
-
-    Raises:
-        ExperimentError: naming the file, and every wrong key, its line, its value and what was
-            expected.
+    Solvers are not looked at, nor whether scenarios go together: `plan.run_plan.read_checked`. The
+    `ExperimentError` names the file, every wrong key, its line, its value and what was expected.
     """
     return parse(*text_of(name))
 

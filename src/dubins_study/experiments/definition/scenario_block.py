@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     ValidationInfo,
@@ -131,6 +132,18 @@ class GuessLengths(_Fields):
         return self.z1, self.z2, self.z3
 
 
+def _known_branches(branches: list[str]) -> list[str]:
+    """The branches, unchanged; `ValueError` names those that do not exist."""
+    if unknown := [branch for branch in branches if branch not in BRANCHES]:
+        names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
+        near = next(filter(None, (did_you_mean(branch, BRANCHES) for branch in unknown)), "")
+        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(BRANCHES)}")
+    return branches
+
+
+Branches = Annotated[list[str], Field(min_length=1), AfterValidator(_known_branches)]
+
+
 class Block(_Fields):
     """Scenarios: all combinations of the fields' values, or a sample.
 
@@ -173,7 +186,7 @@ class Block(_Fields):
     """Scenarios drawn over ranges instead of combined from axes."""
     solvers: list[str] | None = Field(default=None, min_length=1)
     """Replaces the experiment's solvers for this block."""
-    branches: list[str] | None = Field(default=None, min_length=1)
+    branches: Branches | None = None
     """Replaces the experiment's branches for this block."""
     guess_lengths: GuessLengths | None = None
     """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
@@ -183,11 +196,6 @@ class Block(_Fields):
         values: Axis | None = getattr(self, field)
         return values
 
-    @field_validator("branches")
-    @classmethod
-    def _check_branches(cls, value: list[str] | None) -> list[str] | None:
-        return None if value is None else known_branches(value)
-
 
 class ListedBlock(Block):
     """Scenarios listed one by one in a file of their own; no experiment's file writes this.
@@ -196,15 +204,6 @@ class ListedBlock(Block):
     """
 
     listed: Any = Field(exclude=True)
-
-
-def known_branches(branches: list[str]) -> list[str]:
-    """The branches, unchanged; `ValueError` names those that do not exist."""
-    if unknown := [branch for branch in branches if branch not in BRANCHES]:
-        names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
-        near = next(filter(None, (did_you_mean(branch, BRANCHES) for branch in unknown)), "")
-        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(BRANCHES)}")
-    return branches
 
 
 def key_conflicts(fields: dict[str, Any]) -> list[Problem]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from dubins_study.experiments.executors.dask_cluster import connected, local_cluster
 from dubins_study.experiments.executors.dask_worker import UnitReply, in_worker
-from dubins_study.experiments.executors.executor import Executor, Probe, WorkUnit
+from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
@@ -68,7 +68,7 @@ def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
             workers, jobs = len(threads), max(1, sum(threads.values()))
 
         def solve(
-            unit: WorkUnit, stop: Interruption, probed: Probe | None
+            unit: WorkUnit, stop: Interruption, probed: Probed
         ) -> Generator[list[Row], None, None]:
             if (here := client) is None:
                 cluster = stack.enter_context(local_cluster(jobs))
@@ -84,7 +84,7 @@ def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
 class _Submission:
     """The cells of one run: those that wait here, and those that the cluster holds as units."""
 
-    def __init__(self, client: Any, unit: WorkUnit, probed: Probe | None):
+    def __init__(self, client: Any, unit: WorkUnit, probed: Probed):
         self._client, self._settings, self._probed = client, unit.settings, probed
         self._waiting: deque[Chain] = deque(unit.chains)
         self._before = dict(unit.before)
@@ -115,7 +115,7 @@ class _Submission:
             if reply is None:
                 continue
             _, unit = self._units.pop(future.key)
-            if self._probed is not None and reply.probes_s:
+            if reply.probes_s:
                 number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
                 for seconds in reply.probes_s:
                     self._probed(seconds, number)

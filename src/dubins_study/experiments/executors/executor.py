@@ -73,7 +73,7 @@ class ChainState(NamedTuple):
 
 
 # Called with the duration (s) of a calibration probe and the number of its machine (0: this one).
-Probe = Callable[[float, int], None]
+Probed = Callable[[float, int], None]
 
 
 class Executor(NamedTuple):
@@ -84,7 +84,7 @@ class Executor(NamedTuple):
     # Fields about the executor for the run's entry in the manifest.
     run_entry: dict[str, Any]
     # Yields the rows of a unit's cells as they come; calls the probe every few seconds.
-    solve: Callable[[WorkUnit, Interruption, Probe | None], Generator[list[Row], None, None]]
+    solve: Callable[[WorkUnit, Interruption, Probed], Generator[list[Row], None, None]]
 
 
 def unfinished(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 
-from dubins_study.experiments.executors.executor import ChainState, Executor, Probe, WorkUnit
+from dubins_study.experiments.executors.executor import ChainState, Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
@@ -32,11 +32,10 @@ def local_executor(jobs: int) -> Iterator[Executor]:
     """An executor with `jobs` worker processes here, which run while cells are solved."""
 
     def solve(
-        unit: WorkUnit, stop: Interruption, probed: Probe | None
+        unit: WorkUnit, stop: Interruption, probed: Probed
     ) -> Generator[list[Row], None, None]:
-        pool_probed = None if probed is None else lambda seconds: probed(seconds, 0)
         limits = unit.settings.time_limit_s, unit.settings.memory_limit_gib
-        with WorkerPool(jobs, *limits, probed=pool_probed) as pool:
+        with WorkerPool(jobs, *limits, probed=lambda seconds: probed(seconds, 0)) as pool:
             try:
                 yield from solve_chains(pool, unit, stop)
             except RunError as error:

@@ -161,15 +161,11 @@ atexit.register(_server.stop)
 
 
 def fork(function: str, arguments: list[Any]) -> ForkedProcess:
-    """Call a function in a process that is forked from the server.
+    """Call a function in a process that is forked from the server, and ends when it returns.
 
-    The new process gets the caller's environment and working directory, and the caller's `sys.path`
-    without the working directory.
-
-    Args:
-        function: `module:name`, called as `name(channel, *arguments)`. The process ends when the
-            function returns.
-        arguments: plain values that JSON can hold.
+    `function` is `module:name`, called as `name(channel, *arguments)` with arguments that JSON can
+    hold. The new process gets the caller's environment and working directory, and the caller's
+    `sys.path` without the working directory.
     """
     message = [function, arguments, _search_path(), dict(os.environ), _directory()]
     reason: OSError | None = None

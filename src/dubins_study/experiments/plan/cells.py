@@ -83,11 +83,7 @@ class BlockPlan(NamedTuple):
 
 
 def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]:
-    """The plans of all blocks, and a problem for each block that has too many cells to be one.
-
-    Raises:
-        SolverError: if a solver's spec is not valid.
-    """
+    """The plans of all blocks, and a problem for each block that has too many cells to be one."""
     plans, problems = [], []
     total = 0
     for number, block in enumerate(experiment.blocks):
@@ -181,12 +177,8 @@ def chains(experiment: Experiment, problems: list[Problem] | None = None) -> lis
 
     A cell that several blocks ask for is listed once. Blocks that hold an invalid scenario, whose
     sweep gives a warm cell another predecessor than an earlier one, or that have too many cells
-    are appended to `problems`, which may hold others; without that list they are raised. Once
-    there is a problem, large blocks are not looked through.
-
-    Raises:
-        ExperimentError: naming each of these blocks, if they are not collected.
-        SolverError: if a solver's spec is not valid.
+    are appended to `problems`, which may hold others; without that list they are raised together.
+    Once there is a problem, large blocks are not looked through.
     """
     plans, found = block_plans(experiment)
     collected = [] if problems is None else problems

@@ -188,9 +188,6 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
     """Read an experiment as `definition.experiment.read`, and check its solvers too.
 
     The scenarios of a valid file are left to `plan_run`, which looks at all of them.
-
-    Raises:
-        ExperimentError: naming every wrong key, its line, its value and what was expected.
     """
     return _checked(text_of(name), trust_plugins, {})
 

@@ -57,11 +57,9 @@ class SolverDescription(NamedTuple):
 
 @cache
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
-    """Describe the solver of a spec.
+    """Describe the solver of a spec; refused as by `solvers.registry.load`.
 
-    Raises:
-        SolverError: as `solvers.registry.load`; also if the process that loads a plug-in ends
-            without an answer or takes longer than a minute.
+    The process that loads a plug-in must answer within a minute.
     """
     if ours(spec):
         return _describe(spec, profile)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from collections.abc import Iterator
@@ -63,12 +64,8 @@ def is_locked(folder: FilePath) -> bool:
     except OSError:
         return False
     try:
-        try:
-            import fcntl
-        except ImportError:  # Windows refuses to read a byte that another process has locked
-            os.read(handle, 1)
-        else:  # a shared lock: two concurrent calls must not report each other
-            fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        # a shared lock: two concurrent calls must not report each other
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except OSError:
         return True
     finally:

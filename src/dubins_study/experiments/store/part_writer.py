@@ -42,8 +42,6 @@ def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
 
 def sync_folder(folder: FilePath) -> None:
     """Make sure that the names in a folder survive a power failure."""
-    if os.name == "nt":  # Windows cannot sync a folder
-        return
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
