@@ -51,14 +51,15 @@ def os_errors_as(problem: str) -> Iterator[None]:
         raise ResultsError(f"{problem}: {reason(error)}") from None
 
 
-def folder_paths(folders: object) -> list[FilePath]:
+def folder_paths(folders: Any) -> list[FilePath]:
     """The path of one results folder, or those of several; anything else is refused."""
-    one = isinstance(folders, str | os.PathLike) or not isinstance(folders, Iterable)
-    paths = [folders] if one else list(folders)
-    for path in paths:
+    several = isinstance(folders, Iterable) and not isinstance(folders, str)
+    paths: list[FilePath] = []
+    for path in folders if several else [folders]:
         if not isinstance(path, str | os.PathLike):
             raise ResultsError(f"folder is {short(path)}; expected the path of a results folder")
-    return [FilePath(path) for path in paths]
+        paths.append(FilePath(path))
+    return paths
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
