@@ -95,9 +95,7 @@ class Results:
 
     def path(self, index: int) -> Path | None:
         """The path of the row with this index, or None if no path came back."""
-        row = {
-            name: self.controls.column(name)[index].as_py() for name in self.controls.column_names
-        }
+        [row] = self.controls.slice(index, 1).to_pylist()
         if row["curvatures"] is None or row["lengths"] is None:
             return None
         start = Pose(row["x"], row["y"], row["heading"])

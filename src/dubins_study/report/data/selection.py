@@ -59,10 +59,7 @@ def select_attempts(
 
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
-    """Whether each row is of the code that its folder's manifest names for its solver.
-
-    A solver that the manifest does not name has no such row, as in `status` and `merge`.
-    """
+    """Whether each row is of the code that the manifest names for its solver, as in `status`."""
     code = ["folder", "solver", "code_digest"]
     blocks = rows[code].drop_duplicates()
     blocks["current"] = [

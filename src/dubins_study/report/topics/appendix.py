@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -14,7 +15,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import seconds, share, some
 from dubins_study.report.elements.looks import names_of
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.rows.manifest import NOISY, RunEntry
+from dubins_study.study.rows.manifest import NOISY
 from dubins_study.study.rows.schema import ROW, VERSION
 
 _SOLVERS = (
@@ -71,23 +72,18 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
             "experiment": folder.name,
             "run": run.run_id,
             "started": run.started,
-            "seconds": _seconds(run),
-            # The entry of a killed run stays `running`.
+            # The entry of a killed run stays `running`; its seconds say nothing of its end.
+            "seconds": math.nan if run.seconds is None or run.state == "running" else run.seconds,
             "state": "running, or killed" if run.state == "running" else run.state,
             "engine": run.engine,
             "jobs": str(run.jobs),
             "where": f"{_machine(run.machine)}; governor {run.governor}",
             "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
-            "spread": float("nan") if run.spread is None else run.spread,
+            "spread": math.nan if run.spread is None else run.spread,
         }
         for folder in folders
         for run in folder.manifest.runs
     )
-
-
-def _seconds(run: RunEntry) -> float:
-    """The seconds of a run that has ended; those of another say nothing of its end."""
-    return float("nan") if run.seconds is None or run.state == "running" else run.seconds
 
 
 def _machine(machine: Mapping[str, Any]) -> str:
