@@ -110,8 +110,7 @@ class RunEntry(_Record):
     """A run: what it was asked, where, and how it went (or goes, so far).
 
     Moments are UTC, ISO 8601. The loads are processes that wanted a core in the last 1, 5 and 15
-    minutes. The state is `running`, `finished` or `interrupted`; a killed run stays `running`, with
-    the seconds of the last time that it wrote the manifest.
+    minutes. The state is `running`, `finished` or `interrupted`; a killed run stays `running`.
     """
 
     run_id: str = ""

@@ -54,12 +54,10 @@ def os_errors_as(problem: str) -> Iterator[None]:
 def folder_paths(folders: Any) -> list[FilePath]:
     """The path of one results folder, or those of several; anything else is refused."""
     several = isinstance(folders, Iterable) and not isinstance(folders, str)
-    paths: list[FilePath] = []
-    for path in folders if several else [folders]:
-        if not isinstance(path, str | os.PathLike):
-            raise ResultsError(f"folder is {short(path)}; expected the path of a results folder")
-        paths.append(FilePath(path))
-    return paths
+    paths = list(folders) if several else [folders]
+    if wrong := [path for path in paths if not isinstance(path, str | os.PathLike)]:
+        raise ResultsError(f"folder is {short(wrong[0])}; expected the path of a results folder")
+    return [FilePath(path) for path in paths]
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
