@@ -187,7 +187,9 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     try:
         return Manifest.model_validate(printable_values(content) if printable else content)
     except ValidationError as error:
-        raise ResultsError(f"{file}: {_problem(error)}") from None
+        first = error.errors()[0]
+        key = ".".join(plain(str(step)) for step in first["loc"])
+        raise ResultsError(f"{file}: {key} is {first['input']!r:.60}: {first['msg']}") from None
 
 
 def _read_object(folder: FilePath, file: FilePath) -> dict[str, Any]:
@@ -207,10 +209,3 @@ def _read_object(folder: FilePath, file: FilePath) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
     return content
-
-
-def _problem(error: ValidationError) -> str:
-    """The first thing wrong: its key, its value, and what pydantic says of it."""
-    first = error.errors()[0]
-    key = ".".join(plain(str(step)) for step in first["loc"])
-    return f"{key} is {first['input']!r:.60}: {first['msg']}"

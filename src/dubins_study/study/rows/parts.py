@@ -72,7 +72,9 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
     the file was cut off or changed; a `ResultsError`, that it is of another schema or unreadable.
     """
     wanted = list(columns or ARROW_SCHEMA.names)
-    with _open(file) as content:
+    with _reading(file):
+        content = pq.ParquetFile(file, page_checksum_verification=True)
+    with content:
         expected, rows = _stated_rows(file, content), 0
         stored = [name for name in wanted if name in content.schema_arrow.names]
         threads = expected > _SMALL_PART_ROWS
@@ -92,9 +94,8 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
 
 def read_part(file: FilePath, columns: Sequence[str] | None = None) -> pa.Table:
     """A part's columns as one table, all by default; errors as `read_batches`."""
-    wanted = list(columns or ARROW_SCHEMA.names)
-    schema = pa.schema([ARROW_SCHEMA.field(name) for name in wanted])
-    return pa.concat_tables([schema.empty_table(), *read_batches(file, wanted)])
+    empty = ARROW_SCHEMA.empty_table().select(list(columns or ARROW_SCHEMA.names))
+    return pa.concat_tables([empty, *read_batches(file, columns)])
 
 
 def check_part(file: FilePath) -> None:
@@ -116,11 +117,6 @@ def _reading(file: FilePath) -> Iterator[None]:
 
 def _damaged(file: FilePath, problem: str) -> DamagedPartError:
     return DamagedPartError(f"{file} cannot be read: {problem}; run again for its rows")
-
-
-def _open(file: FilePath) -> pq.ParquetFile:
-    with _reading(file):
-        return pq.ParquetFile(file, page_checksum_verification=True)
 
 
 def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch | None:
