@@ -50,11 +50,11 @@ BUDGETS = {
 BUDGETS |= {
     "study": Size(4_570, 30),
     "solvers": Size(9_140, 62),
-    "experiments": Size(5_730, 40),
+    "experiments": Size(5_650, 40),
     "conformance": Size(1_820, 9),
-    "report": Size(12_910, 80),
-    "package": Size(35_950, 240),
-    "tests": Size(27_520, 220),
+    "report": Size(12_780, 80),
+    "package": Size(35_720, 240),
+    "tests": Size(27_290, 220),
 }
 
 _LEAVES = (
