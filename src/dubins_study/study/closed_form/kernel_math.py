@@ -63,7 +63,7 @@ _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer, which then stands in
 _TWO_OVER_PI = 2.0 / math.pi
 _TAN_PI_8 = math.tan(math.pi / 8)
 _TAN_3PI_8 = math.tan(3 * math.pi / 8)
-_PI_4, _PI_2, _PI = math.pi / 4, math.pi / 2, math.pi
+_PI_4, _PI_2, _PI, _TWO_PI = math.pi / 4, math.pi / 2, math.pi, 2 * math.pi
 
 
 def _fma(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
@@ -104,12 +104,34 @@ _negated_by_bit_1: Callable[[float, int], float] = _intrinsic(_negate)
 
 
 @inlined
-def sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine of an angle (rad) of at most `LARGEST_ANGLE`."""
+def reduced(angle: float) -> tuple[float, float, int]:
+    """An angle (rad) of at most `LARGEST_ANGLE` less the quarter turns nearest to it.
+
+    Returns the rest, in [-pi/4, pi/4], the number of quarter turns, and an integer with the
+    number's last two bits.
+    """
     shifted = fma(angle, _TWO_OVER_PI, _ROUNDER)
     quarters = shifted - _ROUNDER
-    quadrant = _bits(shifted)
-    r = fma(quarters, -_HALF_PI[1], fma(quarters, -_HALF_PI[0], angle))
+    rest = fma(quarters, -_HALF_PI[1], fma(quarters, -_HALF_PI[0], angle))
+    return rest, quarters, _bits(shifted)
+
+
+@inlined
+def quarter_turns(number: float, rest: float) -> float:
+    """A small number of quarter turns and a rest, as one angle (rad)."""
+    return fma(number, _HALF_PI[0], fma(number, _HALF_PI[1], rest))
+
+
+@inlined
+def sine_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle (rad) of at most `LARGEST_ANGLE`."""
+    r, _, quadrant = reduced(angle)
+    return sine_cosine_of(r, quadrant)
+
+
+@inlined
+def sine_cosine_of(r: float, quadrant: int) -> tuple[float, float]:
+    """Sine and cosine of an angle that is `reduced` to a rest and the bits of its quarter turns."""
     z = r * r
     p = fma(SINE[5], z, SINE[4])
     p = fma(p, z, SINE[3])
@@ -169,3 +191,11 @@ def upper_arctangent(y: float, x: float) -> float:
     angle = turned + small_arctangent(t)
     other = _PI - angle
     return other if x < 0 else angle
+
+
+@inlined
+def full_arctangent(y: float, x: float) -> float:
+    """The angle of (x, y), from 0 to 2 pi; 0 at the origin."""
+    angle = upper_arctangent(abs(y), x)
+    other = _TWO_PI - angle
+    return other if y < 0.0 else angle

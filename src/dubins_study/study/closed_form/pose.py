@@ -1,0 +1,279 @@
+"""The closed form of one leg with a given final heading: the six words, and the shortest of them.
+
+Everything is in units of the radius, with the start at the origin (docs/derivation.md, section 14).
+`study.closed_form.pose_kernel` does the same for arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
+from dubins_study.study.path import Path, Pose
+from dubins_study.study.words import TURN
+
+WORDS6 = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
+# What the rounding of both headings, of their sines and cosines and of the circles' centres does
+# to a pose beside what `body_coordinates` counts (docs/derivation.md, section 14).
+PER_HEADINGS = 16.0 * EPS
+
+_PI, _TWO_PI = math.pi, 2 * math.pi
+_NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordinates, not from it
+
+
+class PoseShortest(NamedTuple):
+    """The shortest path of a branch: letters that have a length, segments, and every tied word.
+
+    Segments are in units of the radius (for an arc: its angle in rad), one for each letter of
+    `WORDS6[index]`.
+    """
+
+    word: str
+    index: int
+    segments: tuple[float, float, float]
+    words: tuple[str, ...]
+
+    @property
+    def total(self) -> float:
+        return sum(self.segments)
+
+
+class Leg(NamedTuple):
+    """A question in units of the radius: the end at (x, y) from the start, headings a and b (rad).
+
+    `delta` is the uncertainty of the data: every end whose two coordinates in the start's frame and
+    whose heading there are within delta of these stands for the same question.
+    """
+
+    x: float
+    y: float
+    a: float
+    b: float
+    delta: float
+
+
+def leg(start: Pose, end: Pose, radius: float) -> Leg:
+    """The leg between two poses (docs/derivation.md, eq. 12)."""
+    x, y = (end.x - start.x) / radius, (end.y - start.y) / radius
+    extent = (abs(start.x) + abs(start.y) + abs(end.x) + abs(end.y)) / radius
+    return Leg(x, y, start.heading, end.heading, pose_delta(extent, abs(x) + abs(y)))
+
+
+# Python runs the functions from here to `pose_gradient` for one leg; `pose_kernel` compiles the
+# same functions for arrays. So they take and return plain numbers.
+
+
+def pose_delta(extent: float, distance: float) -> float:
+    """The uncertainty of a leg: the four coordinates' sizes in radii, and |x| + |y|."""
+    return PER_EXTENT * extent + PER_DISTANCE * distance + PER_HEADINGS
+
+
+def pose_shortest(
+    x: float, y: float, a: float, b: float, delta: float
+) -> tuple[float, int, float, float, float]:
+    """Length, word index and segments of the shortest path; the first word of equal ones."""
+    X, Y, sine, cosine = body_pose(x, y, a, b)
+    return shortest_in_body(X, Y, sine, cosine, delta)
+
+
+def pose_segments(
+    x: float, y: float, a: float, b: float, word_index: int, delta: float
+) -> tuple[float, float, float]:
+    """The three segments of a word, an arc as its angle (rad); NaN where the word has no path.
+
+    An end within delta / 2 of an edge of the word is taken to be there: where an arc vanishes it
+    is nothing, not a full turn, and the edge of the word's reach belongs to it. The middle arc of
+    RLR and LRL is at least pi.
+
+    Args:
+        x, y: the end, seen from the start (radii).
+        a, b: headings of the start and of the end (rad).
+        word_index: of `WORDS6`.
+        delta: uncertainty of the data, as `pose_delta` has it.
+    """
+    X, Y, sine, cosine = body_pose(x, y, a, b)
+    return word_in_body(X, Y, sine, cosine, word_index, delta)
+
+
+def body_pose(x: float, y: float, a: float, b: float) -> tuple[float, float, float, float]:
+    """The end in the start's frame: X, Y, and the sine and cosine of its heading there."""
+    sine_a, cosine_a, sine_b, cosine_b = math.sin(a), math.cos(a), math.sin(b), math.cos(b)
+    X, Y = x * cosine_a + y * sine_a, y * cosine_a - x * sine_a
+    return X, Y, sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
+
+
+def shortest_in_body(
+    X: float, Y: float, sine: float, cosine: float, delta: float
+) -> tuple[float, int, float, float, float]:
+    """`pose_shortest` of an end in the start's frame, as `body_pose` returns it."""
+    best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
+    for word_index in range(6):
+        t1, p1, q1 = word_in_body(X, Y, sine, cosine, word_index, delta)
+        length = t1 + p1 + q1
+        if length < best:  # False for NaN
+            best, index, t, p, q = length, word_index, t1, p1, q1
+    return best, index, t, p, q
+
+
+def word_in_body(
+    X: float, Y: float, sine: float, cosine: float, word_index: int, delta: float
+) -> tuple[float, float, float]:
+    """`pose_segments` of an end in the start's frame, as `body_pose` returns it."""
+    if word_index in (1, 3, 4):  # the mirror images of LSL, LSR and LRL
+        Y, sine = -Y, -sine
+    if word_index < 2:
+        return _left_straight_left(X, Y, sine, cosine, delta)
+    if word_index < 4:
+        return _left_straight_right(X, Y, sine, cosine, delta)
+    return _left_right_left(X, Y, sine, cosine, delta)
+
+
+# In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame,
+# and (x2, y2) the same in the frame in which the path driven backwards is a path of such a word.
+
+
+def _left_straight_left(
+    X: float, Y: float, s: float, c: float, delta: float
+) -> tuple[float, float, float]:
+    half = 0.5 * delta
+    x1, y1 = X - s, Y + (c - 1.0)
+    x2, y2 = X * c + Y * s - s, X * s - Y * c + (c - 1.0)
+    if abs(y1) <= half and x1 >= -half:
+        return 0.0, max(x1, 0.0), _turn(math.atan2(s, c), half)
+    if abs(y2) <= half and x2 >= -half:
+        return _turn(math.atan2(s, c), half), max(x2, 0.0), 0.0
+    t, q = math.atan2(y1, x1), math.atan2(y2, x2)
+    return _on_side(t, y1 >= 0.0), math.hypot(x1, y1), _on_side(q, y2 >= 0.0)
+
+
+def _left_straight_right(
+    X: float, Y: float, s: float, c: float, delta: float
+) -> tuple[float, float, float]:
+    half = 0.5 * delta
+    x1, y1 = X + s, Y - (c + 1.0)
+    x2, y2 = X * c + Y * s - s, Y * c - X * s - (c + 1.0)
+    square = x1 * x1 + (y1 - 2.0) * (y1 + 2.0)
+    if square < -2.0 * delta:
+        return math.nan, math.nan, math.nan
+    if abs(y1 + 2.0) <= half and x1 >= -half:
+        return 0.0, max(x1, 0.0), _turn(math.atan2(-s, c), half)
+    if abs(y2 + 2.0) <= half and x2 >= -half:
+        return _turn(math.atan2(s, c), half), max(x2, 0.0), 0.0
+    p = math.sqrt(max(square, 0.0))
+    t = math.atan2(2.0 * x1 + p * y1, p * x1 - 2.0 * y1)
+    q = math.atan2(2.0 * x2 + p * y2, p * x2 - 2.0 * y2)
+    left, right = x1 >= 0.0 and y1 >= -2.0, x2 >= 0.0 and y2 >= -2.0
+    return _on_side(t, left), p, _on_side(q, right)
+
+
+def _left_right_left(
+    X: float, Y: float, s: float, c: float, delta: float
+) -> tuple[float, float, float]:
+    half = 0.5 * delta
+    x1, y1 = X - s, Y + (c - 1.0)
+    x2, y2 = X * c + Y * s - s, X * s - Y * c + (c - 1.0)
+    d = math.hypot(x1, y1)
+    if d > 4.0 + half:
+        return math.nan, math.nan, math.nan
+    if d <= half:  # one circle: a full turn of the middle arc
+        return _turn(math.atan2(s, c), half), _TWO_PI, 0.0
+    # |C - (0, -1)|^2 - 4 of the last centre C: zero where the first arc vanishes
+    first, last = x1 * x1 + y1 * (y1 + 4.0), x2 * x2 + y2 * (y2 + 4.0)
+    if abs(first) <= 2.0 * delta and x1 <= half:
+        p = _TWO_PI - math.atan2(max(-x1, 0.0), y1 + 2.0)
+        return 0.0, p, _turn(_principal(math.atan2(s, c) + p), half)
+    if abs(last) <= 2.0 * delta and x2 <= half:
+        p = _TWO_PI - math.atan2(max(-x2, 0.0), y2 + 2.0)
+        return _turn(_principal(math.atan2(s, c) + p), half), p, 0.0
+    middle = 0.5 * _PI + math.atan2(math.sqrt(max((4.0 - d) * (4.0 + d), 0.0)), d)
+    t, q = _principal(math.atan2(y1, x1) + middle), _principal(math.atan2(y2, x2) + middle)
+    left, right = first <= 0.0 or x1 > 0.0, last <= 0.0 or x2 > 0.0
+    return _on_side(t, left), 2.0 * middle, _on_side(q, right)
+
+
+def _principal(angle: float) -> float:
+    """An angle in (-pi, 3 pi] brought to (-pi, pi]."""
+    return angle if angle <= _PI else angle - _TWO_PI
+
+
+def _turn(angle: float, uncertainty: float) -> float:
+    """An angle in (-pi, pi] as one in [0, 2 pi), zero where it is within its uncertainty of it."""
+    if abs(angle) <= uncertainty:
+        return 0.0
+    return angle if angle > 0.0 else angle + _TWO_PI
+
+
+def _on_side(angle: float, positive: bool) -> float:
+    """An angle in (-pi, pi] as one in [0, 2 pi]; next to zero it has the sign that is given."""
+    if abs(angle) < _NEAR_ZERO:
+        return max(angle, 0.0) if positive else min(angle, 0.0) + _TWO_PI
+    return angle if angle > 0.0 else angle + _TWO_PI
+
+
+def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float, float]:
+    """Derivatives of a word's length (radii) by the headings of its start and of its end.
+
+    They are the distances of both ends from the line on which the path's costates have their
+    inflections (docs/derivation.md, eq. 16); infinite or huge where a middle arc is pi.
+
+    Args:
+        word_index: of `WORDS6`.
+        t, p, q: its segments, as `pose_segments` returns them.
+    """
+    first, last = math.sin(0.5 * t), math.sin(0.5 * q)
+    d_first, d_last = 2.0 * first * first, 2.0 * last * last
+    if word_index >= 4:
+        slope = math.tan(0.5 * p)
+        d_first -= slope * math.sin(t)
+        d_last -= slope * math.sin(q)
+    d_first = d_first if word_index in (1, 3, 4) else -d_first
+    return d_first, -d_last if word_index in (1, 2, 4) else d_last
+
+
+# what a compiled caller has to know of, since the functions above call it by name
+CALLED = (
+    *(_turn, _on_side, _principal, body_pose, word_in_body, shortest_in_body, pose_delta),
+    *(_left_straight_left, _left_straight_right, _left_right_left),
+)
+
+
+def shortest_to_pose(
+    start: Pose, end: Pose, radius: float, branch: str = "best"
+) -> PoseShortest | None:
+    """The shortest path of a branch, `best` or one of `WORDS6`; None where the branch has none.
+
+    Words tie if their lengths could be equal for an end within delta.
+    """
+    question = leg(start, end, radius)
+    if branch != "best":
+        index = WORDS6.index(branch)
+        segments = pose_segments(*question[:4], index, question.delta)
+        if math.isnan(segments[0]):
+            return None
+        return PoseShortest(_letters(index, segments), index, segments, (branch,))
+    length, index, *best = pose_shortest(*question)
+    others = (pose_segments(*question[:4], other, question.delta) for other in range(6))
+    # a shift by delta of both coordinates and of the heading moves a length by less than 4 delta
+    words = [
+        _letters(other, segments)
+        for other, segments in enumerate(others)
+        if sum(segments) <= length + 8.0 * question.delta
+    ]
+    t, p, q = best
+    word = _letters(index, (t, p, q))
+    return PoseShortest(word, index, (t, p, q), tuple(dict.fromkeys([word, *words])))
+
+
+def _letters(index: int, segments: tuple[float, float, float]) -> str:
+    """The letters of a word that have a length."""
+    return "".join(c for c, length in zip(WORDS6[index], segments, strict=True) if length > 0)
+
+
+def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Path | None:
+    """The shortest path itself, as controls; None where the branch has none."""
+    found = shortest_to_pose(start, end, radius, branch)
+    if found is None:
+        return None
+    driven = [length * radius for length in found.segments if length > 0]
+    return Path(start, [TURN[letter] / radius for letter in found.word], driven)
