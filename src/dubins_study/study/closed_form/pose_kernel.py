@@ -1,0 +1,332 @@
+"""Legs with a given final heading over arrays: `study.closed_form.pose` for millions at once.
+
+Strict IEEE arithmetic and, for lengths, fewer angles than the scalar form takes: which of two
+lengths a turn apart LSL has is a question of signs. Rows whose word or length an ulp decides are
+done with the scalar functions and the C library's, and are equal to the bit.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import ArrayLike, NDArray
+
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.closed_form import pose
+from dubins_study.study.closed_form.kernel import CHUNK, NO_PATH, CodeArray, chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel_compile import (
+    compiled,
+    inlined,
+    loop_input,
+    separate,
+    threaded,
+)
+from dubins_study.study.closed_form.kernel_math import (
+    LARGEST_ANGLE,
+    full_arctangent,
+    quarter_turns,
+    reduced,
+    sine_cosine_of,
+    upper_arctangent,
+)
+from dubins_study.study.closed_form.pose import WORDS6
+from dubins_study.study.path import FloatArray
+
+
+class PoseArrays(NamedTuple):
+    """n legs: arrays of shape (n,), units as in `study.scenario.Scenario`."""
+
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+    target_x: FloatArray
+    target_y: FloatArray
+    radius: FloatArray
+    final_heading: FloatArray
+
+
+class PoseRows(NamedTuple):
+    """The shortest paths of n legs: arrays of shape (n,), lengths in the length unit."""
+
+    length: FloatArray  # NaN where the branch has no path
+    first: FloatArray
+    middle: FloatArray
+    last: FloatArray
+    word: CodeArray  # index into `pose.WORDS6`, or `NO_PATH`
+
+    @classmethod
+    def empty(cls, n: int) -> PoseRows:
+        """Room for n rows."""
+        return cls(*(np.empty(n) for _ in range(4)), np.empty(n, np.uint8))
+
+
+_PI, _TWO_PI = math.pi, 2 * math.pi
+_LARGEST = np.finfo(np.float64).max
+# at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
+_FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
+# A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
+_NEAR = 1e-6
+# Below this 16 - d^2 the length of RLR or LRL changes by more than 5 per shift of the end.
+_STEEP = 0.7
+
+for _called in pose.CALLED:
+    register_jitable(_called)
+pose_shortest, pose_segments = separate(pose.pose_shortest), separate(pose.pose_segments)
+pose_gradient = separate(pose.pose_gradient)
+_pose_delta = inlined(pose.pose_delta)
+
+
+def pose_rows(*columns: ArrayLike, branch: str = "best", out: PoseRows | None = None) -> PoseRows:
+    """The shortest path of every row, as `study.closed_form.pose.pose_shortest` finds it.
+
+    Args:
+        columns: those of `PoseArrays`, in their order, shape (n,).
+        branch: `best`, or one of `pose.WORDS6`.
+        out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
+
+    Nothing is checked but shapes: a row with NaN or a radius that is not positive yields NaN.
+    """
+    legs = PoseArrays(*map(loop_input, columns))
+    n = legs.x.size
+    rows = PoseRows.empty(n) if out is None else out
+    arrays: list[NDArray[Any]] = [*legs, *rows]
+    for shape in {array.shape for array in arrays} - {(n,)}:
+        raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
+    if branch == "best":
+        _best_rows(n)(legs, rows)
+    elif branch in WORDS6:
+        _word_rows(legs, WORDS6.index(branch), rows)
+    else:
+        raise ValueError(f"no branch {branch!r}; choose one of: best, {', '.join(WORDS6)}")
+    return rows
+
+
+@separate
+def _exactly(i: int, word: int, legs: PoseArrays, rows: PoseRows) -> None:
+    """Row i by the scalar functions: the shortest of all, or of a word that is not negative."""
+    x, y, heading, tx, ty, radius, final = legs
+    R = radius[i]
+    dx, dy = (tx[i] - x[i]) / R, (ty[i] - y[i]) / R
+    extent = (abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])) / R
+    delta = _pose_delta(extent, abs(dx) + abs(dy))
+    if word < 0:
+        _, code, t, p, q = pose_shortest(dx, dy, heading[i], final[i], delta)
+    else:
+        code = word
+        t, p, q = pose_segments(dx, dy, heading[i], final[i], word, delta)
+    sound = R > 0.0 and delta <= _LARGEST and t + p + q >= 0.0
+    _write(i, t, p, q, code if sound else NO_PATH, R if sound else math.nan, rows)
+
+
+@inlined
+def _write(i: int, t: float, p: float, q: float, code: int, R: float, rows: PoseRows) -> None:
+    length, first, middle, last, word = rows
+    first[i], middle[i], last[i] = t * R, p * R, q * R
+    length[i] = t * R + p * R + q * R
+    word[i] = code
+
+
+@compiled
+def _word_rows(legs: PoseArrays, word: int, rows: PoseRows) -> None:
+    for i in range(legs.x.size):
+        _exactly(i, word, legs, rows)
+
+
+@inlined
+def to_body(
+    x: float, y: float, heading: float, tx: float, ty: float, radius: float, final: float
+) -> tuple[float, float, float, float, float]:
+    """The end in the start's frame: X, Y, sine and cosine of its heading, and that in [0, 2 pi)."""
+    rest_a, quarters_a, bits_a = reduced(heading)
+    rest_b, quarters_b, bits_b = reduced(final)
+    sine_a, cosine_a = sine_cosine_of(rest_a, bits_a)
+    sine_b, cosine_b = sine_cosine_of(rest_b, bits_b)
+    inverse = 1.0 / radius
+    dx, dy = (tx - x) * inverse, (ty - y) * inverse
+    X, Y = dx * cosine_a + dy * sine_a, dy * cosine_a - dx * sine_a
+    sine, cosine = sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
+    quarters = quarters_b - quarters_a
+    turn = quarter_turns(quarters - 4.0 * np.floor(0.25 * quarters), rest_b - rest_a)
+    return X, Y, sine, cosine, turn + _TWO_PI if turn < 0.0 else turn
+
+
+@inlined
+def _turns(forward: bool, backward: bool, turn: float) -> float:
+    """0, or 2 pi where the two arcs of CSC with equal turns add up to a turn more than `turn`.
+
+    They don't where S lies between the first heading and the last one, as they turn.
+    """
+    majority = (forward & backward) | ((forward | backward) & (turn > _PI))
+    return 0.0 if majority else _TWO_PI
+
+
+@inlined
+def _opposite(x1: float, y1: float, turn: float) -> tuple[float, float, float, float]:
+    """LSR from the last centre seen from the first and the turn: t, p, q and the square of p."""
+    square = x1 * x1 + (y1 - 2.0) * (y1 + 2.0)
+    p = math.sqrt(max(square, 0.0))
+    t = full_arctangent(2.0 * x1 + p * y1, p * x1 - 2.0 * y1)
+    q = t - turn
+    return t, p, q + _TWO_PI if q < 0.0 else q, square
+
+
+@inlined
+def _with_straight(
+    X: float, Y: float, s: float, c: float, turn: float
+) -> tuple[float, float, float, int, float, float]:
+    """The shortest of LSL, RSR, LSR, RSL: t, p, q, word index, distance from an edge, CCC's bound.
+
+    The distance is zero at the edges where an arc vanishes, |E - C|^2 = 4, and words tie. No path
+    RLR or LRL is shorter than the bound, by asin(u) <= pi u / 2.
+    """
+    back = _TWO_PI - turn
+    along, across = X * c + Y * s - s, X * s - Y * c
+    left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)  # of the last centre beside the first: LSL, RSR
+    left2, right2 = across + (c - 1.0), -across + (c - 1.0)
+    x_left, x_right = X - s, X + s
+    square_left, square_right = x_left * x_left + left1 * left1, x_right * x_right + right1 * right1
+    d_left, d_right = math.sqrt(square_left), math.sqrt(square_right)
+    lsl = d_left + turn + _turns(left1 >= 0.0, left2 >= 0.0, turn)
+    rsr = d_right + back + _turns(right1 >= 0.0, right2 >= 0.0, back)
+    mirrored = rsr < lsl
+    x1, y1 = (x_right if mirrored else x_left), (right1 if mirrored else left1)
+    first = full_arctangent(y1, x1)
+    last = (back if mirrored else turn) - first
+    last = last + _TWO_PI if last < 0.0 else last
+    same = rsr if mirrored else lsl
+    t1, p1, q1, lsr_square = _opposite(x_right, Y - (c + 1.0), turn)
+    t2, p2, q2, rsl_square = _opposite(x_left, -Y - (c + 1.0), back)
+    lsr = t1 + p1 + q1 if lsr_square >= 0.0 else math.inf
+    rsl = t2 + p2 + q2 if rsl_square >= 0.0 else math.inf
+    second = rsl < lsr
+    crossed = rsl if second else lsr
+    cross = crossed < same
+    t, p, q = (
+        (t2 if second else t1) if cross else first,
+        (p2 if second else p1) if cross else (d_right if mirrored else d_left),
+        (q2 if second else q1) if cross else last,
+    )
+    word = (3 if second else 2) if cross else (1 if mirrored else 0)
+    runner_up = min(max(same, crossed), min(max(lsl, rsr), max(lsr, rsl)))
+    edges = min(min(abs(left1), abs(right1)), min(abs(left2), abs(right2)))
+    squares = min(abs(lsr_square), abs(rsl_square))
+    clear = min(runner_up - min(same, crossed), min(edges, squares) - _NEAR)
+    least = min(_least_bound(d_left, turn), _least_bound(d_right, back))
+    return t, p, q, word, clear, least
+
+
+@inlined
+def _least_bound(d: float, turn: float) -> float:
+    """At most the length of LRL with centres d apart: of p + t + q, where t + q = turn + p."""
+    p = _TWO_PI - 0.5 * _PI * d
+    return max(p, 2.0 * p + turn - _TWO_PI) if d <= 4.0 else math.inf
+
+
+@inlined
+def _three_arcs(
+    x1: float, y1: float, turn: float
+) -> tuple[float, float, float, float, float]:
+    """LRL: t, p, q, how far an arc is from vanishing, and 16 - d^2, negative where it has no path.
+
+    Here (x1, y1) is the last arc's centre seen from the first one's, and d its distance.
+    """
+    square = x1 * x1 + y1 * y1
+    room = 16.0 - square
+    middle = 0.5 * _PI + upper_arctangent(math.sqrt(max(room, 0.0)), math.sqrt(square))
+    t = full_arctangent(y1, x1) + middle
+    t = t - _TWO_PI if t >= _TWO_PI else t
+    q = turn - t + 2.0 * middle
+    q = q + _TWO_PI if q < 0.0 else q
+    q = q - _TWO_PI if q >= _TWO_PI else q
+    return t, 2.0 * middle, q, min(min(t, _TWO_PI - t), min(q, _TWO_PI - q)), room
+
+
+@inlined
+def _curves_only(
+    X: float, Y: float, s: float, c: float, turn: float, best: float
+) -> tuple[float, float, float, int, float]:
+    """The shorter of RLR and LRL: t, p, q, word index, and how clearly it is not as long as `best`.
+
+    Where its length is steep it has to be longer than the best of the other words, or is not clear.
+    """
+    t1, p1, q1, edge1, room1 = _three_arcs(X + s, -Y + (c - 1.0), _TWO_PI - turn)
+    t2, p2, q2, edge2, room2 = _three_arcs(X - s, Y + (c - 1.0), turn)
+    rlr = t1 + p1 + q1 if room1 >= 0.0 else math.inf
+    lrl = t2 + p2 + q2 if room2 >= 0.0 else math.inf
+    left = lrl < rlr
+    shorter = lrl if left else rlr
+    gap = min(best - shorter, abs(lrl - rlr)) if shorter < best else shorter - best
+    gap1 = min(gap, rlr - best - _NEAR) if abs(room1) < _STEEP else gap
+    gap2 = min(gap1, lrl - best - _NEAR) if abs(room2) < _STEEP else gap1
+    clear = min(gap2, min(edge1, edge2) - _NEAR)
+    return t2 if left else t1, p2 if left else p1, q2 if left else q1, 4 + left, clear
+
+
+@inlined
+def _best_chunk(chunk: int, legs: PoseArrays, rows: PoseRows) -> int:
+    """One chunk: into the frame, then the words with a straight, then RLR and LRL where they count.
+
+    Returns how many rows are left: delicate ones, and those without a finite length.
+    """
+    x, y, heading, tx, ty, radius, final = legs
+    length, first, middle, last, word = rows
+    X, Y, sine, cosine = np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK)
+    turn, best, least = np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK)
+    low, high = chunk_bounds(chunk, x.size)
+    n = high - low
+    left = 0
+    for j in range(n):
+        i = low + j
+        X[j], Y[j], sine[j], cosine[j], turn[j] = to_body(
+            x[i], y[i], heading[i], tx[i], ty[i], radius[i], final[i]
+        )
+    for j in range(n):
+        i = low + j
+        t, p, q, code, clear, least[j] = _with_straight(X[j], Y[j], sine[j], cosine[j], turn[j])
+        best[j] = t + p + q
+        sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
+        sound &= (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
+        _write(i, t, p, q, code, radius[i], rows)
+        length[i] = length[i] if sound else math.nan
+        left += not (length[i] <= _LARGEST)
+    waiting = np.empty(CHUNK, np.int64)
+    count = 0
+    for j in range(n):
+        waiting[count] = j
+        count += least[j] <= best[j]
+    for k in range(count):
+        j = waiting[k]
+        X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
+        turn[k], best[k] = turn[j], best[j]
+    for k in range(count):
+        t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
+        X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear
+    for k in range(count):
+        i = low + waiting[k]
+        if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
+            length[i] = math.nan
+            left += 1
+        elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= _LARGEST:
+            _write(i, X[k], Y[k], sine[k], int(cosine[k]), radius[i], rows)
+    return left
+
+
+@inlined
+def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: float) -> bool:
+    """Whether a distance in radii is above 4 delta."""
+    extent = abs(x) + abs(y) + abs(tx) + abs(ty)
+    return clear * radius > _FOUR_EXTENT * extent + _FOUR_HEADINGS * radius
+
+
+@threaded
+def _best_rows(legs: PoseArrays, rows: PoseRows) -> None:
+    for chunk in numba.prange(chunks(legs.x.size)):
+        if _best_chunk(chunk, legs, rows):
+            low, high = chunk_bounds(chunk, legs.x.size)
+            for i in range(low, high):
+                if not rows.length[i] <= _LARGEST:
+                    _exactly(i, -1, legs, rows)
