@@ -23,7 +23,7 @@ from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
 from dubins_study.study.scenario import Scenario
 
 # 53 of the doubles, as many for what their differences lose, and some to spare beside delta
-_BITS = 160
+BITS = 160
 Part = tuple[float, float]
 
 
@@ -68,12 +68,12 @@ class Enclosure(NamedTuple):
 @lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
     """Enclose the shortest lengths of a branch over all targets within delta."""
-    with ctx.workprec(_BITS):
+    with ctx.workprec(BITS):
         X, Y = _square(scenario)
         if branch == "best":
-            return _outwards(_best(X, abs(Y)), False, scenario.radius)
+            return outwards(_best(X, abs(Y)), False, scenario.radius)
         word = _left_straight if branch in ("LS", "RS") else _right_left
-        return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
+        return outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
 
 
 def _square(scenario: Scenario) -> tuple[arb, arb]:
@@ -90,7 +90,7 @@ def _square(scenario: Scenario) -> tuple[arb, arb]:
     return X + blur, Y + blur
 
 
-def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
+def outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
     """The parts as doubles rounded outwards, those that overlap made one."""
     merged: list[Part] = []
     R = arb(radius)
@@ -118,10 +118,10 @@ def _best(X: arb, y: arb) -> list[arb]:
     if not w > 0:  # some of the targets are outside the left disc or on its circle: LS exists
         options = _tangents(X, y, w, ahead_of_axis=True)
         turns = chain(*right_left_solutions(X, y, inside=False))
-        parts += _below(_ceiling([options]), [*options, *turns, *mirrored])
+        parts += below(ceiling_of([options]), [*options, *turns, *mirrored])
     if not w <= 0:  # some are inside: the long RL exists
         solutions = right_left_solutions(X, y, inside=True)
-        parts += _below(_ceiling(solutions[:1]), [*chain(*solutions), *mirrored])
+        parts += below(ceiling_of(solutions[:1]), [*chain(*solutions), *mirrored])
     return parts
 
 
@@ -150,7 +150,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     for inside in (False, True):
         if not (w <= 0 if inside else w > 0):
             solutions = right_left_solutions(X, Y, inside)
-            parts += _below(_ceiling(solutions), [*chain(*solutions)])
+            parts += below(ceiling_of(solutions), [*chain(*solutions)])
     return parts, not (p >= 0 and q >= 0)
 
 
@@ -158,12 +158,12 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
 # are two where the targets lie on both sides of a jump.
 
 
-def _ceiling(solutions: Iterable[list[arb]]) -> arb:
+def ceiling_of(solutions: Iterable[list[arb]]) -> arb:
     """A bound on the least of some solutions that all targets have."""
     return min(max(option.upper() for option in options) for options in solutions)
 
 
-def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
+def below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
     """The options without what lies above the ceiling."""
     kept = [option for option in options if not option > ceiling]
     return [
