@@ -26,6 +26,7 @@ from dubins_study.study.check.interval_kernel import (
     TINY,
     Interval,
     angle_above,
+    chosen,
     exact,
     is_signed,
     lesser,
@@ -97,15 +98,15 @@ def _square(
 
 
 @inlined
-def _bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
+def bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
     """The angle of the point (run, rise), from 0 to 2 pi, and whether it is decided.
 
     It jumps where the rise changes its sign and the run is positive.
     """
     below = rise.mid < 0.0
-    angle = angle_above(negative(rise) if below else rise, run)
+    angle = angle_above(Interval(abs(rise.mid), rise.rad), run)
     decided = (abs(rise.mid) > rise.rad) | positive(negative(run))
-    return minus(FULL_TURN, angle) if below else angle, decided
+    return chosen(below, minus(FULL_TURN, angle), angle), decided
 
 
 @inlined
@@ -116,7 +117,7 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
     1 and s. s - atan s changes by s^2 / (1 + s^2) times what s does: little, next to the circle.
     """
     s = root(negative(w))
-    bearing, decided = _bearing(X, minus(exact(1.0), Y))
+    bearing, decided = bearing(X, minus(exact(1.0), Y))
     # for a target ahead and to the right the turn is nearly a full one
     ahead_right = (X.mid >= 0.0) & (Y.mid < 0.0)
     bearing = plus(bearing, FULL_TURN) if ahead_right else bearing
@@ -141,7 +142,7 @@ def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
     signed = D if long else negative(D)
     rise = plus(times(X, side), times(up, signed))
     run = minus(times(up, side), times(X, signed))
-    first, decided = _bearing(rise, run)
+    first, decided = bearing(rise, run)
     corner = angle_above(D, minus(exact(4.0), p))
     second = minus(FULL_TURN, corner) if long else corner
     return _Shortest(plus(first, second), decided)
@@ -208,13 +209,22 @@ def _bound_rows(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bo
         for i in range(first, end):
             X, Y, delta = _square(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
             length, decided = _of_form(X, Y, form, mirrored)
-            none = length.mid == math.inf
-            useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
-            useful &= length.rad <= _BLUNTEST * max(length.mid, 1.0)
-            scaled = times(Interval(length.mid, _MARGIN * length.rad), exact(radius[i]))
-            # one step outwards for the rounding of each end
-            below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)
-            above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)
-            low[i], high[i] = (math.inf, math.inf) if none else (below, above)
-            sound = decided & (abs(heading[i]) <= LARGEST_ANGLE)
-            left[i] = not (sound & (none | (useful & (below > 0.0))))
+            low[i], high[i], useful = ends_in_units(length, radius[i], delta)
+            left[i] = not (decided & useful & (abs(heading[i]) <= LARGEST_ANGLE))
+
+
+@inlined
+def ends_in_units(length: Interval, radius: float, delta: float) -> tuple[float, float, bool]:
+    """The ends of a length (radii) in the length unit, and whether they are near enough.
+
+    Both are infinite where there is no path, and as near as they should be.
+    """
+    none = length.mid == math.inf
+    useful = length.rad <= _WIDEST * length.mid + _STEEPEST * delta
+    useful &= length.rad <= _BLUNTEST * max(length.mid, 1.0)
+    scaled = times(Interval(length.mid, _MARGIN * length.rad), exact(radius))
+    # one step outwards for the rounding of each end
+    below = (scaled.mid - scaled.rad) * (1.0 - 2.0 * EPS)
+    above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)
+    useful &= below > 0.0
+    return math.inf if none else below, math.inf if none else above, none | useful

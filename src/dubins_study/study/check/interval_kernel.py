@@ -115,17 +115,22 @@ def angle_above(rise: Interval, run: Interval) -> Interval:
     turning the point back by 0, pi/4 or pi/2; the arctangent's derivative is at most 1.
     """
     behind = run.mid < 0.0
-    ahead = negative(run) if behind else run
+    ahead = Interval(abs(run.mid), run.rad)
     steep, flat = rise.mid > _TAN_3PI_8 * ahead.mid, rise.mid <= _TAN_PI_8 * ahead.mid
-    if steep:
-        turned, slope = _HALF, over(negative(ahead), rise)
-    elif flat:
-        turned, slope = exact(0.0), over(rise, ahead)
-    else:
-        turned, slope = _QUARTER, over(minus(rise, ahead), plus(rise, ahead))
+    # selects, with one division, so that a loop over rows can be vectorised
+    top = chosen(flat, rise, chosen(steep, negative(ahead), minus(rise, ahead)))
+    bottom = chosen(flat, ahead, chosen(steep, rise, plus(rise, ahead)))
+    turned = chosen(flat, exact(0.0), chosen(steep, _HALF, _QUARTER))
+    slope = over(top, bottom)
     spread = slope.rad + ARCTANGENT_ERROR * abs(slope.mid)
     angle = plus(turned, Interval(small_arctangent(slope.mid), spread * GROWTH + TINY))
-    return minus(_PI, angle) if behind else angle
+    return chosen(behind, minus(_PI, angle), angle)
+
+
+@inlined
+def chosen(condition: bool, a: Interval, b: Interval) -> Interval:
+    """a if the condition holds, else b: a select, not a branch."""
+    return Interval(a.mid if condition else b.mid, a.rad if condition else b.rad)
 
 
 @inlined

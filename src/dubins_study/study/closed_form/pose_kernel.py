@@ -30,7 +30,7 @@ from dubins_study.study.closed_form.kernel_math import (
     full_arctangent,
     quarter_turns,
     reduced,
-    sine_cosine_of,
+    sine_cosine,
     upper_arctangent,
 )
 from dubins_study.study.closed_form.pose import WORDS6
@@ -141,17 +141,23 @@ def to_body(
     x: float, y: float, heading: float, tx: float, ty: float, radius: float, final: float
 ) -> tuple[float, float, float, float, float]:
     """The end in the start's frame: X, Y, sine and cosine of its heading, and that in [0, 2 pi)."""
-    rest_a, quarters_a, bits_a = reduced(heading)
-    rest_b, quarters_b, bits_b = reduced(final)
-    sine_a, cosine_a = sine_cosine_of(rest_a, bits_a)
-    sine_b, cosine_b = sine_cosine_of(rest_b, bits_b)
+    sine_a, cosine_a = sine_cosine(heading)
+    sine_b, cosine_b = sine_cosine(final)
     inverse = 1.0 / radius
     dx, dy = (tx - x) * inverse, (ty - y) * inverse
     X, Y = dx * cosine_a + dy * sine_a, dy * cosine_a - dx * sine_a
     sine, cosine = sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
+    return X, Y, sine, cosine, turn_between(heading, final)
+
+
+@inlined
+def turn_between(heading: float, final: float) -> float:
+    """The angle from one heading to another, from 0 to 2 pi; it keeps its digits for large ones."""
+    rest_a, quarters_a, _ = reduced(heading)
+    rest_b, quarters_b, _ = reduced(final)
     quarters = quarters_b - quarters_a
     turn = quarter_turns(quarters - 4.0 * np.floor(0.25 * quarters), rest_b - rest_a)
-    return X, Y, sine, cosine, turn + _TWO_PI if turn < 0.0 else turn
+    return turn + _TWO_PI if turn < 0.0 else turn
 
 
 @inlined
@@ -215,12 +221,12 @@ def _with_straight(
     edges = min(min(abs(left1), abs(right1)), min(abs(left2), abs(right2)))
     squares = min(abs(lsr_square), abs(rsl_square))
     clear = min(runner_up - min(same, crossed), min(edges, squares) - _NEAR)
-    least = min(_least_bound(d_left, turn), _least_bound(d_right, back))
+    least = min(least_bound(d_left, turn), least_bound(d_right, back))
     return t, p, q, word, clear, least
 
 
 @inlined
-def _least_bound(d: float, turn: float) -> float:
+def least_bound(d: float, turn: float) -> float:
     """At most the length of LRL with centres d apart: of p + t + q, where t + q = turn + p."""
     p = _TWO_PI - 0.5 * _PI * d
     return max(p, 2.0 * p + turn - _TWO_PI) if d <= 4.0 else math.inf

@@ -1,0 +1,227 @@
+"""Proven intervals for frames of legs with a final heading: `enclose_pose` in compiled loops.
+
+As `study.check.enclosure_kernel`: an interval holds the lengths of all ends within delta, a row is
+left to `study.check.pose_enclosure` where the arithmetic does not decide on which side of an edge
+all of these ends lie, or where it makes the interval much wider than the lengths are. Nothing is
+taken from the closed form but a bound: RLR and LRL are left out where they cannot be shorter
+(docs/derivation.md, section 15).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
+from dubins_study.study.check.enclosure_kernel import Bounds, bearing, ends_in_units
+from dubins_study.study.check.interval_kernel import (
+    FULL_TURN,
+    GROWTH,
+    SINE_COSINE_ERROR,
+    TINY,
+    Interval,
+    angle_above,
+    chosen,
+    exact,
+    is_signed,
+    minus,
+    negative,
+    over,
+    plus,
+    positive,
+    root,
+    times,
+    widened,
+)
+from dubins_study.study.closed_form.kernel import CHUNK, chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
+from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, least_bound, turn_between
+from dubins_study.study.path import FloatArray
+
+# of `turn_between`, whose two reductions and six roundings are off by 1.6e-15 together
+_TURN_ERROR = 2e-15
+# the bound below which RLR and LRL are left out is computed with less than this error
+_SLACK = 1e-9
+_BEST = -1
+
+
+def bound_pose_rows(legs: PoseArrays, branch: str = "best") -> Bounds:
+    """Enclose the shortest length of every row, but for the rows that are left."""
+    legs = PoseArrays(*map(loop_input, legs))
+    n = legs.x.size
+    bounds = Bounds(np.empty(n), np.empty(n), np.empty(n, np.bool_))
+    _bound_rows(n)(legs, _BEST if branch == "best" else WORDS6.index(branch), bounds)
+    return bounds
+
+
+class _Ends(NamedTuple):
+    """The ends in the start's frame: X, Y, sine and cosine of the heading there, and delta."""
+
+    X: Interval
+    Y: Interval
+    s: Interval
+    c: Interval
+    turn: Interval  # the heading, from 0 to 2 pi
+    delta: float
+
+
+class _Word(NamedTuple):
+    """Bounds of a word's length in radii, and whether it is decided; infinite without a path."""
+
+    low: float
+    high: float
+    decided: bool
+
+
+@inlined
+def _ends(
+    x: float, y: float, heading: float, tx: float, ty: float, radius: float, final: float
+) -> _Ends:
+    sine_a, cosine_a = sine_cosine(heading)
+    sine_b, cosine_b = sine_cosine(final)
+    s1, c1 = Interval(sine_a, SINE_COSINE_ERROR), Interval(cosine_a, SINE_COSINE_ERROR)
+    s2, c2 = Interval(sine_b, SINE_COSINE_ERROR), Interval(cosine_b, SINE_COSINE_ERROR)
+    R = exact(radius)
+    dx, dy = over(minus(exact(tx), exact(x)), R), over(minus(exact(ty), exact(y)), R)
+    distance = abs(dx.mid) + dx.rad + abs(dy.mid) + dy.rad
+    extent = (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
+    delta = (PER_EXTENT * extent + PER_DISTANCE * distance + PER_HEADINGS) * GROWTH + TINY
+    return _Ends(
+        widened(plus(times(dx, c1), times(dy, s1)), delta),
+        widened(minus(times(dy, c1), times(dx, s1)), delta),
+        widened(minus(times(s2, c1), times(c2, s1)), delta),
+        widened(plus(times(c2, c1), times(s2, s1)), delta),
+        Interval(turn_between(heading, final), (_TURN_ERROR + delta) * GROWTH),
+        delta,
+    )
+
+
+@inlined
+def _mirrored(ends: _Ends) -> _Ends:
+    X, Y, s, c, turn, delta = ends
+    return _Ends(X, negative(Y), negative(s), c, minus(FULL_TURN, turn), delta)
+
+
+@inlined
+def _word(length: Interval, decided: bool) -> _Word:
+    return _Word(length.mid - length.rad, length.mid + length.rad, decided)
+
+
+@inlined
+def _wrapped(angle: Interval) -> tuple[Interval, bool]:
+    """An angle between -2 pi and 4 pi as one between 0 and 2 pi, and whether that is decided."""
+    over_ = angle.mid >= FULL_TURN.mid
+    rest = chosen(over_, minus(angle, FULL_TURN), angle)
+    under = rest.mid < 0.0
+    arc = chosen(under, plus(rest, FULL_TURN), rest)
+    return arc, (arc.mid > arc.rad) & (arc.mid + arc.rad < FULL_TURN.mid)
+
+
+@inlined
+def _left_straight_left(ends: _Ends) -> _Word:
+    """LSL: |E - C|, the turn, and a turn more unless S lies between both headings.
+
+    It does if both arcs' sines are not negative; of a turn above pi, if one is.
+    """
+    X, Y, s, c, turn, _ = ends
+    less = minus(c, exact(1.0))
+    x, y = minus(X, s), plus(Y, less)
+    across = plus(minus(times(X, s), times(Y, c)), less)
+    first, last = y.mid > 0.0, across.mid > 0.0
+    between = (first & last) | ((first | last) & (turn.mid > math.pi))
+    straight = root(plus(times(x, x), times(y, y)))
+    length = plus(straight, turn)
+    length = chosen(between, length, plus(length, FULL_TURN))
+    return _word(length, is_signed(y) & is_signed(across))
+
+
+@inlined
+def _left_straight_right(ends: _Ends) -> _Word:
+    X, Y, s, c, turn, _ = ends
+    x, y = plus(X, s), minus(Y, plus(c, exact(1.0)))
+    square = plus(times(x, x), times(minus(y, exact(2.0)), plus(y, exact(2.0))))
+    exists = square.mid > 0.0
+    p = root(Interval(max(square.mid, 0.0), square.rad))
+    rise, run = plus(plus(x, x), times(p, y)), minus(times(p, x), plus(y, y))
+    first, _ = bearing(rise, run)
+    t, first_decided = _wrapped(first)
+    q, last_decided = _wrapped(minus(t, turn))
+    known = is_signed(square) & (first_decided & last_decided | (not exists))
+    # t and q move with p, and with each other: the length is p + 2 t less the turn, and whole turns
+    length = plus(plus(p, t), q)
+    return _Word(
+        length.mid - length.rad if exists else math.inf,
+        length.mid + length.rad if exists else math.inf,
+        known,
+    )
+
+
+@inlined
+def _left_right_left(ends: _Ends) -> _Word:
+    X, Y, s, c, turn, _ = ends
+    x, y = minus(X, s), plus(Y, minus(c, exact(1.0)))
+    square = plus(times(x, x), times(y, y))
+    room = minus(exact(16.0), square)
+    exists = room.mid > 0.0
+    rise = root(Interval(max(room.mid, 0.0), room.rad))
+    # pi / 2 and the angle whose cosine is d / 4
+    half = angle_above(root(square), negative(rise))
+    first, _ = bearing(y, x)
+    t, first_decided = _wrapped(plus(first, half))
+    middle = plus(half, half)
+    arcs = plus(turn, middle)
+    q, last_decided = _wrapped(minus(arcs, t))
+    more = t.mid + q.mid > arcs.mid + math.pi
+    less = t.mid + q.mid < arcs.mid - math.pi
+    both = chosen(more, plus(arcs, FULL_TURN), chosen(less, minus(arcs, FULL_TURN), arcs))
+    length = plus(middle, both)
+    known = is_signed(room) & (first_decided & last_decided | (not exists))
+    return _Word(
+        length.mid - length.rad if exists else math.inf,
+        length.mid + length.rad if exists else math.inf,
+        known,
+    )
+
+
+@inlined
+def _least(a: _Word, b: _Word) -> _Word:
+    return _Word(min(a.low, b.low), min(a.high, b.high), a.decided & b.decided)
+
+
+@inlined
+def _of_form(ends: _Ends, word: int) -> _Word:
+    """The shortest of all, or one of `WORDS6`."""
+    other = _mirrored(ends)
+    if word == _BEST:
+        same = _least(_left_straight_left(ends), _left_straight_left(other))
+        crossed = _least(_left_straight_right(ends), _left_straight_right(other))
+        return _least(_least(same, crossed), _least(_left_right_left(ends), _left_right_left(other)))
+    if word in (1, 3, 4):
+        ends = other
+    if word < 2:
+        return _left_straight_left(ends)
+    if word < 4:
+        return _left_straight_right(ends)
+    return _left_right_left(ends)
+
+
+@threaded
+def _bound_rows(legs: PoseArrays, word: int, bounds: Bounds) -> None:
+    x, y, heading, tx, ty, radius, final = legs
+    low, high, left = bounds
+    for chunk in numba.prange(chunks(x.size)):
+        begin, end = chunk_bounds(chunk, x.size)
+        for i in range(begin, end):
+            ends = _ends(x[i], y[i], heading[i], tx[i], ty[i], radius[i], final[i])
+            found = _of_form(ends, word)
+            middle = 0.5 * (found.low + found.high)
+            length = Interval(middle, (0.5 * (found.high - found.low)) * GROWTH + TINY)
+            length = Interval(math.inf, 0.0) if found.low == math.inf else length
+            low[i], high[i], useful = ends_in_units(length, radius[i], ends.delta)
+            sound = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
+            left[i] = not (found.decided & useful & sound)
