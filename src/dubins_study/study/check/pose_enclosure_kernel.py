@@ -113,13 +113,16 @@ def _word(length: Interval, decided: bool) -> _Word:
 
 
 @inlined
-def _wrapped(angle: Interval) -> tuple[Interval, bool]:
-    """An angle between -2 pi and 4 pi as one between 0 and 2 pi, and whether that is decided."""
-    over_ = angle.mid >= FULL_TURN.mid
-    rest = chosen(over_, minus(angle, FULL_TURN), angle)
-    under = rest.mid < 0.0
-    arc = chosen(under, plus(rest, FULL_TURN), rest)
-    return arc, (arc.mid > arc.rad) & (arc.mid + arc.rad < FULL_TURN.mid)
+def _wrapped(angle: Interval, spread: float) -> tuple[Interval, bool]:
+    """An angle from -2 pi to 4 pi as one between 0 and 2 pi, and whether that is decided.
+
+    It is if no angle at most `spread` away would need other turns.
+    """
+    beyond = angle.mid >= FULL_TURN.mid
+    rest = chosen(beyond, minus(angle, FULL_TURN), angle)
+    arc = chosen(rest.mid < 0.0, plus(rest, FULL_TURN), rest)
+    most = (arc.rad + spread) * GROWTH
+    return arc, (arc.mid > most) & (arc.mid + most < FULL_TURN.mid)
 
 
 @inlined
@@ -146,14 +149,17 @@ def _left_straight_right(ends: _Ends) -> _Word:
     x, y = plus(X, s), minus(Y, plus(c, exact(1.0)))
     square = plus(times(x, x), times(minus(y, exact(2.0)), plus(y, exact(2.0))))
     exists = square.mid > 0.0
-    p = root(Interval(max(square.mid, 0.0), square.rad))
+    straight = root(Interval(max(square.mid, 0.0), square.rad))
+    # S as if its length were the double: it moves the first arc by half as much at most, and
+    # the sum of both arcs and S, which is p - 2 atan(p / 2) and what p is not in, by little
+    p, most = exact(straight.mid), straight.mid + straight.rad
     rise, run = plus(plus(x, x), times(p, y)), minus(times(p, x), plus(y, y))
     first, _ = bearing(rise, run)
-    t, first_decided = _wrapped(first)
-    q, last_decided = _wrapped(minus(t, turn))
+    t, first_decided = _wrapped(first, straight.rad)
+    q, last_decided = _wrapped(minus(t, turn), straight.rad)
     known = is_signed(square) & (first_decided & last_decided | (not exists))
-    # t and q move with p, and with each other: the length is p + 2 t less the turn, and whole turns
-    length = plus(plus(p, t), q)
+    spread = straight.rad * min(1.0, 0.25 * most * most) * GROWTH
+    length = widened(plus(plus(p, t), q), spread)
     return _Word(
         length.mid - length.rad if exists else math.inf,
         length.mid + length.rad if exists else math.inf,
@@ -172,10 +178,10 @@ def _left_right_left(ends: _Ends) -> _Word:
     # pi / 2 and the angle whose cosine is d / 4
     half = angle_above(root(square), negative(rise))
     first, _ = bearing(y, x)
-    t, first_decided = _wrapped(plus(first, half))
+    t, first_decided = _wrapped(plus(first, half), 0.0)
     middle = plus(half, half)
     arcs = plus(turn, middle)
-    q, last_decided = _wrapped(minus(arcs, t))
+    q, last_decided = _wrapped(minus(arcs, t), 0.0)
     more = t.mid + q.mid > arcs.mid + math.pi
     less = t.mid + q.mid < arcs.mid - math.pi
     both = chosen(more, plus(arcs, FULL_TURN), chosen(less, minus(arcs, FULL_TURN), arcs))
