@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form import pose
-from dubins_study.study.closed_form.kernel import CHUNK, NO_PATH, CodeArray, chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel import NO_PATH, CodeArray
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
@@ -64,6 +64,9 @@ class PoseRows(NamedTuple):
         return cls(*(np.empty(n) for _ in range(4)), np.empty(n, np.uint8))
 
 
+# rows: what a block reads and writes stays in the first-level cache, and a chunk has one scratch
+_BLOCK, _CHUNK = 512, 4096
+Scratch = tuple[FloatArray, ...]  # arrays of a block, the last one of integers
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
 # at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
@@ -72,6 +75,9 @@ _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
 _NEAR = 1e-6
 # Below this 16 - d^2 the length of RLR or LRL changes by more than 5 per shift of the end.
 _STEEP = 0.7
+
+# chords of acos(d / 4) through d = 0, 3 and 4: from the first, its fall, and four times the last's
+_CHORD = (math.pi / 2, (math.pi / 2 - math.acos(0.75)) / 3.0, 4.0 * math.acos(0.75))
 
 for _called in pose.CALLED:
     register_jitable(_called)
@@ -227,9 +233,14 @@ def _with_straight(
 
 @inlined
 def least_bound(d: float, turn: float) -> float:
-    """At most the length of LRL with centres d apart: of p + t + q, where t + q = turn + p."""
-    p = _TWO_PI - 0.5 * _PI * d
-    return max(p, 2.0 * p + turn - _TWO_PI) if d <= 4.0 else math.inf
+    """At most the length of LRL with centres d apart: p + t + q, where t + q = turn + p - 2 pi k.
+
+    The middle arc p = pi + 2 acos(d / 4) is above pi and twice two chords of the arccosine, and
+    below 2 pi - d / 2; k is 0 for a turn so small that t + q would be negative.
+    """
+    p = _PI + 2.0 * min(_CHORD[0] - _CHORD[1] * d, _CHORD[2] - 0.25 * _CHORD[2] * d)
+    whole = 0.0 if turn < 0.5 * d else _TWO_PI
+    return max(p, 2.0 * p + (turn - whole)) if d <= 4.0 else math.inf
 
 
 @inlined
@@ -273,33 +284,32 @@ def _curves_only(
 
 
 @inlined
-def _best_chunk(chunk: int, legs: PoseArrays, rows: PoseRows) -> int:
-    """One chunk: into the frame, then the words with a straight, then RLR and LRL where they count.
+def _best_block(begin: int, end: int, legs: PoseArrays, rows: PoseRows, scratch: Scratch) -> int:
+    """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
 
     Returns how many rows are left: delicate ones, and those without a finite length.
     """
     x, y, heading, tx, ty, radius, final = legs
-    length, first, middle, last, word = rows
-    X, Y, sine, cosine = np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK)
-    turn, best, least = np.empty(CHUNK), np.empty(CHUNK), np.empty(CHUNK)
-    low, high = chunk_bounds(chunk, x.size)
-    n = high - low
+    length, _, _, _, _ = rows
+    X, Y, sine, cosine, turn, best, least, waiting = scratch
+    low, n = np.uint64(begin), np.uint64(end - begin)
     left = 0
     for j in range(n):
         i = low + j
-        X[j], Y[j], sine[j], cosine[j], turn[j] = to_body(
+        X[j], Y[j], sine[j], cosine[j], angle = to_body(
             x[i], y[i], heading[i], tx[i], ty[i], radius[i], final[i]
         )
+        reducible = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
+        turn[j] = angle if reducible else math.nan
+        left += not reducible
     for j in range(n):
         i = low + j
         t, p, q, code, clear, least[j] = _with_straight(X[j], Y[j], sine[j], cosine[j], turn[j])
         best[j] = t + p + q
-        sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
-        sound &= (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
         _write(i, t, p, q, code, radius[i], rows)
+        sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
         length[i] = length[i] if sound else math.nan
         left += not (length[i] <= _LARGEST)
-    waiting = np.empty(CHUNK, np.int64)
     count = 0
     for j in range(n):
         waiting[count] = j
@@ -308,11 +318,12 @@ def _best_chunk(chunk: int, legs: PoseArrays, rows: PoseRows) -> int:
         j = waiting[k]
         X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
         turn[k], best[k] = turn[j], best[j]
-    for k in range(count):
+    # to a whole number of vectors: what is left over would be done one by one
+    for k in range(min((count + 15) // 16 * 16, _BLOCK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear
     for k in range(count):
-        i = low + waiting[k]
+        i = low + np.uint64(waiting[k])
         if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
             length[i] = math.nan
             left += 1
@@ -330,9 +341,16 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 
 @threaded
 def _best_rows(legs: PoseArrays, rows: PoseRows) -> None:
-    for chunk in numba.prange(chunks(legs.x.size)):
-        if _best_chunk(chunk, legs, rows):
-            low, high = chunk_bounds(chunk, legs.x.size)
-            for i in range(low, high):
-                if not rows.length[i] <= _LARGEST:
-                    _exactly(i, -1, legs, rows)
+    n = legs.x.size
+    for chunk in numba.prange((n + _CHUNK - 1) // _CHUNK):
+        scratch = (
+            *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK)),
+            *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK, np.int64)),
+        )
+        last = min((chunk + 1) * _CHUNK, n)
+        for begin in range(chunk * _CHUNK, last, _BLOCK):
+            end = min(begin + _BLOCK, last)
+            if _best_block(begin, end, legs, rows, scratch):
+                for i in range(begin, end):
+                    if not rows.length[i] <= _LARGEST:
+                        _exactly(i, -1, legs, rows)
