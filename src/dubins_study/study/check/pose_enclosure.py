@@ -111,7 +111,7 @@ def _cells(ends: _Ends) -> Iterator[_Signs]:
 
 
 def _square(x: arb, y: arb) -> arb:
-    return x**2 + y**2
+    return x * x + y * y
 
 
 def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
@@ -126,28 +126,31 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
         if not signs.reach_lsr:
             return []
         x, y = X + s, Y - c - 1
-        p = (x**2 + (y - 2) * (y + 2)).nonnegative_part().sqrt()
+        p = (x * x + (y - 2) * (y + 2)).nonnegative_part().sqrt()
         first = _direction(x, y) + arb.pi() / 2 - (p / 2).atan()
-        base = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
+        length = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
         left = signs.start_right if x > 0 else None
         right = not signs.end_left if forward > 0 else None
-        return _with_turns(base, first, left, first - turn, right)
+        return _with_turns(length, 2 * first - turn, first, left, first - turn, right)
     x, y = X - s, Y + c - 1
     d, first = _square(x, y).nonnegative_part().sqrt(), _direction(x, y)
     if word == "LSL":
         left = signs.start_left if x > 0 else None
         right = signs.end_left if forward > 0 else None
-        return _with_turns(d + turn, first, left, turn - first, right)
+        return _with_turns(d + turn, turn, first, left, turn - first, right)
     if not signs.reach_lrl:
         return []
     half = arb.pi() - _quarter_arcsine(d)
     left = not signs.reach_rsl if x < 0 else None
     right = not signs.reach_lsr if forward < 0 else None
-    return _with_turns(turn + 4 * half, first + half, left, turn - first + half, right)
+    arcs, rest = turn + 2 * half, turn - first + half
+    return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
 
 
 def _direction(x: arb, y: arb) -> arb:
-    """An angle of (x, y), whatever its turns."""
+    """An angle of (x, y), whatever its turns; any angle where that may be the origin."""
+    if not (x < 0 or x > 0 or y < 0 or y > 0):
+        return arb(0, 4)
     return arb.atan2(y, x) if x.mid() >= 0 else arb.pi() + arb.atan2(-y, -x)
 
 
@@ -164,11 +167,13 @@ def _quarter_arcsine(d: arb) -> arb:
 
 
 def _with_turns(
-    base: arb, first: arb, left: bool | None, last: arb, right: bool | None
+    length: arb, arcs: arb, first: arb, left: bool | None, last: arb, right: bool | None
 ) -> list[arb]:
-    """The length `base` and the turns that bring both outer arcs to [0, 2 pi)."""
+    """The length and the turns that bring both outer arcs, and so their sum `arcs`, to [0, 2 pi)."""
+    turn = 2 * arb.pi()
     turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
-    return [base + 2 * m * arb.pi() for m in sorted(turns)]
+    possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]
+    return [length + m * turn for m in possible]
 
 
 def _turns(angle: arb, positive: bool | None) -> list[int]:

@@ -206,7 +206,9 @@ def _of_form(ends: _Ends, word: int) -> _Word:
     if word == _BEST:
         same = _least(_left_straight_left(ends), _left_straight_left(other))
         crossed = _least(_left_straight_right(ends), _left_straight_right(other))
-        return _least(_least(same, crossed), _least(_left_right_left(ends), _left_right_left(other)))
+        return _least(
+            _least(same, crossed), _least(_left_right_left(ends), _left_right_left(other))
+        )
     if word in (1, 3, 4):
         ends = other
     if word < 2:

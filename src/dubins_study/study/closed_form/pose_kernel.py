@@ -244,9 +244,7 @@ def least_bound(d: float, turn: float) -> float:
 
 
 @inlined
-def _three_arcs(
-    x1: float, y1: float, turn: float
-) -> tuple[float, float, float, float, float]:
+def _three_arcs(x1: float, y1: float, turn: float) -> tuple[float, float, float, float, float]:
     """LRL: t, p, q, how far an arc is from vanishing, and 16 - d^2, negative where it has no path.
 
     Here (x1, y1) is the last arc's centre seen from the first one's, and d its distance.
