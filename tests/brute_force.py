@@ -55,6 +55,46 @@ def _two_arcs(X: float, Y: float) -> float:
     return best
 
 
+def pose_words_by_search(X: float, Y: float, heading: float) -> dict[str, float]:
+    """The least length of each word to a pose; infinite where it has no path.
+
+    The middle arc of RLR and LRL is pi or more.
+    """
+    left = {word: _to_pose(word, X, Y, heading) for word in ("LSL", "LSR", "LRL")}
+    mirrored = str.maketrans("LR", "RL")
+    right = {word.translate(mirrored): _to_pose(word, X, -Y, -heading) for word in left}
+    return left | right
+
+
+def _to_pose(word: str, X: float, Y: float, heading: float) -> float:
+    """A word that begins with L: the least over the first arcs after which the rest fits."""
+    last = 1 if word[2] == "L" else -1
+    x, y = X - last * math.sin(heading), Y + last * math.cos(heading)  # the last circle's centre
+
+    def off(t: Array) -> Array:
+        if word[1] == "S":  # how far the line is from touching the last circle
+            across = np.cos(t) * (y - 1 + np.cos(t)) - np.sin(t) * (x - np.sin(t))
+            return across - last
+        return np.hypot(x - 2 * np.sin(t), y - 1 + 2 * np.cos(t)) - 2
+
+    best = math.inf
+    for t in _zeros(off):
+        if word[1] == "S":
+            middle = math.cos(t) * (x - math.sin(t)) + math.sin(t) * (y - 1 + math.cos(t))
+            if middle < 0:
+                continue
+            rest = last * (heading - t) % (2 * math.pi)
+        else:
+            x2, y2 = 2 * math.sin(t), 1 - 2 * math.cos(t)  # of the middle circle
+            begin, end = math.atan2(1 - y2, -x2), math.atan2(y - y2, x - x2)
+            middle = (begin - end) % (2 * math.pi)
+            if middle < math.pi:
+                continue
+            rest = (heading - t + middle) % (2 * math.pi)
+        best = min(best, t + middle + rest)
+    return best
+
+
 def _zeros(function: Callable[[Array], Array]) -> list[float]:
     """Where a function of an angle in [0, 2 pi] changes its sign, bisected."""
     values = function(_GRID)

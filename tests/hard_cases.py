@@ -48,3 +48,46 @@ def _target(rng: np.random.Generator, kind: int) -> tuple[float, float]:
         X, Y = sign * 10 ** rng.uniform(0, 9, 2)
         return X, Y
     return tuple(rng.choice([0.0, 1, 2, -1, -2, 0.5], 2))  # round numbers
+
+
+def hard_poses(n: int, seed: int = 0) -> pd.DataFrame:
+    """n legs with a final heading, at the ends of driven paths whose segments are edges or random.
+
+    Two thirds are then moved by 1e-16 to 1e-2 radii. Columns: those of `PoseArrays`.
+    """
+    rng = np.random.default_rng(seed)
+    return pd.DataFrame([_hard_pose(rng, row) for row in range(n)])
+
+
+_ARCS = (0.0, 0.0, math.pi / 2, math.pi, 2 * math.pi, 1e-9, 2 * math.pi - 1e-9)
+_TURNS = ((1, 0, 1), (-1, 0, -1), (1, 0, -1), (-1, 0, 1), (-1, 1, -1), (1, -1, 1))
+
+
+def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
+    x, y, heading = 0.0, 0.0, 0.0
+    for turn in _TURNS[row % 6]:
+        length = rng.choice(_ARCS) if rng.random() < 0.5 else rng.uniform(0, 2 * math.pi)
+        if turn == 0:
+            length = rng.choice((0.0, 1e-9, 1.0, 2.0, 4.0, 10 ** rng.uniform(-3, 3)))
+        half = turn * length / 2
+        chord = length * np.sinc(half / math.pi)
+        x, y = x + chord * math.cos(heading + half), y + chord * math.sin(heading + half)
+        heading += turn * length
+    if row % 7 == 0:  # round numbers
+        x, y, heading = (*rng.choice([0.0, 1, 2, -1, -2, 4, 0.5], 2), rng.choice([0, 0.5, 1, -0.5]))
+        heading *= math.pi
+    if row % 3:
+        x, y, heading = np.array([x, y, heading]) + rng.choice([-1, 0, 1], 3) * 10 ** rng.uniform(
+            -16, -2, 3
+        )
+    R, start = 10 ** rng.uniform(-3, 3), rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
+    x0, y0 = rng.uniform(-5, 5, 2) * R * (row % 2)
+    return {
+        "x": x0,
+        "y": y0,
+        "heading": start,
+        "target_x": x0 + R * (x * math.cos(start) - y * math.sin(start)),
+        "target_y": y0 + R * (x * math.sin(start) + y * math.cos(start)),
+        "radius": R,
+        "final_heading": start + heading,
+    }

@@ -130,7 +130,9 @@ def word_in_body(
 
 
 # In these three (x1, y1) is the last arc's centre seen from the first one's, in the start's frame,
-# and (x2, y2) the same in the frame in which the path driven backwards is a path of such a word.
+# and (x2, y2) the same in the frame in which the path driven backwards is a path of such a word. It
+# is the same vector, turned: where the centres are close and both arcs are little known, their sum
+# still is.
 
 
 def _left_straight_left(
@@ -138,7 +140,7 @@ def _left_straight_left(
 ) -> tuple[float, float, float]:
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
-    x2, y2 = X * c + Y * s - s, X * s - Y * c + (c - 1.0)
+    x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c
     if abs(y1) <= half and x1 >= -half:
         return 0.0, max(x1, 0.0), _turn(math.atan2(s, c), half)
     if abs(y2) <= half and x2 >= -half:
@@ -152,7 +154,7 @@ def _left_straight_right(
 ) -> tuple[float, float, float]:
     half = 0.5 * delta
     x1, y1 = X + s, Y - (c + 1.0)
-    x2, y2 = X * c + Y * s - s, Y * c - X * s - (c + 1.0)
+    x2, y2 = x1 * c + y1 * s, y1 * c - x1 * s
     square = x1 * x1 + (y1 - 2.0) * (y1 + 2.0)
     if square < -2.0 * delta:
         return math.nan, math.nan, math.nan
@@ -172,7 +174,7 @@ def _left_right_left(
 ) -> tuple[float, float, float]:
     half = 0.5 * delta
     x1, y1 = X - s, Y + (c - 1.0)
-    x2, y2 = X * c + Y * s - s, X * s - Y * c + (c - 1.0)
+    x2, y2 = x1 * c + y1 * s, x1 * s - y1 * c
     d = math.hypot(x1, y1)
     if d > 4.0 + half:
         return math.nan, math.nan, math.nan

@@ -196,8 +196,9 @@ def _with_straight(
     RLR or LRL is shorter than the bound, by asin(u) <= pi u / 2.
     """
     back = _TWO_PI - turn
-    along, across = X * c + Y * s - s, X * s - Y * c
-    left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)  # of the last centre beside the first: LSL, RSR
+    across = X * s - Y * c
+    # how far the last centre is to the side of the first: LSL, RSR, and seen from the end
+    left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)
     left2, right2 = across + (c - 1.0), -across + (c - 1.0)
     x_left, x_right = X - s, X + s
     square_left, square_right = x_left * x_left + left1 * left1, x_right * x_right + right1 * right1

@@ -1,0 +1,319 @@
+"""One leg with a final heading: the six words against search, peers, symmetries and differences."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from brute_force import integrated, pose_words_by_search
+from hard_cases import hard_poses
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from dubins_study.study.body_coordinates import EPS, Local
+from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.closed_form.kernel import NO_PATH
+from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.closed_form.pose import (
+    WORDS6,
+    leg,
+    pose_delta,
+    pose_gradient,
+    pose_path,
+    pose_segments,
+    pose_shortest,
+    shortest_to_pose,
+)
+from dubins_study.study.closed_form.pose_kernel import PoseRows, pose_rows
+from dubins_study.study.closed_form.shortest import shortest_local
+from dubins_study.study.scenario import Pose
+
+START = Pose(0, 0, 0)
+angles = st.floats(-math.pi, math.pi)
+
+
+def arrays(n: int, seed: int = 0) -> list[np.ndarray]:
+    """n hard legs in the order of `PoseArrays`."""
+    frame = hard_poses(n, seed)
+    return [frame[name].to_numpy() for name in frame]
+
+
+def random_arrays(n: int, seed: int) -> list[np.ndarray]:
+    """n legs from the origin with R = 1, ends up to 30 radii away at every scale from 0.03."""
+    rng = np.random.default_rng(seed)
+    size = 10 ** rng.uniform(-1.5, 1.5, n)
+    x, y = size * rng.uniform(-1, 1, (2, n))
+    heading, final = rng.uniform(-math.pi, math.pi, (2, n))
+    return [np.zeros(n), np.zeros(n), heading, x, y, np.ones(n), final]
+
+
+def poses_of(row: tuple[float, ...]) -> tuple[Pose, Pose, float]:
+    x, y, heading, tx, ty, radius, final = row
+    return Pose(x, y, heading), Pose(tx, ty, final), radius
+
+
+def test_every_word_against_a_search():
+    """In 200 random legs: on a grid of the first arc, bisected."""
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        size = rng.choice([1, 3, 8])
+        X, Y, heading = rng.uniform(-size, size), rng.uniform(-size, size), rng.uniform(-3, 3)
+        expected = pose_words_by_search(X, Y, heading)
+        for index, word in enumerate(WORDS6):
+            total = sum(pose_segments(X, Y, 0.0, heading, index, 0.0))
+            assert (math.inf if math.isnan(total) else total) == pytest.approx(
+                expected[word], abs=1e-9
+            ), (X, Y, heading, word)
+
+
+def test_paths_arrive():
+    """Driven by an integrator at 1e-12, every word of 40 hard legs ends at its pose."""
+    for row in zip(*arrays(40, seed=4), strict=True):
+        start, end, radius = poses_of(row)
+        for word in WORDS6:
+            path = pose_path(start, end, radius, word)
+            if path is not None and path.total_length < 30 * radius:
+                x, y, heading = integrated(path, radius)
+                off = math.hypot(x - end.x, y - end.y) / radius
+                assert off < 1e-7, (row, word)
+                assert abs(math.remainder(heading - end.heading, 2 * math.pi)) < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("end", "words", "length"),
+    [
+        ((0, 0, 0), ("",), 0.0),
+        ((3, 0, 0), ("S",), 3.0),
+        ((4, 0, 0), ("S",), 4.0),
+        ((4, 0, 2 * math.pi), ("S",), 4.0),
+        ((math.sin(0.3), 1 - math.cos(0.3), 0.3), ("L",), 0.3),
+        ((0, 2, math.pi), ("L", "LS"), math.pi),
+        ((2, 2, 0), ("LR",), math.pi),
+        ((0, 4, 0), ("LR",), 2 * math.pi),
+        ((-3, 0, 0), ("LSL", "RSR"), 3 + 2 * math.pi),
+        ((0, 0, math.pi), ("RLR", "LRL"), 7 * math.pi / 3),
+    ],
+)
+def test_edges_known_in_advance(end, words, length):
+    """Straight, one arc, two arcs without S, equal points, ties; 7 pi / 3 turns on the spot."""
+    found = shortest_to_pose(START, Pose(*end), 1.0)
+
+    assert found.words == words
+    assert found.word == words[0]
+    assert found.total == pytest.approx(length, abs=2e-15 * (1 + length))
+
+
+@pytest.mark.parametrize("moved", [0.0, 4e-16, -4e-16])
+@pytest.mark.parametrize("axis", range(3))
+def test_an_arc_that_rounding_hides_is_nothing(moved, axis):
+    """A target that was computed to be straight ahead, or on an arc, is reached without a turn."""
+    for end in ((3.0, 0.0, 0.0), (math.sin(0.3), 1 - math.cos(0.3), 0.3), (2.0, 2.0, 0.0)):
+        exact = shortest_to_pose(START, Pose(*end), 1.0)
+        shifted = list(end)
+        shifted[axis] += moved
+        found = shortest_to_pose(START, Pose(*shifted), 1.0)
+        assert found.total == pytest.approx(exact.total, abs=1e-14)
+
+
+def test_beyond_the_reach_of_a_word_there_is_none():
+    """LSR where the circles are less than 2 apart, LRL where they are more than 4: by 1e-12."""
+    for sign in (-1, 1):
+        x = math.sqrt(4 - 1)
+        near = shortest_to_pose(START, Pose(x + sign * 1e-12, 3, 0), 1.0, "LSR")
+        far = shortest_to_pose(START, Pose(4 + sign * 1e-12, 0, 0), 1.0, "LRL")
+        assert (near is None, far is None) == (sign < 0, sign > 0)
+    edge = shortest_to_pose(START, Pose(4, 0, 0), 1.0, "LRL")
+    assert edge.segments == pytest.approx((math.pi / 2, math.pi, math.pi / 2), abs=1e-15)
+
+
+def test_a_word_of_one_circle_is_one_arc():
+    """LRL from a circle to itself takes a full middle turn; LSL is the arc alone."""
+    end = Pose(math.sin(2), 1 - math.cos(2), 2)
+
+    assert shortest_to_pose(START, end, 1.0, "LSL").segments == pytest.approx((0, 0, 2), abs=1e-15)
+    assert shortest_to_pose(START, end, 1.0, "LRL").total == pytest.approx(2 + 2 * math.pi)
+
+
+@pytest.mark.parametrize("target", [(3, 1), (-2, 0.5), (0.3, 1.2), (-0.5, -1.2), (0, 1), (-5, -4)])
+def test_the_free_final_heading_is_the_least_over_final_headings(target):
+    """Against the closed form of the free heading, on a grid refined once: 1e-8 relative.
+
+    The length is quadratic or kinked about its least, and the fine step is 3e-8 rad.
+    """
+    headings = np.linspace(-math.pi, math.pi, 20_001)
+    for _ in range(2):
+        one = np.ones(headings.size)
+        columns = (0 * one, 0 * one, 0 * one, target[0] * one, target[1] * one, one, headings)
+        length = pose_rows(*columns).length
+        best = headings[length.argmin()]
+        headings = best + np.linspace(-1, 1, 20_001) * (headings[1] - headings[0])
+
+    assert length.min() == pytest.approx(shortest_local(Local(*target, 1e-15)).total, rel=1e-8)
+
+
+@given(x=st.floats(-8, 8), y=st.floats(-8, 8), a=angles, b=angles, turn=angles)
+def test_symmetries(x, y, a, b, turn):
+    """Mirror image, turn, shift, scale and reversal in time leave the shortest length.
+
+    Where it does not jump within the data's rounding, which the enclosure says.
+    """
+    start, end = Pose(0, 0, a), Pose(x, y, b)
+    found = enclose_pose(start, end, 1.0)
+    assume(found.high - found.low < 1e-9)
+    expected = shortest_to_pose(start, end, 1.0).total
+    cosine, sine = math.cos(turn), math.sin(turn)
+    turned = Pose(x * cosine - y * sine, x * sine + y * cosine, b + turn)
+    images: list[tuple[Pose, Pose, float]] = [
+        (Pose(0, 0, -a), Pose(x, -y, -b), 1.0),
+        (Pose(0, 0, a + turn), turned, 1.0),
+        (Pose(3, -7, a), Pose(x + 3, y - 7, b), 1.0),
+        (Pose(0, 0, a), Pose(8 * x, 8 * y, b), 8.0),
+        (Pose(x, y, b + math.pi), Pose(0, 0, a + math.pi), 1.0),
+    ]
+    for image in images:
+        assert shortest_to_pose(*image).total == pytest.approx(expected, abs=2e-9)
+
+
+def test_derivatives_by_both_headings():
+    """Central differences of every word, where none of its arcs is next to nothing: 1e-6.
+
+    The step of 1e-6 leaves h^2 / 6 times the third derivative and 1e-15 / h of rounding.
+    """
+    rng = np.random.default_rng(5)
+    h, compared = 1e-6, 0
+    for _ in range(300):
+        x, y, a, b = *rng.uniform(-4, 4, 2), *rng.uniform(-3, 3, 2)
+        for word in range(6):
+            t, p, q = pose_segments(x, y, a, b, word, 0.0)
+            arcs = (t, q) if word < 4 else (t, q, p - math.pi)
+            if math.isnan(t) or min(*arcs, 2 * math.pi - t, 2 * math.pi - q) < 0.1 or p < 0.1:
+                continue
+
+            def length(a: float, b: float, word: int = word, x: float = x, y: float = y) -> float:
+                return sum(pose_segments(x, y, a, b, word, 0.0))
+
+            by_a = (length(a + h, b) - length(a - h, b)) / (2 * h)
+            by_b = (length(a, b + h) - length(a, b - h)) / (2 * h)
+            assert pose_gradient(word, t, p, q) == pytest.approx((by_a, by_b), abs=1e-6)
+            compared += 1
+    assert compared > 800
+
+
+def test_rows_are_the_scalar_form():
+    """Of random legs the word, and the length to 20 EPS of it or of R; of hard ones too.
+
+    Where both choose another of two words they are as long as each other.
+    """
+    for columns in (random_arrays(5_000, seed=6), arrays(3_000, seed=6)):
+        rows = pose_rows(*columns)
+        for i, row in enumerate(zip(*columns, strict=True)):
+            length, word, *segments = pose_shortest(*leg(*poses_of(row)))
+            radius = row[5]
+            assert abs(rows.length[i] / radius - length) <= 20 * EPS * max(length, 1.0), row
+            assert rows.word[i] == word, row
+            found = np.array([rows.first[i], rows.middle[i], rows.last[i]]) / radius
+            np.testing.assert_allclose(found, segments, atol=1e-7)
+
+
+@pytest.mark.parametrize("word", WORDS6)
+def test_rows_of_a_word_are_the_scalar_form(word):
+    columns = arrays(500, seed=7)
+    rows = pose_rows(*columns, branch=word)
+    for i, row in enumerate(zip(*columns, strict=True)):
+        found = shortest_to_pose(*poses_of(row), word)
+        assert (rows.word[i] == NO_PATH) == (found is None)
+        if found is not None:
+            assert rows.length[i] / row[5] == pytest.approx(found.total, abs=1e-12)
+
+
+def test_threads_and_vectors_do_not_change_a_bit():
+    data = arrays(700)
+    threaded = pose_rows(*(np.tile(column, SMALL // 700 + 2) for column in data))
+    alone = pose_rows(*data)
+
+    for a, b in zip(threaded, alone, strict=True):
+        np.testing.assert_array_equal(a[700:1400], b)
+    for i in range(0, 700, 7):
+        single = pose_rows(*(column[i : i + 1] for column in data))
+        assert [a[0] for a in single] == [a[i] for a in alone]
+
+
+def test_bad_rows_yield_nan_and_bad_shapes_are_refused():
+    one = np.ones(4)
+    x, radius = np.array([0.0, np.nan, np.inf, 0.0]), np.array([1.0, 1, 1, -1])
+    rows = pose_rows(x, one, one, 3 * one, one, radius, one)
+
+    np.testing.assert_array_equal(rows.word == NO_PATH, [False, True, True, True])
+    np.testing.assert_array_equal(np.isnan(rows.length), [False, True, True, True])
+    with pytest.raises(ValueError, match=r"shape \(3,\); expected \(4,\)"):
+        pose_rows(x, one, one, one, one, radius, one, out=PoseRows.empty(3))
+    with pytest.raises(ValueError, match="no branch 'LS'"):
+        pose_rows(x, one, one, one, one, radius, one, branch="LS")
+
+
+def test_large_headings_keep_their_digits():
+    """Beside 1e8 whole turns' worth of heading, as doubles hold them."""
+    for turns in (1e3, 1e8):
+        start, end = Pose(0, 0, 1 + turns), Pose(2, 3, 2 + turns)
+        found = enclose_pose(start, end, 1.0)
+        columns = ([0.0], [0.0], [start.heading], [2.0], [3.0], [1.0], [end.heading])
+        for length in (shortest_to_pose(start, end, 1.0).total, pose_rows(*columns).length[0]):
+            assert found.holds(length, 0.0)
+
+
+def test_one_leg_does_not_load_numba():
+    program = "import sys; from dubins_study.study.closed_form import pose; "
+    program += "pose.pose_shortest(1, 2, 0, 1, 0); sys.exit('numba' in sys.modules)"
+
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def peer_lengths(name: str, columns: list[np.ndarray]) -> np.ndarray:
+    """The peer's shortest lengths; R = 1 and starts at the origin."""
+    module: Any = pytest.importorskip({"ompl": "ompl.base"}.get(name, name))
+    rows = zip(*(columns[k].tolist() for k in (2, 3, 4, 6)), strict=True)
+    if name == "dubins":
+        return np.array(
+            [module.shortest_path((0, 0, a), (x, y, b), 1.0).path_length() for a, x, y, b in rows]
+        )
+    space = module.DubinsStateSpace(1.0)
+    start, end = space.allocState(), space.allocState()
+    start.setX(0.0)
+    start.setY(0.0)
+    lengths = []
+    for a, x, y, b in rows:
+        start.setYaw(a)
+        end.setX(x)
+        end.setY(y)
+        end.setYaw(b)
+        lengths.append(space.distance(start, end))
+    return np.array(lengths)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ompl", "dubins"])
+def test_a_million_random_legs_against_a_peer(name):
+    """To 1e-12 of the length or of R. Where they differ, balls say that the peer is wrong.
+
+    OMPL takes arcs below 1e-6 for nothing, and is then off by up to 1e-6.
+    """
+    columns = random_arrays(1_000_000, seed=5)
+    theirs, ours = peer_lengths(name, columns), pose_rows(*columns).length
+    other = np.flatnonzero(~(abs(theirs - ours) <= 1e-12 * np.maximum(ours, 1.0)))
+
+    assert other.size <= 20
+    for i in other:
+        found = enclose_pose(*poses_of(tuple(column[i] for column in columns)))
+        assert found.holds(ours[i], 0.0)
+        assert not found.holds(theirs[i], 0.0)
+        assert abs(theirs[i] - ours[i]) < 2e-6
+
+
+def test_the_uncertainty_grows_with_the_distance_from_the_origin():
+    near, far = leg(START, Pose(1, 1, 0), 1.0), leg(Pose(1e6, 0, 0), Pose(1e6 + 1, 1, 0), 1.0)
+
+    assert pose_delta(0.0, 0.0) < near.delta < 1e-14 < far.delta < 1e-8
