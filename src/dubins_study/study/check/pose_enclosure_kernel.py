@@ -31,17 +31,15 @@ from dubins_study.study.check.interval_kernel import (
     negative,
     over,
     plus,
-    positive,
     root,
     times,
     widened,
 )
-from dubins_study.study.closed_form.kernel import CHUNK, chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel import chunk_bounds, chunks
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
-from dubins_study.study.closed_form.pose_kernel import PoseArrays, least_bound, turn_between
-from dubins_study.study.path import FloatArray
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, turn_between
 
 # of `turn_between`, whose two reductions and six roundings are off by 1.6e-15 together
 _TURN_ERROR = 2e-15

@@ -1,0 +1,206 @@
+"""Proven intervals of legs with a final heading: in balls, and in the compiled loops of frames."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pandas as pd
+import pytest
+from hard_cases import hard_poses
+
+from dubins_study.study.check.enclosure_kernel import Bounds
+from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
+from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
+from dubins_study.study.closed_form.pose import WORDS6, leg, shortest_to_pose
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows
+from dubins_study.study.scenario import Pose
+
+BRANCHES = ("best", *WORDS6)
+START = Pose(0, 0, 0)
+
+
+def poses_of(row: pd.Series) -> tuple[Pose, Pose, float]:
+    x, y, heading, tx, ty, radius, final = map(float, row)
+    return Pose(x, y, heading), Pose(tx, ty, final), radius
+
+
+def bounded(frame: pd.DataFrame, branch: str) -> Bounds:
+    return bound_pose_rows(PoseArrays(*(frame[name].to_numpy() for name in frame)), branch)
+
+
+def textbook(X: mp.mpf, Y: mp.mpf, heading: mp.mpf) -> dict[str, mp.mpf]:
+    """The words' lengths as Shkel and Lumelsky write them, with acos and mod, in 60 digits.
+
+    Robotics and Autonomous Systems 34 (2001) 179-202, eqs. 8 to 13; a word without a path is left
+    out.
+    """
+    turn = 2 * mp.pi
+    d, phi = mp.hypot(X, Y), mp.atan2(Y, X)
+    a, b = -phi % turn, (heading - phi) % turn
+    sa, ca, sb, cb = mp.sin(a), mp.cos(a), mp.sin(b), mp.cos(b)
+    both = 2 * mp.cos(a - b)
+    found = {}
+    for word, k in (("LSL", 1), ("RSR", -1)):
+        to = mp.atan2(k * (cb - ca), d + k * (sa - sb))
+        p = mp.sqrt(max(2 + d * d - both + 2 * k * d * (sa - sb), mp.mpf(0)))
+        found[word] = k * (to - a) % turn + p + k * (b - to) % turn
+    for word, k in (("LSR", 1), ("RSL", -1)):
+        square = d * d - 2 + both + 2 * k * d * (sa + sb)
+        if square >= 0:
+            p = mp.sqrt(square)
+            to = mp.atan2(-k * (ca + cb), d + k * (sa + sb)) - mp.atan2(-2 * k, p)
+            found[word] = k * (to - a) % turn + p + k * (to - b) % turn
+    for word, k in (("LRL", 1), ("RLR", -1)):
+        cosine = (6 - d * d + both - 2 * k * d * (sa - sb)) / 8
+        if abs(cosine) <= 1:
+            p = turn - mp.acos(cosine)
+            t = (k * (mp.atan2(k * (cb - ca), d + k * (sa - sb)) - a) + p / 2) % turn
+            found[word] = t + p + (k * (b - a) - t + p) % turn
+    return found
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_balls_hold_the_lengths_of_ends_within_delta(seed):
+    """Of 150 hard legs three ends each, in 60 digits; every word, and the shortest of all.
+
+    The ends are anywhere in the cube of half width delta about the exact values of the doubles.
+    """
+    rng = np.random.default_rng(seed)
+    with mp.workdps(60):
+        for _, row in hard_poses(150, seed).iterrows():
+            start, end, radius = poses_of(row)
+            delta, R = leg(start, end, radius).delta, mp.mpf(radius)
+            dx, dy = (mp.mpf(end.x) - start.x) / R, (mp.mpf(end.y) - start.y) / R
+            c, s = mp.cos(mp.mpf(start.heading)), mp.sin(mp.mpf(start.heading))
+            heading = mp.mpf(end.heading) - start.heading
+            enclosures = {branch: enclose_pose(start, end, radius, branch) for branch in BRANCHES}
+            for _ in range(3):
+                off = [float(u) * delta for u in rng.uniform(-1, 1, 3)]
+                truth = textbook(
+                    dx * c + dy * s + off[0], dy * c - dx * s + off[1], heading + off[2]
+                )
+                truth["best"] = min(truth.values())
+                for branch, found in enclosures.items():
+                    if branch in truth:
+                        parts = found.parts
+                        assert any(a <= truth[branch] * R <= b for a, b in parts), (row, branch)
+                    else:
+                        assert found.absent, (row, branch)
+
+
+def test_balls_hold_the_closed_form_and_are_narrow():
+    """Of 600 hard legs every word: what is taken to be on an edge is within delta of it.
+
+    Next to the edge of a word's reach lengths go like a root, and are known to 1e-6 only.
+    """
+    for _, row in hard_poses(600, seed=5).iterrows():
+        start, end, radius = poses_of(row)
+        for branch in BRANCHES:
+            found = enclose_pose(start, end, radius, branch)
+            closed = shortest_to_pose(start, end, radius, branch)
+            if closed is None:
+                assert found.absent, (row, branch)
+            else:
+                slack = 1e-14 * max(closed.total, 1.0) * radius
+                assert found.holds(closed.total * radius, slack), (row, branch)
+            delta = leg(start, end, radius).delta
+            for low, high in found.parts:
+                assert high - low <= radius * 10 * math.sqrt(delta), (row, branch)
+
+
+def test_a_straight_leg_has_one_length():
+    """The four words of S jump there one by one, but one of them is short on each side."""
+    for end in (Pose(3, 0, 0), Pose(4, 0, 0), Pose(700, 0, 0)):
+        found = enclose_pose(START, end, 1.0)
+        assert len(found.parts) == 1
+        assert found.high - found.low < 1e-13 * end.x
+
+
+def test_an_arc_has_two_lengths():
+    """On the circle the arc; off it the arc and a full turn, and nothing between."""
+    found = enclose_pose(START, Pose(math.sin(1), 1 - math.cos(1), 1), 1.0)
+
+    assert [round(low, 3) for low, _ in found.parts] == [1.0, 7.283]
+    assert all(high - low < 1e-13 for low, high in found.parts)
+
+
+def test_edges_of_reach_are_known_to_a_root():
+    """LRL at centres 4 apart: a length from 2 pi on, and maybe none."""
+    found = enclose_pose(START, Pose(4, 0, 0), 1.0, "LRL")
+
+    assert found.absent
+    assert found.low < 2 * math.pi < found.high < 2 * math.pi + 1e-6
+
+
+def random_legs(n: int, seed: int) -> pd.DataFrame:
+    """Poses and radii without an edge in mind."""
+    rng = np.random.default_rng(seed)
+    names = PoseArrays._fields
+    columns = [rng.uniform(-4, 4, n) for _ in names]
+    return pd.DataFrame(dict(zip(names, columns, strict=True))).assign(
+        radius=rng.uniform(0.2, 5, n)
+    )
+
+
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_random_legs_are_bounded_narrowly(branch):
+    """Of 300 000 rows one in a thousand is left at most; the closed form is within its bounds."""
+    frame = random_legs(300_000, seed=1)
+    bounds = bounded(frame, branch)
+    rows = pose_rows(*(frame[name] for name in frame), branch=branch)
+    found = ~bounds.left & np.isfinite(bounds.high)
+    ulps = (bounds.high[found] - bounds.low[found]) / np.spacing(bounds.high[found])
+
+    assert bounds.left.mean() < 1e-3
+    assert np.median(ulps) < 600
+    assert np.quantile(ulps, 0.999) < 10_000
+    assert (bounds.low[found] <= rows.length[found]).all()
+    assert (rows.length[found] <= bounds.high[found]).all()
+    assert np.isnan(rows.length[~bounds.left & ~found]).all()
+
+
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_loops_hold_what_the_balls_hold(branch):
+    """The intervals of 1 500 hard legs and of 300 random ones contain the balls'."""
+    for frame in (hard_poses(1_500, seed=8), random_legs(300, seed=9)):
+        bounds = bounded(frame, branch)
+        for i, row in frame[~bounds.left].iterrows():
+            found = enclose_pose(*poses_of(row), branch)
+            assert bounds.low[i] <= found.low, row
+            assert found.high <= bounds.high[i], row
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"x": math.nan},
+        {"target_y": math.inf},
+        {"final_heading": math.nan},
+        {"final_heading": 2 * LARGEST_ANGLE},
+        {"heading": 2 * LARGEST_ANGLE},
+        {"radius": 0.0},
+        {"radius": math.inf},
+        {"target_x": 0.0, "target_y": 0.0, "final_heading": 0.0},
+        {"target_y": 0.0, "final_heading": 0.0},  # straight ahead
+        {"target_x": math.sin(1), "target_y": 1 - math.cos(1), "final_heading": 1.0},
+        {"target_x": 2.0, "target_y": 2.0, "final_heading": 0.0},
+        {"target_x": 1e300, "radius": 1e-300},
+    ],
+)
+def test_rows_that_the_loops_cannot_decide_are_left(values):
+    row = dict(zip(PoseArrays._fields, (0.0, 0.0, 0.0, 3.0, 1.0, 1.0, 0.5), strict=True))
+    assert not bounded(pd.DataFrame([row]), "best").left[0]
+    assert bounded(pd.DataFrame([row | values]), "best").left[0]
+
+
+def test_threads_do_not_change_a_bit():
+    frame = hard_poses(700)
+    many = pd.concat([frame] * (SMALL // 700 + 2), ignore_index=True)
+    for branch in ("best", "LSR"):
+        alone, threaded = bounded(frame, branch), bounded(many, branch)
+        for a, b in zip(alone, threaded, strict=True):
+            np.testing.assert_array_equal(a, b[700:1400])
