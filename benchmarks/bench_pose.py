@@ -78,7 +78,7 @@ def _measure() -> Iterable[Measurement]:
         unit="ns/row",
         ratio=proven.least / ours.least,
         target=12.0,
-        note=f"balls for what the loops leave included; of medians {proven.median / ours.median:.1f}",
+        note=f"with balls for the rows left; of medians {proven.median / ours.median:.1f}",
     )
 
 

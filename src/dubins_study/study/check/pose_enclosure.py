@@ -64,7 +64,7 @@ class _Signs(NamedTuple):
 
     @property
     def possible(self) -> bool:
-        """The left circle's function is never above the right one's: 2 (1 - cos) is not negative."""
+        """The left circle's function is below the right one's, by 2 (1 - cos)."""
         return self.start_right >= self.start_left and self.end_right >= self.end_left
 
 
@@ -169,7 +169,7 @@ def _quarter_arcsine(d: arb) -> arb:
 def _with_turns(
     length: arb, arcs: arb, first: arb, left: bool | None, last: arb, right: bool | None
 ) -> list[arb]:
-    """The length and the turns that bring both outer arcs, and so their sum `arcs`, to [0, 2 pi)."""
+    """The length and the turns that bring both outer arcs, of sum `arcs`, to [0, 2 pi)."""
     turn = 2 * arb.pi()
     turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
     possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]

@@ -10,7 +10,8 @@ import math
 from typing import NamedTuple
 
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
-from dubins_study.study.path import Path, Pose
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
 from dubins_study.study.words import TURN
 
 WORDS6 = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
@@ -26,11 +27,11 @@ class PoseShortest(NamedTuple):
     """The shortest path of a branch: letters that have a length, segments, and every tied word.
 
     Segments are in units of the radius (for an arc: its angle in rad), one for each letter of
-    `WORDS6[index]`.
+    `WORDS6[word_index]`.
     """
 
     word: str
-    index: int
+    word_index: int
     segments: tuple[float, float, float]
     words: tuple[str, ...]
 

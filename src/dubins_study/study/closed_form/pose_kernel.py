@@ -61,12 +61,12 @@ class PoseRows(NamedTuple):
     @classmethod
     def empty(cls, n: int) -> PoseRows:
         """Room for n rows."""
-        return cls(*(np.empty(n) for _ in range(4)), np.empty(n, np.uint8))
+        return cls(*(np.empty(n), np.empty(n), np.empty(n), np.empty(n)), np.empty(n, np.uint8))
 
 
 # rows: what a block reads and writes stays in the first-level cache, and a chunk has one scratch
 _BLOCK, _CHUNK = 512, 4096
-Scratch = tuple[FloatArray, ...]  # arrays of a block, the last one of integers
+Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
 # at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
@@ -129,7 +129,7 @@ def _exactly(i: int, word: int, legs: PoseArrays, rows: PoseRows) -> None:
 
 
 @inlined
-def _write(i: int, t: float, p: float, q: float, code: int, R: float, rows: PoseRows) -> None:
+def _write(i: Index, t: float, p: float, q: float, code: int, R: float, rows: PoseRows) -> None:
     length, first, middle, last, word = rows
     first[i], middle[i], last[i] = t * R, p * R, q * R
     length[i] = t * R + p * R + q * R
@@ -282,8 +282,21 @@ def _curves_only(
     return t2 if left else t1, p2 if left else p1, q2 if left else q1, 4 + left, clear
 
 
+class _Scratch(NamedTuple):
+    """What the loops over a block hand on: arrays of shape (`_BLOCK`,)."""
+
+    X: FloatArray
+    Y: FloatArray
+    sine: FloatArray
+    cosine: FloatArray
+    turn: FloatArray
+    best: FloatArray
+    least: FloatArray
+    waiting: NDArray[np.int64]
+
+
 @inlined
-def _best_block(begin: int, end: int, legs: PoseArrays, rows: PoseRows, scratch: Scratch) -> int:
+def _best_block(begin: int, end: int, legs: PoseArrays, rows: PoseRows, scratch: _Scratch) -> int:
     """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
 
     Returns how many rows are left: delicate ones, and those without a finite length.
@@ -342,7 +355,7 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 def _best_rows(legs: PoseArrays, rows: PoseRows) -> None:
     n = legs.x.size
     for chunk in numba.prange((n + _CHUNK - 1) // _CHUNK):
-        scratch = (
+        scratch = _Scratch(
             *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK)),
             *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK, np.int64)),
         )
