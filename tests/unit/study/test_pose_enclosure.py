@@ -10,13 +10,14 @@ import pandas as pd
 import pytest
 from hard_cases import hard_poses
 
+from dubins_study.study.check import pose_enclosure_kernel
 from dubins_study.study.check.enclosure_kernel import Bounds
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
-from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.pose import WORDS6, leg, shortest_to_pose
-from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows, turn_between
 from dubins_study.study.scenario import Pose
 
 BRANCHES = ("best", *WORDS6)
@@ -204,3 +205,24 @@ def test_threads_do_not_change_a_bit():
         alone, threaded = bounded(frame, branch), bounded(many, branch)
         for a, b in zip(alone, threaded, strict=True):
             np.testing.assert_array_equal(a, b[700:1400])
+
+
+def test_the_turn_of_the_loops_is_within_its_proven_error():
+    """Of headings at every size up to the largest, in 60 digits, modulo a full turn."""
+    rng = np.random.default_rng(10)
+    headings = rng.choice([-1, 1], (2, 2_000)) * 10 ** rng.uniform(-3, 9, (2, 2_000))
+    found = turns(*headings)
+    with mp.workdps(60):
+        for a, b, turn in zip(*headings.tolist(), found.tolist(), strict=True):
+            parts = (mp.mpf(b) - a - turn) / (2 * mp.pi)
+            assert abs(parts - mp.nint(parts)) * 2 * mp.pi < pose_enclosure_kernel._TURN_ERROR
+            assert 0 <= turn < 2 * math.pi + 1e-15
+
+
+@compiled
+def turns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """`turn_between` of arrays."""
+    found = np.empty(a.size)
+    for i in range(a.size):
+        found[i] = turn_between(a[i], b[i])
+    return found

@@ -2,8 +2,7 @@
 
 As `study.check.enclosure_kernel`: an interval holds the lengths of all ends within delta, a row is
 left to `study.check.pose_enclosure` where the arithmetic does not decide on which side of an edge
-all of these ends lie, or where it makes the interval much wider than the lengths are. Nothing is
-taken from the closed form but a bound: RLR and LRL are left out where they cannot be shorter
+all of these ends lie, or where it makes the interval much wider than the lengths are
 (docs/derivation.md, section 15).
 """
 
@@ -41,10 +40,8 @@ from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosin
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, turn_between
 
-# of `turn_between`, whose two reductions and six roundings are off by 1.6e-15 together
+# rad, of `turn_between` (docs/derivation.md, section 15)
 _TURN_ERROR = 2e-15
-# the bound below which RLR and LRL are left out is computed with less than this error
-_SLACK = 1e-9
 _BEST = -1
 
 

@@ -1,8 +1,8 @@
 """Legs with a given final heading over arrays: `study.closed_form.pose` for millions at once.
 
 Strict IEEE arithmetic and, for lengths, fewer angles than the scalar form takes: which of two
-lengths a turn apart LSL has is a question of signs. Rows whose word or length an ulp decides are
-done with the scalar functions and the C library's, and are equal to the bit.
+lengths a turn apart LSL has is a question of signs (docs/derivation.md, section 14). Rows whose
+word or length an ulp decides are done with the scalar functions.
 """
 
 from __future__ import annotations
@@ -193,7 +193,7 @@ def _with_straight(
     """The shortest of LSL, RSR, LSR, RSL: t, p, q, word index, distance from an edge, CCC's bound.
 
     The distance is zero at the edges where an arc vanishes, |E - C|^2 = 4, and words tie. No path
-    RLR or LRL is shorter than the bound, by asin(u) <= pi u / 2.
+    RLR or LRL is shorter than the bound.
     """
     back = _TWO_PI - turn
     across = X * s - Y * c
