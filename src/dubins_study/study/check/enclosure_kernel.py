@@ -98,7 +98,7 @@ def _square(
 
 
 @inlined
-def bearing(rise: Interval, run: Interval) -> tuple[Interval, bool]:
+def full_angle(rise: Interval, run: Interval) -> tuple[Interval, bool]:
     """The angle of the point (run, rise), from 0 to 2 pi, and whether it is decided.
 
     It jumps where the rise changes its sign and the run is positive.
@@ -117,7 +117,7 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
     1 and s. s - atan s changes by s^2 / (1 + s^2) times what s does: little, next to the circle.
     """
     s = root(negative(w))
-    bearing, decided = bearing(X, minus(exact(1.0), Y))
+    bearing, decided = full_angle(X, minus(exact(1.0), Y))
     # for a target ahead and to the right the turn is nearly a full one
     ahead_right = (X.mid >= 0.0) & (Y.mid < 0.0)
     bearing = plus(bearing, FULL_TURN) if ahead_right else bearing
@@ -142,7 +142,7 @@ def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
     signed = D if long else negative(D)
     rise = plus(times(X, side), times(up, signed))
     run = minus(times(up, side), times(X, signed))
-    first, decided = bearing(rise, run)
+    first, decided = full_angle(rise, run)
     corner = angle_above(D, minus(exact(4.0), p))
     second = minus(FULL_TURN, corner) if long else corner
     return _Shortest(plus(first, second), decided)

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
-from dubins_study.study.check.enclosure_kernel import Bounds, bearing, ends_in_units
+from dubins_study.study.check.enclosure_kernel import Bounds, ends_in_units, full_angle
 from dubins_study.study.check.interval_kernel import (
     FULL_TURN,
     GROWTH,
@@ -149,7 +149,7 @@ def _left_straight_right(ends: _Ends) -> _Word:
     # the sum of both arcs and S, which is p - 2 atan(p / 2) and what p is not in, by little
     p, most = exact(straight.mid), straight.mid + straight.rad
     rise, run = plus(plus(x, x), times(p, y)), minus(times(p, x), plus(y, y))
-    first, _ = bearing(rise, run)
+    first, _ = full_angle(rise, run)
     t, first_decided = _wrapped(first, straight.rad)
     q, last_decided = _wrapped(minus(t, turn), straight.rad)
     known = is_signed(square) & (first_decided & last_decided | (not exists))
@@ -172,7 +172,7 @@ def _left_right_left(ends: _Ends) -> _Word:
     rise = root(Interval(max(room.mid, 0.0), room.rad))
     # pi / 2 and the angle whose cosine is d / 4
     half = angle_above(root(square), negative(rise))
-    first, _ = bearing(y, x)
+    first, _ = full_angle(y, x)
     t, first_decided = _wrapped(plus(first, half), 0.0)
     middle = plus(half, half)
     arcs = plus(turn, middle)
