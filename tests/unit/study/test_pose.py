@@ -138,6 +138,19 @@ def test_a_word_of_one_circle_is_one_arc():
     assert shortest_to_pose(START, end, 1.0, "LRL").total == pytest.approx(2 + 2 * math.pi)
 
 
+@pytest.mark.parametrize("p", [0.0, 1e-16, 1e-15, 1.5e-13, 1e-9])
+def test_the_arcs_of_nearly_one_circle_add_up_to_the_turn(p):
+    """Of LSL and RSR with a straight so short that nobody knows where on the circle it is."""
+    for a, first, last in ((-1.744, 1.164, 0.474), (0.3, 4.0, 5.0), (2.0, 1e-3, 3.0)):
+        for index, turn in ((0, 1), (1, -1)):
+            middle, b = a + turn * first, a + turn * (first + last)
+            x = turn * (math.sin(b) - math.sin(a)) + p * math.cos(middle)
+            y = -turn * (math.cos(b) - math.cos(a)) + p * math.sin(middle)
+            t, _, q = pose_segments(x, y, a, b, index, pose_delta(0.0, abs(x) + abs(y)))
+
+            assert abs(math.remainder(t + q - turn * (b - a), 2 * math.pi)) < 1e-14
+
+
 @pytest.mark.parametrize("target", [(3, 1), (-2, 0.5), (0.3, 1.2), (-0.5, -1.2), (0, 1), (-5, -4)])
 def test_the_free_final_heading_is_the_least_over_final_headings(target):
     """Against the closed form of the free heading, on a grid refined once: 1e-8 relative.
