@@ -30,6 +30,7 @@ _VALUES = {
     "xlink:href": r"#.*|data:image/png;base64,[A-Za-z0-9+/=\s]+",
     "src": r"data:image/(png|svg\+xml);base64,[A-Za-z0-9+/=]+",
     "onsubmit": "return false",
+    "clip-path": r"url\(#[\w-]+\)",
 }
 # attributes that a browser shows as text, or a script reads as text
 _TEXTS = ("title", "alt", "aria-label", "content", "data-title", "data-value", "data-copy", "id")
