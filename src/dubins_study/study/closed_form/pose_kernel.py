@@ -27,6 +27,7 @@ from dubins_study.study.closed_form.kernel_compile import (
 )
 from dubins_study.study.closed_form.kernel_math import (
     LARGEST_ANGLE,
+    fma,
     full_arctangent,
     quarter_turns,
     reduced,
@@ -73,8 +74,8 @@ _LARGEST = np.finfo(np.float64).max
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
 # A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
 _NEAR = 1e-6
-# Below this 16 - d^2 the length of RLR or LRL changes by more than 5 per shift of the end.
-_STEEP = 0.7
+# Below this 16 - d^2 the length of RLR or LRL changes by more than 12 per shift of the end.
+_STEEP = 0.1
 
 # chords of acos(d / 4) through d = 0, 3 and 4: from the first, its fall, and four times the last's
 _CHORD = (math.pi / 2, (math.pi / 2 - math.acos(0.75)) / 3.0, 4.0 * math.acos(0.75))
@@ -151,8 +152,9 @@ def to_body(
     sine_b, cosine_b = sine_cosine(final)
     inverse = 1.0 / radius
     dx, dy = (tx - x) * inverse, (ty - y) * inverse
-    X, Y = dx * cosine_a + dy * sine_a, dy * cosine_a - dx * sine_a
-    sine, cosine = sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
+    X, Y = fma(dx, cosine_a, dy * sine_a), fma(dy, cosine_a, -dx * sine_a)
+    sine = fma(sine_b, cosine_a, -cosine_b * sine_a)
+    cosine = fma(cosine_b, cosine_a, sine_b * sine_a)
     return X, Y, sine, cosine, turn_between(heading, final)
 
 
@@ -179,9 +181,9 @@ def _turns(forward: bool, backward: bool, turn: float) -> float:
 @inlined
 def _opposite(x1: float, y1: float, turn: float) -> tuple[float, float, float, float]:
     """LSR from the last centre seen from the first and the turn: t, p, q and the square of p."""
-    square = x1 * x1 + (y1 - 2.0) * (y1 + 2.0)
+    square = fma(x1, x1, (y1 - 2.0) * (y1 + 2.0))
     p = math.sqrt(max(square, 0.0))
-    t = full_arctangent(2.0 * x1 + p * y1, p * x1 - 2.0 * y1)
+    t = full_arctangent(fma(p, y1, 2.0 * x1), fma(p, x1, -2.0 * y1))
     q = t - turn
     return t, p, q + _TWO_PI if q < 0.0 else q, square
 
@@ -196,13 +198,13 @@ def _with_straight(
     RLR or LRL is shorter than the bound.
     """
     back = _TWO_PI - turn
-    across = X * s - Y * c
+    across = fma(X, s, -Y * c)
     # how far the last centre is to the side of the first: LSL, RSR, and seen from the end
     left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)
     left2, right2 = across + (c - 1.0), -across + (c - 1.0)
     x_left, x_right = X - s, X + s
-    square_left, square_right = x_left * x_left + left1 * left1, x_right * x_right + right1 * right1
-    d_left, d_right = math.sqrt(square_left), math.sqrt(square_right)
+    d_left = math.sqrt(fma(x_left, x_left, left1 * left1))
+    d_right = math.sqrt(fma(x_right, x_right, right1 * right1))
     lsl = d_left + turn + _turns(left1 >= 0.0, left2 >= 0.0, turn)
     rsr = d_right + back + _turns(right1 >= 0.0, right2 >= 0.0, back)
     mirrored = rsr < lsl
@@ -250,15 +252,16 @@ def _three_arcs(x1: float, y1: float, turn: float) -> tuple[float, float, float,
 
     Here (x1, y1) is the last arc's centre seen from the first one's, and d its distance.
     """
-    square = x1 * x1 + y1 * y1
+    square = fma(x1, x1, y1 * y1)
     room = 16.0 - square
-    middle = 0.5 * _PI + upper_arctangent(math.sqrt(max(room, 0.0)), math.sqrt(square))
-    t = full_arctangent(y1, x1) + middle
+    # pi + 2 acos(d / 4), by the double angle: one root
+    middle = _PI + upper_arctangent(math.sqrt(max(room * square, 0.0)), square - 8.0)
+    t = full_arctangent(y1, x1) + 0.5 * middle
     t = t - _TWO_PI if t >= _TWO_PI else t
-    q = turn - t + 2.0 * middle
+    q = turn - t + middle
     q = q + _TWO_PI if q < 0.0 else q
     q = q - _TWO_PI if q >= _TWO_PI else q
-    return t, 2.0 * middle, q, min(min(t, _TWO_PI - t), min(q, _TWO_PI - q)), room
+    return t, middle, q, min(min(t, _TWO_PI - t), min(q, _TWO_PI - q)), room
 
 
 @inlined
