@@ -127,8 +127,9 @@ def answer_text(answer: Answer) -> str:
             _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
             _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
         ]
-    circle = f"{answer.margin:.3g} R from the nearer turning circle"
-    lines.append(_line("region", f"{answer.region}, {circle}"))
+    if answer.margin is not None:
+        circle = f"{answer.margin:.3g} R from the nearer turning circle"
+        lines.append(_line("region", f"{answer.region}, {circle}"))
     if answer.solve_s is not None:
         built = f", after {_milliseconds(answer.build_s or 0.0)} to build"
         lines.append(_line("solve time", f"{_milliseconds(answer.solve_s)}{built}"))

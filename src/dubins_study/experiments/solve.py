@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_request
+from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_branch, check_request
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
@@ -34,9 +34,10 @@ def solve(
     """Solve one scenario and judge the answer.
 
     Args:
-        scenario: start pose, target, turning radius, speed.
+        scenario: start pose, via points, target, final heading, turning radius, speed.
         solver: a spec, e.g. `ipopt`, `turn-rate-qp[n=100]` or `file.py:Class`.
-        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`; with a final heading `LSL`, `RSR`,
+            `LSR`, `RSL`, `RLR`, `LRL`; of a route only `best`.
         profile: `default`, `fast` or `accurate`.
         initial_guess: a path to begin the search from; cold if None.
         limit: seconds that the solver is asked to keep to, once its libraries are loaded.
@@ -60,6 +61,7 @@ def solve(
         raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
     if initial_guess is not None and not isinstance(initial_guess, Path):
         raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
+    check_branch(scenario, branch)
     allowed = tolerances(profile)
     question = Question(scenario, branch, initial_guess)
     if _in_worker(solver, profile, isolated):
@@ -84,10 +86,11 @@ def solve_frame(
     """Solve and judge every scenario of a frame.
 
     Args:
-        scenarios: columns `x y heading target_x target_y radius`, and `speed` and `label` if
-            wanted; one row a scenario, its values as `Scenario` takes them.
+        scenarios: columns `x y heading target_x target_y radius`, and `speed`, `label`, `via_x`,
+            `via_y` and `final_heading` if wanted; one row a scenario, its values as `Scenario`
+            takes them. A row's via points are two lists of as many numbers.
         solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
-        branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
+        branch: as for `solve`; each row must be able to have it.
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
@@ -102,7 +105,7 @@ def solve_frame(
         `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are
         null.
         Where a solver answers the whole frame at once, each row's times are the frame's divided
-        by its size.
+        by its size; a frame with via points or a final heading is answered row by row.
 
     Raises:
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
@@ -122,6 +125,7 @@ def solve_frame(
     from dubins_study.study.scenario import check_frame
 
     checked = check_frame(scenarios)
+    frame.check_branches(checked, branch)
     questions = frame.questions(checked, branch)
     return frame.row_by_row(checked, ask_isolated(solver, profile, questions, limit))
 

@@ -31,7 +31,7 @@ from dubins_study.study.rows.schema import (
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
-from dubins_study.study.words import BRANCHES, Outcome, Proof
+from dubins_study.study.words import EVERY_BRANCH, Outcome, Proof
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 
@@ -56,13 +56,17 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         scenario = self.scenario
         pose = ", ".join(f"{value:g}" for value in scenario.start)
         target = f"{scenario.target_x:g}, {scenario.target_y:g}"
+        if scenario.final_heading is not None:
+            target += f", {scenario.final_heading:g}"
+        via = f" via {scenario.legs - 1} points" if scenario.via else ""
         lines = (
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
-            f"from ({pose}) to ({target}), radius {scenario.radius:g}, speed {scenario.speed:g}",
+            f"from ({pose}){via} to ({target}), radius {scenario.radius:g}, "
+            f"speed {scenario.speed:g}",
             f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
             f"word {self.word}, length {self.length}, travel time {self.travel_time}",
             f"gap {self.gap}, miss {self.miss}",
-            f"region {self.region}, margin {self.margin:g}",
+            *([] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]),
             f"build {self.build_s} s, solve {self.solve_s} s",
             f"message {plain(self.message)}",
         )
@@ -71,6 +75,8 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
     @property
     def tied_words(self) -> tuple[str, ...]:
         """The words that share the shortest length; two straight behind the vehicle, else one."""
+        if not self.scenario.one_free_leg:
+            return ()
         optimum = shortest(self.scenario, self.branch)
         return () if optimum is None else optimum.words
 
@@ -94,10 +100,25 @@ class QuestionError(DubinsStudyError, ValueError):
     """A scenario, branch, initial guess or time limit that cannot be given to a solver."""
 
 
+def check_branch(scenario: Scenario, branch: str) -> None:
+    """Refuse a branch that the scenario cannot have."""
+    if branch in scenario.branches:
+        return
+    if scenario.via:
+        kind = "a route"
+    else:
+        kind = (
+            f"one leg with a {'free' if scenario.final_heading is None else 'given'} final heading"
+        )
+    raise QuestionError(
+        f"branch {branch!r} is none of {kind}; choose one of: {', '.join(scenario.branches)}"
+    )
+
+
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     """Refuse an unknown branch, or a time limit that is not a positive number of seconds."""
-    if not isinstance(branch, str) or branch not in BRANCHES:
-        known = f"{did_you_mean(branch, BRANCHES)}choose one of: {', '.join(BRANCHES)}"
+    if not isinstance(branch, str) or branch not in EVERY_BRANCH:
+        known = f"{did_you_mean(branch, EVERY_BRANCH)}choose one of: {', '.join(EVERY_BRANCH)}"
         raise QuestionError(f"no branch named {short(branch)}; {known}")
     try:
         seconds = real_number(limit)

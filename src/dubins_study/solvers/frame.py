@@ -12,16 +12,22 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.solvers.attempt import Answer, attempt, check_request
+from dubins_study.solvers.attempt import (
+    Answer,
+    QuestionError,
+    attempt,
+    check_branch,
+    check_request,
+)
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
-from dubins_study.study.scenario import check_frame
+from dubins_study.study.scenario import check_frame, list_column, row_name
 from dubins_study.study.scenario import scenarios as scenarios_of
-from dubins_study.study.words import Claim, Outcome
+from dubins_study.study.words import BRANCHES, Claim, Outcome
 
 if TYPE_CHECKING:
     from dubins_study.study.check.certificate_frame import FrameCertificate
@@ -45,9 +51,11 @@ def solve_frame(
     allowed = tolerances(profile)
     backend = load(solver, profile)
     frame = check_frame(scenarios)
+    check_branches(frame, branch)
     whole = backend.solve_frame
     if (
         whole is None
+        or not all_one_free_leg(frame)
         or backend.presolve is True
         or unavailable(backend) is not None
         or branch not in backend.branches
@@ -172,8 +180,7 @@ def _missing(kind: str, n: int) -> Any:
             return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
         case "bool":
             return np.zeros(n, np.bool_)
-    empty: Any = pa.nulls(n, pa.large_list(pa.float64()))  # takes no memory to speak of
-    return pd.arrays.ArrowExtensionArray(empty)
+    return list_column(n, {})
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
@@ -191,6 +198,22 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
         for values in flat
     )
     return pd.arrays.ArrowExtensionArray(curvatures), pd.arrays.ArrowExtensionArray(lengths)
+
+
+def all_one_free_leg(frame: pd.DataFrame) -> bool:
+    """Whether no row of a checked frame has via points or a final heading."""
+    return bool(frame["via_x"].isna().all() and frame["final_heading"].isna().all())
+
+
+def check_branches(frame: pd.DataFrame, branch: str) -> None:
+    """Refuse a branch that a row of a checked frame cannot have."""
+    if all_one_free_leg(frame) and branch in BRANCHES:
+        return
+    for place, scenario in enumerate(scenarios_of(frame)):
+        try:
+            check_branch(scenario, branch)
+        except QuestionError as error:
+            raise QuestionError(f"{row_name(frame, place)}: {error}") from None
 
 
 def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
@@ -215,7 +238,7 @@ def _typed(values: list[Any], column: Column) -> Any:
             return pd.array(values, dtype="Int64")
         case "bool":
             return np.array(values, np.bool_)
-    return pd.arrays.ArrowExtensionArray(pa.array(values, pa.large_list(pa.float64())))
+    return list_column(len(values), dict(enumerate(values)))
 
 
 def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:

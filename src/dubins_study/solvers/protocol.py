@@ -16,7 +16,7 @@ from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths
 from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import real_array, real_number, short
-from dubins_study.study.words import Claim
+from dubins_study.study.words import FREE_FINAL_HEADING, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -230,6 +230,8 @@ class Solver:
         name: the name in the registry, e.g. `turn-rate-qp`.
         guarantee: what the method promises.
         branches: the branches that the solver can answer.
+        takes: what the solver can be asked, of `study.words.NEEDS`: `free final heading`, `final
+            heading`, `via points`. A scenario that needs more is `unsupported`, without a call.
         warm: whether the solver uses `Question.initial_guess`.
         packages: distributions whose versions belong to the solver's rows.
         summary: one line for `dubins-study solvers`.
@@ -244,6 +246,7 @@ class Solver:
     name: ClassVar[str] = ""
     guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
     branches: ClassVar[tuple[str, ...]] = ("best",)
+    takes: ClassVar[frozenset[str]] = frozenset({FREE_FINAL_HEADING})
     warm: ClassVar[bool] = False
     packages: ClassVar[tuple[str, ...]] = ()
     summary: ClassVar[str] = ""

@@ -11,7 +11,7 @@ from dubins_study.solvers.presolve import presolved
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.registry import unavailable
 from dubins_study.study.rows.schema import Times
-from dubins_study.study.words import Claim, Outcome
+from dubins_study.study.words import NEEDS, Claim, Outcome
 
 # Long enough for every backend on every question; a solve here lasts microseconds to seconds.
 DEFAULT_LIMIT = 60.0
@@ -47,6 +47,10 @@ def ask(
     reason = unavailable(solver)
     if reason is not None:
         return no_answer(Outcome.UNAVAILABLE, reason)
+    if not_taken := [need for need in question.scenario.needs if need not in solver.takes]:
+        takes = ", ".join(need for need in NEEDS if need in solver.takes) or "nothing"
+        reason = f"{solver.name} does not take: {', '.join(not_taken)}; it takes: {takes}"
+        return no_answer(Outcome.UNSUPPORTED, reason)
     if question.branch not in solver.branches:
         reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
         return no_answer(Outcome.UNSUPPORTED, reason)

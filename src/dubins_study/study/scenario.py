@@ -1,10 +1,15 @@
-"""Scenarios: a start pose, a target, a turning radius and a speed; one at a time or as a frame."""
+"""Scenarios: start pose, via points, target, final heading, turning radius and speed.
+
+One at a time, or as a frame.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,9 +17,20 @@ import numpy as np
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.values import real_number, short
+from dubins_study.study.words import (
+    BRANCHES,
+    FINAL_HEADING,
+    FREE_FINAL_HEADING,
+    POSE_BRANCHES,
+    ROUTE_BRANCHES,
+    VIA_POINTS,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
+    from numpy.typing import ArrayLike, NDArray
+
+    FloatArray = NDArray[np.float64]
 
 
 class Pose(NamedTuple):
@@ -31,7 +47,7 @@ class ScenarioError(DubinsStudyError, ValueError):
 
 @dataclass(frozen=True, slots=True, init=False)
 class Scenario:
-    """One vehicle and one target.
+    """One vehicle, one target, and points to pass on the way there: none for most.
 
     Args:
         x, y: start position; any length unit, the same for all lengths.
@@ -40,10 +56,14 @@ class Scenario:
         radius: minimum turning radius.
         speed: length units per time unit; travel time = length / speed.
         label: a text of the caller's choice.
+        via: points (x, y) to pass on the way, in this order: pairs of numbers, or an array of shape
+            (n, 2). A scenario with via points is a route of n + 1 legs.
+        final_heading: heading at the target, given as `heading` is; None is free.
 
     Raises:
         ScenarioError: if the target is missing, a number is none or not finite, `radius` or `speed`
-            is not positive, or the label is no text.
+            is not positive, the label is no text, or a via point is no pair or equal to the point
+            before or after it.
     """
 
     x: float
@@ -54,6 +74,8 @@ class Scenario:
     radius: float
     speed: float
     label: str
+    via: tuple[tuple[float, float], ...]
+    final_heading: float | None
 
     def __init__(
         self,
@@ -65,22 +87,79 @@ class Scenario:
         radius: float = 1.0,
         speed: float = 1.0,
         label: str = "",
+        via: ArrayLike | Iterable[Sequence[float]] = (),
+        final_heading: float | str | None = None,
     ) -> None:
-        given = (x, y, _heading(heading), target_x, target_y, radius, speed)
+        given = (x, y, _heading("heading", heading), target_x, target_y, radius, speed)
         for name, value in zip(NUMBERS, given, strict=True):
             object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
         object.__setattr__(self, "label", _label(label))
+        object.__setattr__(self, "via", _via(via))
+        if final_heading is not None:
+            angle = _heading("final_heading", final_heading)
+            final_heading = _number("final_heading", angle)
+        object.__setattr__(self, "final_heading", final_heading)
+        if self.via:
+            _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:
             raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
 
     @property
     def extent(self) -> float:
-        """The size that coordinates are rounded against, `|x| + |y| + |target_x| + |target_y|`."""
-        return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
+        """The size that coordinates are rounded against: the largest over the legs.
+
+        Of a leg from (x1, y1) to (x2, y2) it is `|x1| + |y1| + |x2| + |y2|`. A sum over all points
+        would grow with their number, and rounding does not.
+        """
+        if not self.via:
+            return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
+        sizes = (abs(x) + abs(y) for x, y in self._path_points())
+        return max(first + second for first, second in pairwise(sizes))
 
     @property
     def start(self) -> Pose:
         return Pose(self.x, self.y, self.heading)
+
+    @property
+    def legs(self) -> int:
+        """The number of legs: parts of the path from one point to the next."""
+        return len(self.via) + 1
+
+    @property
+    def points(self) -> FloatArray:
+        """Start, via points and target, shape (legs + 1, 2)."""
+        return np.array(self._path_points())
+
+    def _path_points(self) -> list[tuple[float, float]]:
+        return [(self.x, self.y), *self.via, (self.target_x, self.target_y)]
+
+    @property
+    def via_x(self) -> list[float] | None:
+        """x of the via points, as a row holds them; None without."""
+        return [x for x, _ in self.via] or None
+
+    @property
+    def via_y(self) -> list[float] | None:
+        """y of the via points, as a row holds them; None without."""
+        return [y for _, y in self.via] or None
+
+    @property
+    def one_free_leg(self) -> bool:
+        """Whether there are no via points and the final heading is free."""
+        return not self.via and self.final_heading is None
+
+    @property
+    def branches(self) -> tuple[str, ...]:
+        """The branches that can be asked for."""
+        if self.via:
+            return ROUTE_BRANCHES
+        return BRANCHES if self.final_heading is None else POSE_BRANCHES
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What a solver must take to be asked; of `study.words.NEEDS`."""
+        last = FREE_FINAL_HEADING if self.final_heading is None else FINAL_HEADING
+        return (VIA_POINTS, last) if self.via else (last,)
 
     def local(self) -> tuple[float, float]:
         """Target in the vehicle's frame in units of the radius: X forward, Y to the left.
@@ -92,23 +171,61 @@ class Scenario:
         return (dx * cos + dy * sin) / self.radius, (dy * cos - dx * sin) / self.radius
 
 
-COLUMNS = tuple(field.name for field in fields(Scenario))
-NUMBERS = COLUMNS[:-1]
-_DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
+NUMBERS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")  # every scenario has
+VIA = ("via_x", "via_y")
+COLUMNS = (*NUMBERS, "label", *VIA, "final_heading")  # of frames, files and rows
+# of the columns that a frame or a file may leave out
+DEFAULTS: dict[str, Any] = {
+    **{"speed": 1.0, "label": ""},
+    **dict.fromkeys((*VIA, "final_heading")),
+}
 _POSITIVE = ("radius", "speed")
 LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
-def _heading(text: float | str) -> float:
-    """The heading, in rad where it is a text; anything else stays as it is."""
+def _heading(name: str, text: float | str) -> float:
+    """A heading, in rad where it is a text; anything else stays as it is."""
     if not isinstance(text, str):
         return text
     try:
         return parse_angle(text)
     except AngleError as error:
         expected = "expected a number, in radians, or an angle such as 120deg"
-        raise ScenarioError(f"heading is {short(text)}; {expected} ({error})") from None
+        raise ScenarioError(f"{name} is {short(text)}; {expected} ({error})") from None
+
+
+_PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)]"
+
+
+def _via(points: Any) -> tuple[tuple[float, float], ...]:
+    """The via points as pairs of floats."""
+    if type(points) is tuple and not points:
+        return ()
+    if isinstance(points, str | bytes | Mapping | Set):  # which no order or no pairs are in
+        raise ScenarioError(f"via is {short(points)}; {_PAIRS}")
+    try:
+        pairs = [tuple(point) for point in points]
+    except Exception:  # of a class of the caller's
+        raise ScenarioError(f"via is {short(points)}; {_PAIRS}") from None
+    via = []
+    for place, pair in enumerate(pairs, 1):
+        if len(pair) != 2:
+            raise ScenarioError(f"via point {place} is {short(pair)}; expected x and y")
+        name = f"of via point {place}"
+        via.append((_number(f"x {name}", pair[0]), _number(f"y {name}", pair[1])))
+    return tuple(via)
+
+
+def _check_neighbours(points: list[tuple[float, float]]) -> None:
+    """Refuse a route with a leg between equal points, which has no length to be driven."""
+    for place, (point, following) in enumerate(pairwise(points)):
+        if point == following:
+            target = place == len(points) - 2
+            via = f"via point {place if target else place + 1}"
+            other = "the target" if target else f"via point {place}" if place else "the start"
+            expected = "expected a point apart from the points before and after it"
+            raise ScenarioError(f"{via} is {short(point)}, the same point as {other}; {expected}")
 
 
 def _label(text: str) -> str:
@@ -162,10 +279,12 @@ def missing_columns(names: Sequence[str]) -> str:
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
 
-    `speed` and `label` may be left out, and a label that is missing is empty. The caller's frame
-    is not changed; its index is kept. Columns of any type are read if each value is a number as
-    `Scenario` takes it (a heading may be a text such as `120deg`) or, of `label`, a text. A
-    `ScenarioError` names columns, or the first row that no scenario may have.
+    Columns of `DEFAULTS` may be left out or lack values: a label is then empty, there are no via
+    points, and the final heading is free. The caller's frame is not changed; its index is kept.
+    Columns of any type are read if each value is a number as `Scenario` takes it (a heading may be
+    a text such as `120deg`), of `label` a text, or of `via_x` and `via_y` a list of numbers or a
+    text of numbers and spaces, such as `4 6`. A `ScenarioError` names columns, or the first row
+    that no scenario may have.
     """
     import pandas as pd
 
@@ -173,7 +292,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
         raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
     names = list(frame.columns)
     expected = f"expected columns {', '.join(COLUMNS)}"
-    if missing := [name for name in COLUMNS if name not in names and name not in _DEFAULTS]:
+    if missing := [name for name in COLUMNS if name not in names and name not in DEFAULTS]:
         raise ScenarioError(f"{missing_columns(missing)}; {expected}")
     if unknown := [name for name in names if name not in COLUMNS]:
         raise ScenarioError(f"unknown column {unknown[0]!r}; {expected}")
@@ -182,15 +301,104 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     checked: dict[str, Any] = {}
     for name in NUMBERS:
         checked[name] = (
-            _column(frame, name) if name in names else np.full(len(frame), _DEFAULTS[name])
+            _column(frame, name) if name in names else np.full(len(frame), DEFAULTS[name])
         )
-    _check_extent(frame, checked)
+    via = _via_lists(frame)
+    _check_extent(frame, checked, via)
     checked["label"] = _labels(frame) if "label" in names else ""
+    for row, lists in via.items():
+        try:
+            Scenario(**{name: checked[name][row] for name in NUMBERS}, via=_pairs(*lists))
+        except ScenarioError as error:
+            raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
+    for place, name in enumerate(VIA):
+        checked[name] = list_column(len(frame), {row: lists[place] for row, lists in via.items()})
+    checked["final_heading"] = (
+        _column(frame, "final_heading", optional=True)
+        if "final_heading" in names
+        else np.broadcast_to(np.nan, len(frame))  # takes no memory
+    )
     return pd.DataFrame(checked, index=frame.index, copy=False)
 
 
-def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """One column of numbers as doubles, read-only."""
+def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
+    """A column of n lists of doubles, by row; null where there is none."""
+    import pandas as pd
+    import pyarrow as pa
+
+    kind = pa.large_list(pa.float64())
+    values: Any = (
+        pa.array([lists.get(row) for row in range(n)], kind) if lists else pa.nulls(n, kind)
+    )
+    return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
+
+
+def _via_lists(frame: pd.DataFrame) -> dict[int, list[list[float] | None]]:
+    """x and y of the via points by row, of the rows that have any."""
+    columns = [frame.get(name) for name in VIA]
+    if all(column is None or column.isna().all() for column in columns):
+        return {}
+    cells = [
+        [None] * len(frame)
+        if column is None
+        else [*_each(frame, column, partial(numbers_of, name))]
+        for name, column in zip(VIA, columns, strict=True)
+    ]
+    return {row: [*lists] for row, lists in enumerate(zip(*cells, strict=True)) if any(lists)}
+
+
+def numbers_of(name: str, value: Any) -> list[float] | None:
+    """A cell of `via_x` or `via_y`: a list of numbers, or a text of numbers and spaces.
+
+    None for a cell without any. One number is a list of itself, since readers of CSV make numbers
+    of such cells.
+    """
+    if is_missing(value):
+        return None
+    if isinstance(value, str):
+        try:
+            # Python takes an underscore within a number
+            items: list[Any] = [float(text.replace("_", "?")) for text in value.split()]
+        except ValueError:
+            expected = "expected numbers separated by spaces, such as 4 6"
+            raise ScenarioError(f"{name} is {short(value)}; {expected}") from None
+    elif isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim == 1):
+        items = list(value)
+    else:
+        items = [value]
+    return [_number(name, item) for item in items] or None
+
+
+def is_missing(value: Any) -> bool:
+    """Whether a cell is empty: None, NaN, or pandas' NA."""
+    return value is None or (isinstance(value, float) and math.isnan(value)) or _is_na(value)
+
+
+def _is_na(value: Any) -> bool:
+    return type(value).__name__ in ("NAType", "NaTType")
+
+
+def _pairs(xs: list[float] | None, ys: list[float] | None) -> list[tuple[float, float]]:
+    """Via points from the cells of both columns."""
+    xs, ys = xs or [], ys or []
+    if len(xs) != len(ys):
+        counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
+        raise ScenarioError(f"{counts}; expected as many")
+    return list(zip(xs, ys, strict=True))
+
+
+def scenario_of(row: Mapping[Any, Any]) -> Scenario:
+    """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
+    fields = {name: row[name] for name in (*NUMBERS, "label") if name in row}
+    via = _pairs(*(numbers_of(name, row.get(name)) for name in VIA))
+    final = row.get("final_heading")
+    return Scenario(**fields, via=via, final_heading=None if is_missing(final) else final)
+
+
+def _column(
+    frame: pd.DataFrame, name: str, *, optional: bool = False
+) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """One column of numbers as doubles, read-only; NaN is a number of an optional one."""
     if frame[name].dtype.kind in "iuf":
         with np.errstate(over="ignore"):
             values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
@@ -199,20 +407,23 @@ def _column(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float
         values = np.fromiter(given, np.float64, len(frame))
     # min and max see NaN and both infinities without a temporary array of the frame's length
     low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
+    if optional:
+        low, high = np.fmin.reduce(values, initial=1.0), np.fmax.reduce(values, initial=1.0)
     values = values.view()
     values.flags.writeable = False  # whoever gets the frame may read it
     least = SMALLEST if name in _POSITIVE else -LARGEST
     if least <= low and high <= LARGEST:  # neither holds for NaN
         return values
-    row = int(np.argmin((least <= values) & (values <= LARGEST)))
-    raise ScenarioError(f"{_row(frame, row)}: {_problem(name, float(values[row]))}")
+    fits = (least <= values) & (values <= LARGEST)
+    row = int(np.argmin(fits | np.isnan(values) if optional else fits))
+    raise ScenarioError(f"{row_name(frame, row)}: {_problem(name, float(values[row]))}")
 
 
 def _cell(name: str, value: Any) -> float:
     """A number of a frame's row; NaN, which is refused with the column, where it is missing."""
-    if value is None:
+    if value is None or (name == "final_heading" and is_missing(value)):
         return math.nan
-    return _number(name, _heading(value) if name == "heading" else value)
+    return _number(name, _heading(name, value) if name.endswith("heading") else value)
 
 
 def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
@@ -239,15 +450,17 @@ def _each(
         try:
             yield convert(value)
         except ScenarioError as error:
-            raise ScenarioError(f"{_row(frame, row)}: {error}") from None
+            raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
 
 
-def _row(frame: pd.DataFrame, row: int) -> str:
+def row_name(frame: pd.DataFrame, row: int) -> str:
+    """A row of a frame in messages, by its label."""
     label = frame.index[row]
     return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
 
 
-def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
+def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any], routes: Iterable[int]) -> None:
+    """Refuse a row of one leg whose turning circles are lost in rounding."""
     if not len(frame):
         return
     largest = sum(
@@ -257,12 +470,14 @@ def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any]) -> None:
     if largest <= LARGEST_EXTENT * numbers["radius"].min():
         return  # no row can be worse than the worst of every column together
     extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
-    for row in np.flatnonzero(extent > LARGEST_EXTENT * numbers["radius"])[:1]:
+    lost = extent > LARGEST_EXTENT * numbers["radius"]
+    lost[list(routes)] = False
+    for row in np.flatnonzero(lost)[:1]:
         problem = _lost_in_rounding(float(extent[row]), float(numbers["radius"][row]))
-        raise ScenarioError(f"{_row(frame, int(row))}: {problem}")
+        raise ScenarioError(f"{row_name(frame, int(row))}: {problem}")
 
 
 def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
     """The rows of a checked frame, one `Scenario` each."""
     for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
-        yield Scenario(*row)
+        yield scenario_of(dict(zip(COLUMNS, row, strict=True)))

@@ -9,7 +9,15 @@ from typing import NamedTuple
 
 # the rate of each letter: curvature times radius
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
-BRANCHES = ("best", "LS", "RS", "LR", "RL")
+BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
+POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
+ROUTE_BRANCHES = ("best",)  # of several legs
+EVERY_BRANCH = tuple(dict.fromkeys((*BRANCHES, *POSE_BRANCHES)))
+
+# What scenarios need of a solver, and solvers say that they take.
+FREE_FINAL_HEADING, FINAL_HEADING = "free final heading", "final heading"
+VIA_POINTS = "via points"
+NEEDS = (VIA_POINTS, FREE_FINAL_HEADING, FINAL_HEADING)
 
 # Kinds of engines: each reads formulations of its own; they head the table of both.
 EXACT = "exact"

@@ -13,11 +13,15 @@ from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.angle import AngleError, parse_angle
 from dubins_study.study.scenario import (
     COLUMNS,
+    DEFAULTS,
     NUMBERS,
+    VIA,
     Scenario,
     ScenarioError,
     check_frame,
     missing_columns,
+    numbers_of,
+    scenario_of,
 )
 from dubins_study.study.values import did_you_mean, plain, short
 
@@ -27,10 +31,9 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
 _MOST_BYTES = 2**30
-_DEFAULTS: dict[str, Any] = {"speed": 1.0, "label": ""}
-_REQUIRED = [name for name in COLUMNS if name not in _DEFAULTS]
+_REQUIRED = [name for name in COLUMNS if name not in DEFAULTS]
 _EXPECTED = (
-    f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(_DEFAULTS)}; from "
+    f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(DEFAULTS)}; from "
     "pandas with index=False"
 )
 # Where a row stands, such as `line 7`, and its values by column.
@@ -44,9 +47,11 @@ class ScenarioFileError(ScenarioError):
 def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     """The scenarios of a file, one row each, with the columns of `study.scenario.COLUMNS`.
 
-    A CSV file is UTF-8 with commas and a line of column names. In both formats `speed` and `label`
-    may be left out, a heading is in radians or a text such as `120deg`, and columns may come in any
-    order. The error names the file and every line with a column, a value and what was expected.
+    A CSV file is UTF-8 with commas and a line of column names. In both formats the columns of
+    `study.scenario.DEFAULTS` may be left out or empty, a heading is in radians or a text such as
+    `120deg`, and columns may come in any order. `via_x` and `via_y` hold lists of numbers; in a CSV
+    file a text of numbers and spaces, such as `4 6`. The error names the file and every line with a
+    column, a value and what was expected.
     """
     place = FilePath(file)
     read = {".csv": _csv_rows, ".parquet": _parquet_rows}.get(place.suffix)
@@ -69,7 +74,8 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
         found = f"more than {MOST_SCENARIOS} scenarios; expected fewer"
         raise ScenarioFileError(f"{file}: {found if rows else 'no scenarios; expected a row each'}")
     frame = _checked(str(file), rows)
-    if copies := int(frame.duplicated().sum()):
+    lists = {name: frame[name].astype(object).map(str) for name in VIA}  # which pandas can compare
+    if copies := int(frame.assign(**lists).duplicated().sum()):
         _LOG.warning(
             "dubins-study: %s: of %d rows %d repeat an earlier one; each scenario is asked once",
             *(plain(str(file)), len(frame), copies),
@@ -96,12 +102,15 @@ def _wrong(row: dict[str, Any]) -> list[str]:
     for name in COLUMNS:
         try:
             fields[name] = _value(name, row)
-            Scenario(**{"target_x": 1.0, "target_y": 1.0, name: fields[name]})
+            if name in VIA:
+                numbers_of(name, fields[name])
+            else:
+                Scenario(**{"target_x": 1.0, "target_y": 1.0, name: fields[name]})
         except ScenarioError as error:
             sentences.append(str(error))
     if not sentences:
         try:
-            Scenario(**fields)
+            scenario_of(fields)
         except ScenarioError as error:
             sentences.append(str(error))
     return sentences
@@ -111,16 +120,18 @@ def _value(name: str, row: dict[str, Any]) -> Any:
     """The value of a column, which is a text in a CSV file; its default where the cell is empty."""
     value = row.get(name)
     if value is None or value == "":
-        if name in _DEFAULTS:
-            return _DEFAULTS[name]
+        if name in DEFAULTS:
+            return DEFAULTS[name]
         raise ScenarioFileError(f"{name} is empty; expected a number")
-    if name == "label" or not isinstance(value, str):
+    if name in ("label", *VIA) or not isinstance(value, str):
         return value  # `Scenario` checks it
     try:
         # Python takes an underscore within a number
-        return parse_angle(value.strip()) if name == "heading" else float(value.replace("_", "?"))
+        if name.endswith("heading"):
+            return parse_angle(value.strip())
+        return float(value.replace("_", "?"))
     except AngleError as error:
-        raise ScenarioFileError(f"heading: {error}") from None
+        raise ScenarioFileError(f"{name}: {error}") from None
     except ValueError:
         raise ScenarioFileError(f"{name} is {short(value)}; expected a number") from None
 
@@ -188,4 +199,7 @@ def comment_on(frame: pd.DataFrame) -> str:
     """A comment that tells scenarios apart, since a folder with rows about others is another's."""
     digest = hashlib.sha256(frame[list(NUMBERS)].to_numpy().tobytes())
     digest.update("\0".join(frame["label"]).encode())
+    route = frame[[*VIA, "final_heading"]]
+    if not route.isna().all(axis=None):
+        digest.update(repr(route.astype(object).to_numpy().tolist()).encode())
     return f"# about {len(frame)} scenarios with the digest {digest.hexdigest()[:16]}\n"

@@ -35,10 +35,17 @@ def scenario_id(scenario: Scenario) -> str:
     """The id of a scenario: 16 hexadecimal digits.
 
     They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
-    followed by the label in UTF-8.
+    followed by the label in UTF-8 and, if the scenario has via points or a final heading, by the
+    byte 255, which is in no UTF-8, and these numbers as doubles.
     """
     packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
-    return hashlib.sha256(packed + scenario.label.encode()).hexdigest()[:_ID_DIGITS]
+    packed += scenario.label.encode()
+    if not scenario.one_free_leg:
+        numbers = [coordinate for point in scenario.via for coordinate in point]
+        if scenario.final_heading is not None:  # the number of numbers tells it from a point's
+            numbers.append(scenario.final_heading)
+        packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
+    return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
 
 
 def sampled(sample: Sample) -> dict[str, FloatArray]:

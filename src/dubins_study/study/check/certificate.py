@@ -93,6 +93,8 @@ def certify(
         multipliers: duals of the end point's equations that the solver gives.
         tolerances: those of the judgement.
     """
+    if not scenario.one_free_leg:
+        return Certificate(proof=Proof.NONE)
     radius = scenario.radius
     interval = enclose(scenario, branch)
     costates, cut = None, None

@@ -125,6 +125,15 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
+    if not scenario.one_free_leg:
+        if path is not None:
+            raise NotImplementedError("routes and final headings are not judged yet")
+        return Judgement(
+            region=None,
+            margin=None,
+            verdict=Verdict.NONE,
+            false_claim=is_false(claim, Verdict.NONE),
+        )
     optimum, known = _closed_form(scenario, branch)
     if path is not None and drivable(path):
         return _judge_path(scenario, path, claim, branch, tolerances, optimum, known)

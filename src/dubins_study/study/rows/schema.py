@@ -132,9 +132,13 @@ class Judgement:
     longer: another local optimum, not a coarse answer.
     """
 
-    region: str = column("outside, left disc, right disc or circle", default=MISSING, plotted=True)
-    margin: float = column(
-        "distance from the target to the nearer turning circle",
+    region: str | None = column(
+        "outside, left disc, right disc or circle, of one leg with a free final heading",
+        default=MISSING,
+        plotted=True,
+    )
+    margin: float | None = column(
+        "distance from the target to the nearer turning circle, of such a leg",
         "radius",
         default=MISSING,
         plotted=True,
@@ -201,7 +205,7 @@ KEY = (
     Column("scenario_id", "hash of the scenario's numbers and label", plotted=True),
     Column("solver", "solver and its settings, e.g. turn-rate-qp[n=50]", plotted=True),
     Column("profile", "named settings and tolerances: default, fast, accurate", plotted=True),
-    Column("branch", "best, LS, RS, LR or RL", plotted=True),
+    Column("branch", "best, or the word that is asked for", plotted=True),
     Column("initial_guess", "cold, warm from the sweep's neighbour, or z1 z2 z3", plotted=True),
     Column("repeat", "0, 1, ... of the same cell", "int64"),
     Column("code_digest", "of the solver's code, settings, libraries: 12 hex digits", detail=True),
@@ -220,6 +224,9 @@ SCENARIO = (
     Column("radius", "minimum turning radius", "float64", "length"),
     Column("speed", "constant speed", "float64", "length/time"),
     Column("label", "name given to the scenario", plotted=True),
+    Column("via_x", "points to pass on the way; null: none", "list<float64>", "length"),
+    Column("via_y", "as many; null: none", "list<float64>", "length"),
+    Column("final_heading", "heading at the target; null: free", "float64", "rad"),
 )
 METHOD = (
     Column("formulation", "the problem that is handed over, e.g. joint NLP, LRS", plotted=True),
