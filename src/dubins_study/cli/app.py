@@ -36,6 +36,7 @@ try:
         solvers,
         status,
     )
+    from dubins_study.cli.terminal.arguments import PAIRS
     from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
@@ -89,13 +90,22 @@ class _Command(TyperCommand):
     Without it, `run paper --out --restart` writes a folder called `--restart`.
     """
 
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        for option in self.params:
+            if option.name in PAIRS:
+                option.nargs = 2
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         rest = super().parse_args(ctx, args)
         options = [p for p in self.get_params(ctx) if p.param_type_name == "option"]
         names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
         for option in options:
             value = ctx.params.get(str(option.name))
-            for word in value if isinstance(value, list | tuple) else [value]:
+            words = value if isinstance(value, list | tuple) else [value]
+            for word in (
+                w for item in words for w in (item if isinstance(item, tuple) else [item])
+            ):
                 if str(word) in names and not ctx.resilient_parsing:
                     message = f"{str(word)!r} is an option of its own; expected a value"
                     raise typer.BadParameter(message, ctx=ctx, param_hint=f"'{option.opts[0]}'")

@@ -18,7 +18,8 @@ from dubins_study.study.words import Outcome
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
 
-# Fields of an answer in the JSON object, which also has `segments` and `tied_words`.
+# Fields of an answer in the JSON object, which also has `via`, `final_heading`, `segments` and
+# `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
     "presolved",
@@ -36,6 +37,8 @@ def solve(
     x: arguments.TargetX,
     y: arguments.TargetY,
     start: arguments.StartPose = ("0", "0", "0"),
+    via: arguments.Via = None,
+    final_heading: arguments.FinalHeading = None,
     radius: arguments.Radius = 1,
     speed: arguments.Speed = 1,
     solver: arguments.Spec = "analytic",
@@ -59,7 +62,8 @@ def solve(
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 
-    scenario = arguments.scenario_of(x, y, start, radius, speed)
+    points: Any = via or ()  # pairs: the parser reads two words each
+    scenario = arguments.scenario_of(x, y, start, radius, speed, points, final_heading)
     check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
@@ -95,6 +99,8 @@ def answer_json(answer: Answer) -> str:
     """One object: the answer, its segments, and the question."""
     pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
+    fields["via"] = [list(point) for point in answer.scenario.via]
+    fields["final_heading"] = answer.scenario.final_heading
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]

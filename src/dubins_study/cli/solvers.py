@@ -47,6 +47,7 @@ def solver_text(entry: Entry) -> str:
             "formulation": entry.formulation,
             "engine": entry.engine,
             "guarantee": entry.guarantee,
+            "takes": ", ".join(entry.takes),
             "branches": ", ".join(entry.branches),
             "settings": plain(", ".join(f"{k}={v}" for k, v in entry.settings.items())) or "none",
             "available": _available(entry),

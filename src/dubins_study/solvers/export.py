@@ -45,6 +45,8 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
         ExportError: naming the argument, its value and what was expected.
     """
     _check(model, format, order)
+    if not scenario.one_free_leg:
+        raise ExportError("the scenario has via points or a final heading; expected neither")
     if format == "mod":
         return _mod(scenario, order)
     if model == "paper":

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TypeGuard
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.study.values import did_you_mean
+from dubins_study.study.words import NEEDS
 
 GROUP = "dubins_study.solvers"
 _SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
@@ -31,6 +32,7 @@ class Entry(NamedTuple):
     formulation: str
     engine: str
     guarantee: str
+    takes: tuple[str, ...]
     branches: tuple[str, ...]
     summary: str
     settings: dict[str, Any]
@@ -91,13 +93,14 @@ def _entry(name: str) -> Entry:
     try:
         solver = load(name)
     except SolverError as error:
-        return Entry(name, "", "", "", (), "", {}, str(error))
+        return Entry(name, "", "", "", (), (), "", {}, str(error))
     kind, method = type(solver), stated_method(solver)
     return Entry(
         name,
         method.formulation,
         method.engine,
         str(kind.guarantee),
+        tuple(need for need in NEEDS if need in kind.takes),
         kind.branches,
         kind.summary,
         settings(solver),
@@ -281,6 +284,10 @@ def _checked(name: str, kind: Any) -> type[Solver]:
     for attribute, texts in (("branches", kind.branches), ("packages", kind.packages)):
         if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
             raise SolverError(f"solver {name!r}: {attribute} is {texts!r}; expected texts, a tuple")
+    takes: Any = kind.takes
+    if not isinstance(takes, frozenset) or not takes <= set(NEEDS):
+        known = ", ".join(NEEDS)
+        raise SolverError(f"solver {name!r}: takes is {takes!r}; expected a frozenset of: {known}")
     profiles = kind.profiles
     if not isinstance(profiles, dict) or not all(isinstance(p, dict) for p in profiles.values()):
         raise SolverError(f"solver {name!r}: profiles is {profiles!r}; expected a dict of dicts")

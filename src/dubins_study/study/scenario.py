@@ -283,13 +283,15 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     points, and the final heading is free. The caller's frame is not changed; its index is kept.
     Columns of any type are read if each value is a number as `Scenario` takes it (a heading may be
     a text such as `120deg`), of `label` a text, or of `via_x` and `via_y` a list of numbers or a
-    text of numbers and spaces, such as `4 6`. A `ScenarioError` names columns, or the first row
-    that no scenario may have.
+    text of numbers and spaces, such as `4 6`; a column `via` of lists of pairs stands for both. A
+    `ScenarioError` names columns, or the first row that no scenario may have.
     """
     import pandas as pd
 
     if not isinstance(frame, pd.DataFrame):
         raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
+    if "via" in frame and not {*VIA} & {*frame}:  # as of a list of Scenarios
+        frame = _with_via_columns(frame)
     names = list(frame.columns)
     expected = f"expected columns {', '.join(COLUMNS)}"
     if missing := [name for name in COLUMNS if name not in names and name not in DEFAULTS]:
@@ -331,6 +333,18 @@ def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
         pa.array([lists.get(row) for row in range(n)], kind) if lists else pa.nulls(n, kind)
     )
     return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
+
+
+def _with_via_columns(frame: pd.DataFrame) -> pd.DataFrame:
+    """The frame with its column `via` written as `via_x` and `via_y`."""
+    points = [*_each(frame, frame["via"], lambda via: () if is_missing(via) else _via(via))]
+    via = {
+        name: list_column(
+            len(frame), {row: [p[axis] for p in via] for row, via in enumerate(points)}
+        )
+        for axis, name in enumerate(VIA)
+    }
+    return frame.drop(columns="via").assign(**via)
 
 
 def _via_lists(frame: pd.DataFrame) -> dict[int, list[list[float] | None]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import EVERY_BRANCH
 
 if TYPE_CHECKING:
     from dubins_study.study.scenario import Scenario
@@ -52,7 +53,7 @@ def complete_experiments(incomplete: str) -> list[str]:
 
 def complete_branches(incomplete: str) -> list[str]:
     """The branches that begin with a text."""
-    return [name for name in BRANCHES if name.startswith(incomplete)]
+    return [name for name in EVERY_BRANCH if name.startswith(incomplete)]
 
 
 def complete_profiles(incomplete: str) -> list[str]:
@@ -67,11 +68,23 @@ StartPose = Annotated[
     tuple[str, str, str],
     typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
 ]
+Via = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--via", metavar="X Y", help="point to pass on the way; repeat it for several, in order"
+    ),
+]
+FinalHeading = Annotated[
+    str | None,
+    typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),
+]
+# The options that take two words. typer knows no list of pairs.
+PAIRS = ("via",)
 Radius = Annotated[
     float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
 Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
-_BRANCH = "best, LS, RS, LR or RL"
+_BRANCH = "best, LS, RS, LR or RL; with a final heading best, LSL, RSR, LSR, RSL, RLR or LRL"
 Branch = Annotated[
     str, typer.Option(metavar="NAME", help=_BRANCH, autocompletion=complete_branches)
 ]
@@ -89,7 +102,13 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 
 def scenario_of(
-    x: float, y: float, start: tuple[str, str, str], radius: float, speed: float = 1.0
+    x: float,
+    y: float,
+    start: tuple[str, str, str],
+    radius: float,
+    speed: float = 1.0,
+    via: Sequence[Sequence[str]] = (),
+    final_heading: str | None = None,
 ) -> Scenario:
     """A scenario from the words of the command line; every refusal names the field."""
     from dubins_study.study.angle import AngleError, parse_angle
@@ -100,8 +119,19 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    try:
-        heading = parse_angle(start[2])
-    except AngleError as error:
-        raise AngleError(f"heading: {error}") from None
-    return Scenario(start_x, start_y, heading, x, y, radius, speed)
+    points = []
+    for pair in via:
+        try:
+            points.append([number(coordinate) for coordinate in pair])
+        except typer.BadParameter:
+            message = f"--via is {' '.join(pair)!r:.60}; expected two numbers"
+            raise CommandError(message) from None
+    angles: list[float | None] = []
+    for name, text in (("heading", start[2]), ("--final-heading", final_heading)):
+        try:
+            angles.append(None if text is None else parse_angle(text))
+        except AngleError as error:
+            raise AngleError(f"{name}: {error}") from None
+    heading, final = angles
+    assert heading is not None
+    return Scenario(start_x, start_y, heading, x, y, radius, speed, via=points, final_heading=final)

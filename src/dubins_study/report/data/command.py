@@ -9,8 +9,10 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.study.rows.manifest import Manifest
+from dubins_study.study.scenario import VIA, is_missing, numbers_of
 
 SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius")
+ROUTE = (*VIA, "final_heading")
 
 
 def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
@@ -21,6 +23,10 @@ def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
     x, y, heading, target_x, target_y, radius = (number_text(row[name]) for name in SCENARIO)
     parts = ["dubins-study solve"]
     parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
+    via = [numbers_of(name, row.get(name)) or () for name in VIA]
+    parts += [f"--via {number_text(u)} {number_text(v)}" for u, v in zip(*via, strict=True)]
+    if not is_missing(final := row.get("final_heading")):
+        parts.append(f"--final-heading {number_text(final)}rad")
     parts += [f"--radius {radius}"] if radius != "1" else []
     parts += [f"--branch {shlex.quote(str(row['branch']))}"] if row["branch"] != "best" else []
     profile = str(row.get("profile", "default"))

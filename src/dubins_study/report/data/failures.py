@@ -8,6 +8,7 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
+from dubins_study.report.data.command import ROUTE
 
 # Outcomes other than `returned`: what may happen to the process that is asked.
 OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unsupported", "unavailable")
@@ -18,7 +19,7 @@ REACH = 4.0
 # What names an example, in the order in which a plainer one is chosen.
 _EXAMPLE = (
     *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
-    *("radius", "branch", "profile", "experiment"),
+    *("radius", "branch", "profile", "experiment", *ROUTE),
 )
 _PLAINEST = "min({" + ", ".join(f"'{name}': {name}" for name in _EXAMPLE) + "})"
 _EXAMPLE_PARTS = ", ".join(f"example.{name} AS {name}" for name in _EXAMPLE)

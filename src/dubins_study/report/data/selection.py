@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.schema import CELL, names
-from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario import COLUMNS, scenario_of
 
 _CELL = ["experiment", *names(CELL)]
 _READ = dict.fromkeys(
@@ -83,13 +83,21 @@ def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: fl
 def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
     """A judged row has a reference word if its question has an answer.
 
-    For a row that was not judged, the closed form decides.
+    For a row that was not judged, the closed form decides. Every route has an answer, and so has
+    every leg with a final heading: for `best`, and for the words that reach every pose.
     """
     judged = rows["reference_word"].notna()
     unjudged = rows[~judged & rows["region"].isna()]
     answerable = [
         place
         for place, row in zip(unjudged.index, unjudged.to_dict("records"), strict=True)
-        if shortest(Scenario(**{name: row[name] for name in COLUMNS}), row["branch"]) is not None
+        if _has_answer(row)
     ]
     return judged | rows.index.isin(answerable)
+
+
+def _has_answer(row: Mapping[Any, Any]) -> bool:
+    scenario, branch = scenario_of(row), row["branch"]
+    if scenario.one_free_leg:
+        return shortest(scenario, branch) is not None
+    return branch in ("best", "LSL", "RSR")

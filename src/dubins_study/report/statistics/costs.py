@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from dubins_study.report.statistics.methods import Compared
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario import COLUMNS, scenario_of
 from dubins_study.study.words import BRANCHES
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)
@@ -315,7 +315,9 @@ def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
     columns: list[dict[Any, Any]] = attempts[list(COLUMNS)].iloc[first].to_dict("records")
     words = subproblems[first]
     known = [
-        word not in BRANCHES or word == "best" or shortest(Scenario(**line), word) is not None
+        word not in BRANCHES[1:]
+        or not (scenario := scenario_of(line)).one_free_leg
+        or shortest(scenario, word) is not None
         for line, word in zip(columns, words, strict=True)
     ]
     every: FloatArray = np.array(known)[place]

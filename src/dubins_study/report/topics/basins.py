@@ -25,8 +25,7 @@ from dubins_study.report.elements.plots import Mark, draw_cells
 from dubins_study.report.elements.style import HALF, MAP_PAPER, ON_MAP, WIDE, Style, new_figure
 from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.rows.schema import SCENARIO, names
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Scenario, scenario_of
 from dubins_study.study.tolerances import Tolerances
 
 OPTIMUM = "shortest path"
@@ -104,8 +103,7 @@ def end_of(row: pd.Series) -> tuple[str, float]:
         return (INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH), math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return GIVES_UP, math.nan
-    scenario = Scenario(**{name: row[name] for name in names(SCENARIO)})
-    local_minimum = minimum(scenario, float(row["length"]))
+    local_minimum = minimum(scenario_of(row), float(row["length"]))
     if local_minimum is None:
         return FALSE_MINIMUM, math.nan
     word, turns = local_minimum

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
-from dubins_study.report.data.command import SCENARIO, number_text, solve_command
+from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import BENCHMARK, Picture, Place, Section, Table, Topic
@@ -127,7 +127,8 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
     ).sort_values(["place", "digits", "distance"], kind="stable")
     groups = order.groupby(["solver", "proof"], sort=False)
-    kept = [*SCENARIO, "branch", "lower_bound", "length", "reference_high", "tolerance", "profile"]
+    kept = [*SCENARIO, *ROUTE, "branch", "profile"]
+    kept += ["lower_bound", "length", "reference_high", "tolerance"]
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pandas as pd
 
 from dubins_study.report.data import failures as counts
-from dubins_study.report.data.command import solve_command
+from dubins_study.report.data.command import ROUTE, solve_command
 from dubins_study.report.data.failures import KINDS, OUTCOMES, REACH
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
@@ -50,7 +50,7 @@ def failures(frame: pd.DataFrame) -> pd.DataFrame:
     """
     ascending = [False] + [True] * len(_SAID)
     counted = frame.assign(message=frame["message"].map(gist))
-    example = [name for name in frame.columns if name not in {*_SAID, "attempts"}]
+    example = [name for name in frame.columns if name not in {*_SAID, "attempts", *ROUTE}]
     plainest = counted.sort_values(example, kind="stable").drop_duplicates(_SAID)
     sums = counted.groupby(_SAID, dropna=False)["attempts"].sum().reset_index()
     joined = sums.merge(plainest.drop(columns="attempts"), on=_SAID, how="left")

@@ -19,7 +19,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
-from dubins_study.report.data.command import solve_command
+from dubins_study.report.data.command import ROUTE, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import General, Section, Table, Topic, Widget
@@ -184,14 +184,14 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
     question is taken.
 
     Returns:
-        Columns: `TEXTS`, `NUMBERS`, `MEASURED`, `FLAGS`, repeat, curvatures and lengths (arrays),
-        worst (rank among the solver's worst, 1 to `WORST`; 0 for others). Sorted by solver and
-        question.
+        Columns: `TEXTS`, `NUMBERS`, `ROUTE`, `MEASURED`, `FLAGS`, repeat, curvatures and lengths
+        (arrays), worst (rank among the solver's worst, 1 to `WORST`; 0 for others). Sorted by
+        solver and question.
     """
     strata = attempts.frame(f"SELECT count(*) AS n {_STRATA}")["n"].to_numpy()
     share = _largest_share(strata, most)
     repeats = 1 + max(attempts.values("repeat"), default=0)
-    columns = [*TEXTS, *NUMBERS, *MEASURED, *FLAGS, "repeat", "curvatures", "lengths"]
+    columns = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat", "curvatures", "lengths"]
     rows = attempts.frame(
         f""", spread AS (SELECT unnest(min_by(place, {_ORDER}, {share})) AS place {_STRATA}),
         candidates AS (
@@ -253,7 +253,7 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
 
     `count`; `texts` (column -> the texts that its numbers stand for, from 1; 0 is null); `columns`
     (column -> a number each row; `scenario` is a place in `scenarios`); `scenarios` (columns, with
-    all digits); `paths` (`drawn`); and `more`.
+    all digits; those of `ROUTE` where they are not empty); `paths` (`drawn`); and `more`.
     """
     texts: dict[str, list[str]] = {}
     columns: dict[str, list[Any]] = {}
@@ -296,9 +296,11 @@ def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     table = judged.drop_duplicates(key).sort_index()
     numbered = table[key].assign(number=np.arange(len(table)))
     places = rows[key].merge(numbered, on=key, how="left")["number"]
-    known = table[list(_OF_SCENARIO)].astype(object)
+    given = [*_OF_SCENARIO, *(name for name in ROUTE if table[name].notna().any())]
+    known = table[given].astype(object)
     columns = known.where(known.notna(), None)
-    return places.tolist(), {name: columns[name].tolist() for name in _OF_SCENARIO}
+    columns = columns.map(lambda value: [*value] if isinstance(value, np.ndarray) else value)
+    return places.tolist(), {name: columns[name].tolist() for name in given}
 
 
 def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:

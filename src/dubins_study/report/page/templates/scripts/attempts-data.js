@@ -56,6 +56,13 @@ window.attempts = (() => {
       return Object.fromEntries(names.map((name) => [name, this.ofScenario(name, i)]));
     }
 
+    // The via points and the final heading of a row's scenario; null where that is free.
+    route(i) {
+      const {via_x, via_y, final_heading} = this.scenarios, place = this.columns.scenario[i];
+      return {via_x: via_x?.[place] ?? [], via_y: via_y?.[place] ?? [],
+        final_heading: final_heading?.[place] ?? null};
+    }
+
     // What names an attempt in every report of the same rows.
     id(i) {
       const names = ["experiment", "solver", "branch", "initial_guess", "profile"];

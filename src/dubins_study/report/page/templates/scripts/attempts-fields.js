@@ -88,6 +88,9 @@
       "--time-limit": [limit ? String(limit) : "60", "60"],
     };
     const words = ["dubins-study", "solve", "--from", x, y, heading];
+    const {via_x, via_y, final_heading} = data.route(i);
+    via_x.forEach((via, place) => words.push("--via", String(via), String(via_y[place])));
+    if (final_heading !== null) words.push("--final-heading", `${final_heading}rad`);
     for (const [name, [value, usual]] of Object.entries(options)) {
       if (value !== usual) words.push(name, value);
     }

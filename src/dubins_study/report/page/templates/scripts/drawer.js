@@ -18,10 +18,14 @@
     const {columns} = data, radius = data.ofScenario("radius", i);
     const {target_x, target_y, x, y, heading} = data.scenario(i);
     const claim = data.text("claim", i), verdict = data.text("verdict", i);
+    const margin = data.ofScenario("margin", i), {via_x, final_heading} = data.route(i);
     const where = [data.ofScenario("label", i), data.ofScenario("region", i),
-      `margin ${number(data.ofScenario("margin", i))} R`];
+      margin === null ? "" : `margin ${number(margin)} R`];
     const at = `from (${short(x)}, ${short(y)}), heading ${short(heading * 180 / Math.PI)}°, `
-      + `to (${short(target_x)}, ${short(target_y)}), R = ${short(radius)}`;
+      + (via_x.length ? `via ${via_x.length} points ` : "")
+      + `to (${short(target_x)}, ${short(target_y)}), `
+      + (final_heading === null ? "" : `heading ${short(final_heading * 180 / Math.PI)}°, `)
+      + `R = ${short(radius)}`;
     const asked = data.text("branch", i) === "best" ? "the shortest path of all"
       : `the shortest path of word ${data.text("branch", i)}`;
     const guess = data.text("initial_guess", i);
