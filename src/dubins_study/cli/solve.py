@@ -37,7 +37,7 @@ def solve(
     x: arguments.TargetX,
     y: arguments.TargetY,
     start: arguments.StartPose = ("0", "0", "0"),
-    via: arguments.Via = None,
+    via: arguments.Via = [],  # noqa: B006  typer makes a new one
     final_heading: arguments.FinalHeading = None,
     radius: arguments.Radius = 1,
     speed: arguments.Speed = 1,
@@ -62,8 +62,7 @@ def solve(
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 
-    points: Any = via or ()  # pairs: the parser reads two words each
-    scenario = arguments.scenario_of(x, y, start, radius, speed, points, final_heading)
+    scenario = arguments.scenario_of(x, y, start, radius, speed, via, final_heading)
     check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format

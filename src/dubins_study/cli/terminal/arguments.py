@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -24,6 +24,23 @@ def number(text: str | float) -> float:
         return float(str(text).replace("_", "?"))  # which is in no number
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
+class Point(NamedTuple):
+    """x and y of a point."""
+
+    x: float
+    y: float
+
+
+# The options that take two words: typer knows no list of pairs.
+PAIRS = ("via",)
+
+
+def point(words: Sequence[str] | Point) -> Point:
+    """The value of an option that is a point."""
+    x, y = words
+    return Point(number(x), number(y))
 
 
 def whole_number(text: str | int) -> int:
@@ -68,18 +85,12 @@ StartPose = Annotated[
     tuple[str, str, str],
     typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
 ]
-Via = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--via", metavar="X Y", help="point to pass on the way; repeat it for several, in order"
-    ),
-]
+_VIA = "point to pass on the way; repeat it for several, in order"
+Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
 FinalHeading = Annotated[
     str | None,
     typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),
 ]
-# The options that take two words. typer knows no list of pairs.
-PAIRS = ("via",)
 Radius = Annotated[
     float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
@@ -107,7 +118,7 @@ def scenario_of(
     start: tuple[str, str, str],
     radius: float,
     speed: float = 1.0,
-    via: Sequence[Sequence[str]] = (),
+    via: Sequence[Point] = (),
     final_heading: str | None = None,
 ) -> Scenario:
     """A scenario from the words of the command line; every refusal names the field."""
@@ -119,13 +130,6 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    points = []
-    for pair in via:
-        try:
-            points.append([number(coordinate) for coordinate in pair])
-        except typer.BadParameter:
-            message = f"--via is {' '.join(pair)!r:.60}; expected two numbers"
-            raise CommandError(message) from None
     angles: list[float | None] = []
     for name, text in (("heading", start[2]), ("--final-heading", final_heading)):
         try:
@@ -134,4 +138,4 @@ def scenario_of(
             raise AngleError(f"{name}: {error}") from None
     heading, final = angles
     assert heading is not None
-    return Scenario(start_x, start_y, heading, x, y, radius, speed, via=points, final_heading=final)
+    return Scenario(start_x, start_y, heading, x, y, radius, speed, via=via, final_heading=final)

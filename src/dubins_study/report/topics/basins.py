@@ -103,7 +103,7 @@ def end_of(row: pd.Series) -> tuple[str, float]:
         return (INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH), math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return GIVES_UP, math.nan
-    local_minimum = minimum(scenario_of(row), float(row["length"]))
+    local_minimum = minimum(scenario_of(row.to_dict()), float(row["length"]))
     if local_minimum is None:
         return FALSE_MINIMUM, math.nan
     word, turns = local_minimum
