@@ -23,6 +23,10 @@ EXPECTED = [
 ]
 
 
+def frame_of(rows):
+    return pd.DataFrame([{name: getattr(row, name) for name in COLUMNS} for row in rows])
+
+
 def written(tmp_path, text, name="drive.csv"):
     file = tmp_path / name
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -56,7 +60,7 @@ def test_a_csv_file(tmp_path, mark, end):
 def test_a_parquet_file(tmp_path):
     """Numbers or texts of headings; a missing speed or label has its default."""
     file = tmp_path / "drive.parquet"
-    frame = pd.DataFrame(EXPECTED)
+    frame = frame_of(EXPECTED)
     frame.drop(columns=["speed"]).assign(label=["ahead", None, ""]).to_parquet(file)
 
     expected = [(*s.start, s.target_x, s.target_y, s.radius) for s in EXPECTED]
@@ -94,7 +98,7 @@ def test_every_wrong_row_is_named(tmp_path):
 
 
 def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
-    frame = pd.DataFrame(EXPECTED).assign(radius=[1, 0, None])
+    frame = frame_of(EXPECTED).assign(radius=[1, 0, None])
     frame.to_parquet(tmp_path / "a.parquet")
 
     assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
@@ -142,7 +146,7 @@ def test_a_file_that_cannot_be_read(tmp_path, name, message):
 def test_a_file_has_an_end(tmp_path, monkeypatch):
     monkeypatch.setattr(scenario_file, "MOST_SCENARIOS", 3)
     assert len(read_scenarios(written(tmp_path, GOOD))) == 3
-    pd.DataFrame(EXPECTED * 2).to_parquet(tmp_path / "a.parquet")
+    frame_of(EXPECTED * 2).to_parquet(tmp_path / "a.parquet")
 
     assert refusal_of(written(tmp_path, GOOD + "1,2,0,0,0,1,,\n")).startswith("more than 3 sce")
     assert refusal_of(tmp_path / "a.parquet").startswith("more than 3 scenarios; expected fewer")

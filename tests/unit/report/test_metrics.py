@@ -17,7 +17,7 @@ from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.report.topics.time import mean_times
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import COLUMNS, Pose
+from dubins_study.study.scenario import NUMBERS, Pose
 from tests.unit.report.results_folder import attempts_of
 
 NAN = float("nan")
@@ -128,7 +128,7 @@ def test_a_crash_counts_where_an_answer_exists(tmp_path):
     target in the left disc is reached by RS and not by LS."""
     lost = {"reference_word": None, "region": None, "gap": NAN}
     lost |= {"verdict": "none", "outcome": "crashed"}
-    place = dict(zip(COLUMNS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0, ""), strict=True))
+    place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
     table = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
         ["solver", "region"]

@@ -15,7 +15,7 @@ from dubins_study.report.data.results import Results, load
 from dubins_study.report.topics import single_attempts as section
 from dubins_study.report.topics.single_attempts import GRID, WORST, drawn, packed, sample
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import COLUMNS, Pose, Scenario
+from dubins_study.study.scenario import NUMBERS, Pose, Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 
@@ -85,7 +85,7 @@ def test_every_value_comes_back(results: Results):
         known = [None, *read["texts"][name]]
         texts = [known[code] for code in columns[name]]
         assert texts == chosen[name].replace({np.nan: None}).tolist()
-    for name in (*COLUMNS, "scenario_id"):
+    for name in (*NUMBERS, "label", "scenario_id"):
         values = [scenarios[name][place] for place in columns["scenario"]]
         assert values == chosen[name].tolist()
     for name in ("gap", "miss", "curvature_excess", "length", "wall_s"):

@@ -15,6 +15,7 @@ from pydantic import (
 )
 
 from dubins_study.study.angle import parse_angle
+from dubins_study.study.values import real_number
 
 
 def _no_text(expected: str) -> BeforeValidator:
@@ -43,6 +44,8 @@ Number = Annotated[
 ]
 _WHOLE = _no_text("expected a whole number")
 Count = Annotated[int, _WHOLE, Field(ge=1, le=10**9)]
+# Of a sampled route.
+LegCount = Annotated[int, _WHOLE, Field(ge=1, le=10**4)]
 Seed = Annotated[int, _WHOLE, Field(ge=0, lt=2**63)]
 Gibibytes = Annotated[float, _no_text("expected a number"), Field(ge=0.25, le=2**20)]
 Seconds = Annotated[float, _no_text("expected a number"), Field(gt=0, allow_inf_nan=False)]
@@ -134,4 +137,35 @@ Axis = Annotated[
 Range = Annotated[
     Annotated[LinearRange, Tag(f"{WAY}linear")] | Annotated[LogRange, Tag(f"{WAY}log")],
     _written_as("expected { linear = [low, high] } or { log = [low, high] }"),
+]
+# Numbers of legs: one or several.
+LegCounts = Annotated[
+    Annotated[LegCount, Tag(f"{WAY}number")]
+    | Annotated[list[LegCount], Field(min_length=1), Tag(f"{WAY}list")],
+    _written_as("expected a whole number or a list of whole numbers"),
+]
+
+
+def _via_lists(value: Any) -> Any:
+    """The via points of each scenario: one list of points is that of all."""
+    expected = "expected points such as [[1, 2], [3, 4]], or a list of such lists"
+    if not isinstance(value, list) or not all(isinstance(item, list) for item in value):
+        raise ValueError(expected)
+    one = all(item and not any(isinstance(part, list) for part in item) for item in value)
+    try:
+        return [
+            [(real_number(x), real_number(y)) for x, y in via]
+            for via in ([value] if one else value)
+        ]
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(expected) from None
+
+
+_POINTS_SCHEMA = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
+Points = tuple[tuple[float, float], ...]
+# The via points of a scenario, or of several.
+ViaLists = Annotated[
+    tuple[Points, ...],
+    BeforeValidator(_via_lists),
+    WithJsonSchema({"anyOf": [_POINTS_SCHEMA, {"type": "array", "items": _POINTS_SCHEMA}]}),
 ]

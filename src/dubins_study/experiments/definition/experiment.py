@@ -25,6 +25,7 @@ from dubins_study.experiments.definition.scenario_block import (
     Block,
     Branches,
     GuessLengths,
+    Route,
     Sample,
     key_conflicts,
 )
@@ -99,13 +100,13 @@ def text_of(name: str) -> tuple[str, str, str]:
 
 
 class First(StrictModel):
-    """Solvers that are asked only the first scenarios of every sample, such as slow ones.
+    """Solvers that are asked only the first scenarios of every sample or route, such as slow ones.
 
     The first scenarios of a Sobol sample cover its ranges as well.
     """
 
     scenarios: Count
-    """How many of the first scenarios of each sample."""
+    """How many of the first scenarios of each sample, and of each number of legs."""
     solvers: list[str] = Field(min_length=1)
     """The solvers that are asked these only."""
 
@@ -124,7 +125,7 @@ class Experiment(StrictModel):
     solvers: list[str] = Field(min_length=1)
     """Specs of the solvers; `*` is every registered one, `{a,b}` one with a and one with b."""
     branches: Branches = Field(default=["best"])
-    """Which paths are asked for: `best`, or words: `LS`, `RS`, `LR`, `RL`."""
+    """Which paths are asked for: `best`, or words, such as `LS`; with a final heading `LSL`."""
     initial_guesses: list[Literal["cold", "warm"]] = Field(default=["cold"], min_length=1)
     """`cold`, or `warm`: each scenario of a block from the path of the one before it."""
     profile: str = "default"
@@ -150,11 +151,12 @@ class Experiment(StrictModel):
             return self.scenarios
         firsts = []
         for block in self.scenarios:
-            if block.sample is not None and block.solvers is None:
-                fewer = {"count": min(block.sample.count, first.scenarios)}
-                sample = block.sample.model_copy(update=fewer)
-                changes = {"sample": sample, "solvers": first.solvers}
-                firsts.append(block.model_copy(update=changes))
+            for name in ("sample", "route"):
+                drawn: Sample | Route | None = getattr(block, name)
+                if drawn is not None and block.solvers is None:
+                    fewer = drawn.model_copy(update={"count": min(drawn.count, first.scenarios)})
+                    changes = {name: fewer, "solvers": first.solvers}
+                    firsts.append(block.model_copy(update=changes))
         return [*self.scenarios, *firsts]
 
     @field_validator("profile")
@@ -175,6 +177,7 @@ TABLE_KEYS = {
     "scenarios": tuple(Block.model_fields),
     "sample": tuple(Sample.model_fields),
     "ranges": FIELDS,
+    "route": tuple(Route.model_fields),
     "guess_lengths": tuple(GuessLengths.model_fields),
 }
 

@@ -13,11 +13,13 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     create_model,
     field_validator,
+    model_validator,
 )
 
 from dubins_study.experiments.definition.axes import (
     Axis,
     Count,
+    LegCounts,
     Linear,
     LinearRange,
     Log,
@@ -25,18 +27,29 @@ from dubins_study.experiments.definition.axes import (
     Range,
     Seed,
     StrictModel,
+    ViaLists,
 )
 from dubins_study.experiments.definition.messages import Problem
 from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import EVERY_BRANCH
 
 # The fields of the three ways to write a target.
 CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
 _WAYS = (CARTESIAN, POLAR, CIRCULAR)
-FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR)
-_ANGLES = ("heading", "bearing", "arc")  # the fields that may be written as texts: "120deg"
+FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR, "final_heading")
+# the fields that may be written as texts: "120deg"
+_ANGLES = ("heading", "bearing", "arc", "final_heading")
+# Names of laws of spacing -> the shortest and the longest leg of a sampled route (radii).
+SPACINGS = {
+    "4R-20R": (4.0, 20.0),
+    "5R-30R": (5.0, 30.0),
+    "2R-4R": (2.0, 4.0),
+    "0.5R-2R": (0.5, 2.0),
+    "0.5R-4R": (0.5, 4.0),
+}
+_MOST_LEGS = 10**7  # of all routes of a block: 160 MB
 
 _MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
 # Field -> the rule of its values.
@@ -113,6 +126,37 @@ class Sample(StrictModel):
     """Field -> its range; a field of the block that is not named here has the block's value."""
 
 
+class Route(StrictModel):
+    """Routes drawn at random: the way from each point to the next has any direction.
+
+    A route goes from the block's start pose through as many points as it has legs; the last one is
+    its target. A route of one leg has no via points. The same seed draws the same routes, whether
+    their final headings are free or sampled.
+    """
+
+    legs: LegCounts
+    """Number of legs, or several numbers."""
+    spacing: Literal["4R-20R", "5R-30R", "2R-4R", "0.5R-2R", "0.5R-4R"]
+    """Least and largest length of a leg, in radii; lengths are spread uniformly between the two."""
+    count: Count
+    """Number of routes for each number of legs."""
+    seed: Seed
+    """The same seed draws the same routes."""
+    final_heading: Literal["free", "sampled"] = "free"
+    """Whether the final heading is `free`, or `sampled` from all headings."""
+
+    @property
+    def leg_counts(self) -> list[int]:
+        """The numbers of legs."""
+        return self.legs if isinstance(self.legs, list) else [self.legs]
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Route:
+        if (legs := self.count * sum(self.leg_counts)) > _MOST_LEGS:
+            raise ValueError(f"{legs} legs in all; expected at most {_MOST_LEGS}")
+        return self
+
+
 class GuessLengths(_Fields):
     """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
 
@@ -134,10 +178,10 @@ class GuessLengths(_Fields):
 
 def _known_branches(branches: list[str]) -> list[str]:
     """The branches, unchanged; `ValueError` names those that do not exist."""
-    if unknown := [branch for branch in branches if branch not in BRANCHES]:
+    if unknown := [branch for branch in branches if branch not in EVERY_BRANCH]:
         names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
-        near = next(filter(None, (did_you_mean(branch, BRANCHES) for branch in unknown)), "")
-        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(BRANCHES)}")
+        near = next(filter(None, (did_you_mean(branch, EVERY_BRANCH) for branch in unknown)), "")
+        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(EVERY_BRANCH)}")
     return branches
 
 
@@ -152,8 +196,10 @@ class Block(_Fields):
     `distance` in radii and `bearing` in radians from the start's heading;
     `arc` and `margin`: `arc` radians along a turning circle from the start (positive on the left
     circle, negative on the right one), and `margin` radii outside that circle (negative inside).
+    A sampled `route` has targets of its own.
 
-    Combinations are numbered in the order of `FIELDS`; the last field varies fastest.
+    Combinations are numbered in the order of `FIELDS`, `via` behind them; the last field varies
+    fastest.
     `solvers` and `branches` replace the experiment's for this block, and `guess_lengths` replaces
     the experiment's `initial_guesses`.
     """
@@ -178,12 +224,18 @@ class Block(_Fields):
     """Radians along a turning circle: positive on the left circle, negative on the right one."""
     margin: Axis | None = None
     """Radii outside that circle; negative inside."""
+    final_heading: Axis | None = None
+    """Heading at the target: radians, or a text; free where it is not given."""
+    via: ViaLists | None = None
+    """Points to pass on the way, such as `[[1, 2], [3, 4]]`; a list of such lists is an axis."""
     radius: Axis = 1.0
     """Minimum turning radius."""
     speed: Axis = 1.0
     """Constant speed; it changes the travel time only."""
     sample: Sample | None = None
     """Scenarios drawn over ranges instead of combined from axes."""
+    route: Route | None = None
+    """Routes drawn at random, instead of targets."""
     solvers: list[str] | None = Field(default=None, min_length=1)
     """Replaces the experiment's solvers for this block."""
     branches: Branches | None = None
@@ -207,21 +259,34 @@ class ListedBlock(Block):
 
 
 def key_conflicts(fields: dict[str, Any]) -> list[Problem]:
-    """Blocks of a file with no target or several, and a `first` that is about no block."""
+    """Blocks of a file with no target or several, and a `first` that is about no block.
+
+    A sampled route has targets, and perhaps final headings, of its own.
+    """
     problems = []
     for number, block in tables(fields):
         sample = block.get("sample")
         ranges = sample.get("ranges") if isinstance(sample, dict) else None
         keys = {*block, *(ranges if isinstance(ranges, dict) else ())}
         target = keys & {field for way in _WAYS for field in way}
+        if "route" in block:
+            route = block["route"]
+            twice = target | keys & {"via", "sample"}
+            if isinstance(route, dict) and route.get("final_heading") == "sampled":
+                twice |= keys & {"final_heading"}
+            if twice:
+                sentence = (
+                    f"scenarios.{number}: {', '.join(sorted(twice))}; expected none beside route"
+                )
+                problems.append(Problem(("scenarios", number), sentence))
         # an unknown key may be a part of the target
-        if keys <= {*Block.model_fields} and target not in map(set, _WAYS):
-            ways = ", or ".join(" and ".join(way) for way in _WAYS)
+        elif keys <= {*Block.model_fields} and target not in map(set, _WAYS):
+            ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route"])
             problems.append(Problem(("scenarios", number), f"scenarios.{number}: expected {ways}"))
     blocks = [block for _, block in tables(fields)]
-    sampled = any("sample" in block and "solvers" not in block for block in blocks)
+    sampled = any({"sample", "route"} & {*block} and "solvers" not in block for block in blocks)
     if isinstance(fields.get("first"), dict) and blocks and not sampled:
-        expected = "expected a block with a sample and without solvers of its own"
+        expected = "expected a block with a sample or a route, without solvers of its own"
         problems.append(Problem(("first",), f"first: {expected}, and there is none"))
     return problems
 

@@ -28,6 +28,7 @@ from dubins_study.experiments.plan.solver_description import (
     describe_solver,
     expand_solvers,
 )
+from dubins_study.solvers.attempt import QuestionError, check_branch
 from dubins_study.solvers.protocol import Method
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
@@ -175,10 +176,10 @@ Chain = tuple[Cell, ...]
 def chains(experiment: Experiment, problems: list[Problem] | None = None) -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once. Blocks that hold an invalid scenario, whose
-    sweep gives a warm cell another predecessor than an earlier one, or that have too many cells
-    are appended to `problems`, which may hold others; without that list they are raised together.
-    Once there is a problem, large blocks are not looked through.
+    A cell that several blocks ask for is listed once. Blocks that hold an invalid scenario, or one
+    that cannot have a branch, whose sweep gives a warm cell another predecessor than an earlier
+    one, or that have too many cells are appended to `problems`, which may hold others; without that
+    list they are raised together. Once there is a problem, large blocks are not looked through.
     """
     plans, found = block_plans(experiment)
     collected = [] if problems is None else problems
@@ -210,6 +211,12 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     if not solvers:
         return
     block_scenarios = list(scenarios(plan.block, plan.key))
+    for place, scenario in enumerate(block_scenarios):
+        for branch in plan.branches:
+            try:
+                check_branch(scenario, branch)
+            except QuestionError as error:
+                raise ExperimentError(f"{plan.key}, scenario {place}: {error}") from None
     ids = [scenario_id(scenario) for scenario in block_scenarios]
     for solver in solvers:
         guesses = list(plan.guesses(solver))

@@ -6,21 +6,25 @@ If a block gives targets by distance and bearing, or by arc and margin, x and y 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 import struct
 import warnings
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
-from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log
+from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log, Points
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     CIRCULAR,
     FIELDS,
     POLAR,
+    SPACINGS,
     Block,
     ListedBlock,
+    Route,
     Sample,
 )
 from dubins_study.study.path import FloatArray
@@ -69,7 +73,7 @@ def sampled(sample: Sample) -> dict[str, FloatArray]:
     return scaled
 
 
-# One array of shape (n,) for each name in `NUMBERS`.
+# One array of shape (n,) for each field.
 Columns = dict[str, FloatArray]
 
 
@@ -77,12 +81,19 @@ def block_size(block: Block) -> int:
     """How many scenarios a block has."""
     if isinstance(block, ListedBlock):
         return len(block.listed)
-    return _combinations(block) * (1 if block.sample is None else block.sample.count)
+    drawn = 1 if block.sample is None else block.sample.count
+    if block.route is not None:
+        drawn = block.route.count * len(block.route.leg_counts)
+    return _combinations(block) * drawn
 
 
 def _combinations(block: Block) -> int:
-    """Number of combinations of the block's own fields, without the sample."""
-    return math.prod(axis_size(block.axis(field)) for field in FIELDS)
+    """Number of combinations of the block's own fields, without the sample or the routes."""
+    return _via_size(block) * math.prod(axis_size(block.axis(field)) for field in FIELDS)
+
+
+def _via_size(block: Block) -> int:
+    return 1 if block.via is None else len(block.via)
 
 
 def axis_size(axis: Axis | None) -> int:
@@ -95,12 +106,13 @@ def axis_size(axis: Axis | None) -> int:
 
 
 def columns(block: Block) -> Columns:
-    """The scenarios of a block, not checked, and without their label.
+    """The numbers of the scenarios of a block, not checked; `final_heading` where it is not free.
 
-    From row to row the last of `FIELDS` varies fastest, and the sample's point slowest.
+    From row to row the via points vary fastest, then the last of `FIELDS`, and the sample's point
+    or the route slowest.
     """
     row, combinations = np.arange(block_size(block)), _combinations(block)
-    combination, fields = row % combinations, Columns()
+    combination, fields = row % combinations // _via_size(block), Columns()
     for field in reversed(FIELDS):
         axis = block.axis(field)
         if axis is not None:
@@ -114,7 +126,45 @@ def columns(block: Block) -> Columns:
         fields |= _from_bearing(fields)
     if "arc" in fields:
         fields |= _beside_circle(fields)
-    return {name: fields[name] for name in NUMBERS}
+    if block.route is not None:
+        walks, finals = sampled_routes(block.route)
+        ends = np.array([walk[-1] for walk in walks])[row // combinations]
+        fields["target_x"], fields["target_y"] = (
+            fields[name] + fields["radius"] * end for name, end in zip("xy", ends.T, strict=True)
+        )
+        if block.route.final_heading == "sampled":
+            fields["final_heading"] = finals[row // combinations]
+    return {name: fields[name] for name in (*NUMBERS, "final_heading") if name in fields}
+
+
+def sampled_routes(route: Route) -> tuple[list[FloatArray], FloatArray]:
+    """Routes: their points after the start, shape (legs, 2), in radii from it; and final headings.
+
+    The same on every machine. The first routes are the same for every count.
+    """
+    low, high = SPACINGS[route.spacing]
+    walks, finals = [], []
+    for legs in route.leg_counts:
+        rng = np.random.default_rng([route.seed, legs])
+        for _ in range(route.count):
+            length, turn = rng.random((2, legs))
+            steps = np.stack([_each(f, 2 * math.pi * turn) for f in (math.cos, math.sin)], axis=1)
+            walks.append(np.cumsum((low + length * (high - low))[:, None] * steps, axis=0))
+            finals.append(2 * math.pi * rng.random())
+    return walks, np.array(finals)
+
+
+def _vias(block: Block, numbers: Columns) -> Iterator[Points]:
+    """The via points of each scenario of a block whose numbers are known."""
+    if block.route is None:
+        yield from itertools.islice(itertools.cycle(block.via or [()]), block_size(block))
+        return
+    walks, _ = sampled_routes(block.route)
+    combinations = _combinations(block)
+    places = zip(*(numbers[name].tolist() for name in ("x", "y", "radius")), strict=True)
+    for row, (x, y, radius) in enumerate(places):
+        points = walks[row // combinations][:-1].tolist()
+        yield tuple((x + radius * u, y + radius * v) for u, v in points)
 
 
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
@@ -122,10 +172,13 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     if isinstance(block, ListedBlock):
         yield from listed_scenarios(block.listed)
         return
-    values = (array.tolist() for array in columns(block).values())
-    for i, numbers in enumerate(zip(*values, strict=True)):
+    found = columns(block)
+    values = (array.tolist() for array in found.values())
+    rows = zip(zip(*values, strict=True), _vias(block, found), strict=True)
+    for i, (numbers, via) in enumerate(rows):
+        fields: dict[str, Any] = dict(zip(found, numbers, strict=True))
         try:
-            scenario = Scenario(**dict(zip(NUMBERS, numbers, strict=True)), label=block.label)
+            scenario = Scenario(**fields, label=block.label, via=via)
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {i}: {error}") from None
         yield scenario
