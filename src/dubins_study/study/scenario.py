@@ -113,8 +113,9 @@ class Scenario:
         """
         if not self.via:
             return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
-        sizes = (abs(x) + abs(y) for x, y in self._path_points())
-        return max(first + second for first, second in pairwise(sizes))
+        return max(
+            abs(x) + abs(y) + abs(u) + abs(v) for (x, y), (u, v) in pairwise(self._path_points())
+        )
 
     @property
     def start(self) -> Pose:
@@ -221,11 +222,15 @@ def _check_neighbours(points: list[tuple[float, float]]) -> None:
     """Refuse a route with a leg between equal points, which has no length to be driven."""
     for place, (point, following) in enumerate(pairwise(points)):
         if point == following:
-            target = place == len(points) - 2
-            via = f"via point {place if target else place + 1}"
-            other = "the target" if target else f"via point {place}" if place else "the start"
+            if place == len(points) - 2:
+                number, via, other = place, point, "the target"
+            else:
+                number, via = place + 1, following
+                other = f"via point {place}" if place else "the start"
             expected = "expected a point apart from the points before and after it"
-            raise ScenarioError(f"{via} is {short(point)}, the same point as {other}; {expected}")
+            raise ScenarioError(
+                f"via point {number} is {short(via)}, the same point as {other}; {expected}"
+            )
 
 
 def _label(text: str) -> str:

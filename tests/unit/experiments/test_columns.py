@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from dubins_study.experiments.definition.axes import Log
-from dubins_study.experiments.definition.scenario_block import Block
+from dubins_study.experiments.definition.scenario_block import SPACINGS, Block
 from dubins_study.experiments.plan.scenario_columns import (
     axis_values,
     block_size,
@@ -99,3 +99,92 @@ def test_sobol_points_are_scipys():
 
     assert headings[::2].tobytes() == (-3 + drawn[:, 0] * 6).tobytes()
     assert headings[::2].tobytes() == headings[1::2].tobytes()
+
+
+def test_a_route_has_an_id_of_its_own():
+    """Nothing is added to the hash of one leg with a free final heading; by hand, of a route."""
+    import hashlib
+
+    plain = Scenario(1, 2, 0.1, 3, 4, 2, label="a")
+    numbers = struct.pack("<7d", 1, 2, 0.1, 3, 4, 2, 1) + b"a"
+    route = Scenario(1, 2, 0.1, 3, 4, 2, label="a", via=[(5, 6)], final_heading=7)
+    packed = numbers + b"\xff" + struct.pack("<3d", 5, 6, 7)
+
+    assert scenario_id(plain) == hashlib.sha256(numbers).hexdigest()[:16]
+    assert scenario_id(route) == hashlib.sha256(packed).hexdigest()[:16]
+
+
+def test_routes_and_final_headings_of_a_block():
+    """Via points vary fastest, then the final heading."""
+    found = Block.model_validate(
+        {
+            **{"target_x": 9, "target_y": [1, 2], "final_heading": ["0deg", 1]},
+            "via": [[], [[3, 4]], [[5, 6], [7, 8]]],
+        }
+    )
+    vias = ((), ((3, 4),), ((5, 6), (7, 8)))
+    expected = [
+        Scenario(target_x=9, target_y=y, final_heading=final, via=via)
+        for y, final, via in itertools.product([1, 2], [0, 1], vias)
+    ]
+
+    assert list(scenarios(found, "b")) == expected
+    assert block_size(found) == len(expected)
+
+
+ROUTES = {"legs": [1, 4, 2], "spacing": "2R-4R", "count": 50, "seed": 3}
+
+
+def test_sampled_routes():
+    """Legs are as long as their law says, uniformly; turned any way; of the radius and start."""
+    routes = ROUTES | {"count": 500}
+    found = Block.model_validate({"route": routes, "x": 5, "radius": [1, 3], "heading": "1deg"})
+    made = list(scenarios(found, "b"))
+    lengths = [np.hypot(*np.diff(s.points, axis=0).T) / s.radius for s in made if s.radius == 3]
+    spread = np.concatenate(lengths)
+    turns = np.concatenate([np.arctan2(*np.diff(s.points, axis=0).T) for s in made])
+
+    assert len(made) == block_size(found) == 2 * 3 * 500
+    assert [s.legs for s in made] == np.repeat([1, 4, 2], 1000).tolist()
+    assert {(s.x, s.y, s.final_heading) for s in made} == {(5, 0, None)}
+    assert 2 <= spread.min() < 2.1 < 3.9 < spread.max() <= 4
+    # four standard errors of a uniform law; every turn is there twice, of both radii
+    assert abs(spread.mean() - 3) < 4 * 2 / math.sqrt(12 * spread.size)
+    assert abs(np.exp(1j * turns).mean()) < 4 / math.sqrt(turns.size / 2)
+
+
+def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
+    """The first ones of a longer list; of one leg too, which has no via points."""
+    few = list(scenarios(Block.model_validate({"route": ROUTES | {"count": 5}}), "b"))
+    sampled = Block.model_validate({"route": ROUTES | {"final_heading": "sampled"}})
+    many = list(scenarios(sampled, "b"))
+    other = list(scenarios(Block.model_validate({"route": ROUTES | {"seed": 4}}), "b"))
+
+    chosen = [many[start + i] for start in (0, 50, 100) for i in range(5)]
+    assert [s.points.tolist() for s in few] == [s.points.tolist() for s in chosen]
+    assert not {s.via for s in few[5:]} & {s.via for s in other}
+    assert few[0].via == ()
+    finals = [s.final_heading for s in many]
+    assert len(set(finals)) == 150
+    assert min(finals) < 0.2 < 6 < max(finals) < 2 * math.pi
+
+
+@pytest.mark.parametrize("name", SPACINGS)
+def test_every_spacing_may_be_named(name):
+    found = Block.model_validate({"route": ROUTES | {"spacing": name}})
+    low, high = SPACINGS[name]
+    lengths = [np.hypot(*np.diff(s.points, axis=0).T) for s in scenarios(found, "b")]
+
+    assert name == f"{low:g}R-{high:g}R"
+    assert low <= min(map(min, lengths)) <= max(map(max, lengths)) <= high * (1 + 1e-12)
+
+
+def test_a_final_heading_may_be_sampled():
+    """As every other field over a range."""
+    ranges = {"bearing": {"linear": [0, 6]}, "final_heading": {"linear": ["-90deg", "90deg"]}}
+    sample = {"method": "sobol", "count": 64, "seed": 1, "ranges": ranges}
+    made = list(scenarios(Block.model_validate({"distance": 3, "sample": sample}), "b"))
+    finals = [s.final_heading for s in made]
+
+    assert len(set(finals)) == 64
+    assert -math.pi / 2 <= min(finals) < -1.5 < 1.5 < max(finals) <= math.pi / 2

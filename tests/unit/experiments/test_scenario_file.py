@@ -196,3 +196,61 @@ def test_other_scenarios_are_another_experiment(tmp_path):
     texts.append(plan_run(Request(scenarios=file, solvers=["nlp"])).experiment_file.text)
 
     assert texts[0] == texts[1] != texts[2]
+
+
+ROUTES = (
+    "x,y,heading,target_x,target_y,radius,via_x,via_y,final_heading\n"
+    "0,0,30deg,10,5,1,4 6,1 -2,90deg\n0,0,0,10,5,1,4,1,\n0,0,0,10,5,1,,,\n"
+)
+EXPECTED_ROUTES = [
+    Scenario(
+        heading="30deg", target_x=10, target_y=5, via=[(4, 1), (6, -2)], final_heading="90deg"
+    ),
+    Scenario(target_x=10, target_y=5, via=[(4, 1)]),
+    Scenario(target_x=10, target_y=5),
+]
+
+
+def test_routes_of_a_file(tmp_path):
+    """The same from CSV, and from lists of Parquet; a row that repeats is counted."""
+    frame_of(EXPECTED_ROUTES).to_parquet(tmp_path / "a.parquet")
+
+    assert list(scenarios(read_scenarios(written(tmp_path, ROUTES)))) == EXPECTED_ROUTES
+    assert list(scenarios(read_scenarios(tmp_path / "a.parquet"))) == EXPECTED_ROUTES
+
+
+def test_routes_that_repeat_are_counted(tmp_path, caplog):
+    read_scenarios(written(tmp_path, ROUTES + "0,0,0,10,5,1,4.0,1,\n0,0,0,10,5,1,4,2,\n"))
+    assert "of 5 rows 1 repeat an earlier one" in caplog.text
+
+
+def test_every_wrong_route_is_named(tmp_path):
+    head, *_ = ROUTES.splitlines()
+    rows = ["4 x,1 -2,", "4 6,1,", '"[4, 6]",1 2,', "4,1,120", "0,0,", "4,nan,east"]
+    text = "\n".join([head, *(f"0,0,0,10,5,1,{row}" for row in rows)])
+
+    assert refusal_of(written(tmp_path, text)).splitlines()[1:] == [
+        "  line 2: via_x is '4 x'; expected numbers separated by spaces, such as 4 6",
+        "  line 3: via_x has 2 numbers and via_y has 1; expected as many",
+        "  line 4: via_x is '[4, 6]'; expected numbers separated by spaces, such as 4 6",
+        "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad",
+        "  line 6: via point 1 is (0.0, 0.0), the same point as the start; expected a point apart "
+        "from the points before and after it",
+        "  line 7: via_y is nan; expected a finite number",
+        "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+    ]
+
+
+def test_files_with_other_routes_have_another_comment(tmp_path):
+    """By which a results folder knows its scenarios; without routes it is what it was."""
+    frame = frame_of([EXPECTED_ROUTES[2]] * 2)
+    texts = {
+        scenario_file.comment_on(scenario_file.check_frame(frame.assign(**columns)))
+        for columns in (
+            {},
+            {"via_x": ["4", None], "via_y": ["1", None]},
+            {"via_x": [None, "4"], "via_y": [None, "1"]},
+            {"final_heading": [1, None]},
+        )
+    }
+    assert len(texts) == 4

@@ -133,7 +133,7 @@ def test_a_branch_that_a_solver_does_not_answer_is_a_row():
         ({"radius": [1.0, -2.0, 1.0]}, {}, ScenarioError, "row 'near': radius is -2.0"),
         ({"wind": 1.0}, {}, ScenarioError, "unknown column 'wind'"),
         ({}, {"branch": "LL"}, QuestionError, "no branch named 'LL'.* choose one of: best"),
-        ({}, {"branch": "LSL"}, QuestionError, "row .*: branch 'LSL' is none of one leg with a free"),
+        ({}, {"branch": "LSL"}, QuestionError, "row .*: branch 'LSL' is none of one leg"),
         ({}, {"solver": "magic"}, SolverError, "no solver named 'magic'"),
         ({}, {"limit": -1.0}, QuestionError, "limit is -1.0"),
     ],
