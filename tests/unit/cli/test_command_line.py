@@ -16,7 +16,7 @@ from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.registry import registered
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.words import EVERY_BRANCH
 
 PATH = ("solve", "10", "5")
 
@@ -101,7 +101,7 @@ def test_what_a_shell_completes():
     assert declared.complete_solvers("turn") == [n for n in registered() if n.startswith("turn")]
     assert declared.complete_experiments("") == packaged()
     assert declared.complete_profiles("") == list(PROFILES)
-    assert declared.complete_branches("") == list(BRANCHES)
+    assert declared.complete_branches("") == list(EVERY_BRANCH)
 
 
 def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):

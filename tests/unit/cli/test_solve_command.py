@@ -39,6 +39,20 @@ def test_the_json_object(question):
     assert answer["solve_s"] >= 0
 
 
+def test_the_json_object_of_a_route():
+    """Via points with negative coordinates, in their order; refused after it is printed."""
+    route = ("--via", "-4", "1", "--via=6", "-2", "--final-heading", "-pi/2")
+    done = asked("solve", "-10", "5", *route, "--solver", "slsqp", "--json")
+    answer = json.loads(done.stdout)
+
+    assert answer["via"] == [[-4, 1], [6, -2]]
+    assert answer["final_heading"] == -math.pi / 2
+    assert (answer["outcome"], answer["region"], answer["margin"]) == ("unsupported", None, None)
+    assert done.exit_code != 0
+    plain = json.loads(asked(*PATH, "--json").stdout)
+    assert (plain["via"], plain["final_heading"]) == ([], None)
+
+
 @pytest.mark.parametrize("form", [("--json",), ()])
 def test_a_plot_of_no_path(form, tmp_path):
     """The answer is printed all the same; one line says that nothing is drawn; exit code 1."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 
+import numpy as np
 import pytest
 
 from dubins_study.report.data.command import solve_command
@@ -114,6 +116,20 @@ def test_a_command_asks_the_question_again():
         *("--branch", "LS", "--profile", "accurate", "--solver", "nlp[a=b,c=d]"),
         *("--", "-3", "1e-07"),
     ]
+
+
+def test_a_command_asks_a_route_again():
+    """Via points as rows hold them, and a final heading, which may be more than a full turn."""
+    values = {"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": -3.0, "target_y": 1.0, "radius": 1.0}
+    route = {"via_x": np.array([0.1, -2.0]), "via_y": [3.0, 1e-7], "final_heading": -7.5}
+    empty = {"via_x": None, "via_y": math.nan, "final_heading": math.nan}
+    asked = {"branch": "best", "solver": "a"}
+
+    assert solve_command(values | route | asked) == (
+        "dubins-study solve --via 0.1 3 --via -2 1e-07 --final-heading -7.5rad --solver a -- -3 1"
+    )
+    plain = "dubins-study solve --solver a -- -3 1"
+    assert solve_command(values | empty | asked) == solve_command(values | asked) == plain
 
 
 def test_a_cure_is_the_same_engine_without_false_claims(load_rows):

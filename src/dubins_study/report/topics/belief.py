@@ -127,7 +127,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
         place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
     ).sort_values(["place", "digits", "distance"], kind="stable")
     groups = order.groupby(["solver", "proof"], sort=False)
-    kept = [*SCENARIO, *ROUTE, "branch", "profile"]
+    kept = [*SCENARIO, *(name for name in ROUTE if name in order), "branch", "profile"]
     kept += ["lower_bound", "length", "reference_high", "tolerance"]
     frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
