@@ -18,7 +18,7 @@ from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import ROW, VERSION, arrow_schema
+from dubins_study.study.rows.schema import ROW, SCENARIO, VERSION, arrow_schema, names
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 
@@ -57,7 +57,7 @@ def attempt(
         claim = Claim.INFEASIBLE
     found = judge(scenario, given, claim, branch)
     row: dict[str, Any] = {column.name: None for column in ROW}
-    row |= {name: getattr(scenario, name) for name in Scenario.__dataclass_fields__}
+    row |= {name: getattr(scenario, name) for name in names(SCENARIO)}
     row |= vars(found)
     row |= {
         "scenario_id": f"{hash((scenario.target_x, scenario.target_y, scenario.radius)):x}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -256,6 +257,19 @@ def _same_place(target_x, target_y):
 
 ODD = {
     "all-lost": [lost(s, outcome="unavailable") for s in paper_scenarios()],
+    # answers to some, and of the others one that is not judged and two whose solver was not asked
+    "routes": [
+        *(attempt(s) for s in paper_scenarios()),
+        *(
+            lost(replace(s, **route), scenario_id=f"{number}", outcome=outcome)
+            for number, s in enumerate(paper_scenarios()[:2])
+            for route, outcome in (
+                ({"via": [(7, 8), (9, -1)], "final_heading": 1}, "unsupported"),
+                ({"final_heading": "270deg", "label": "pose"}, "unsupported"),
+                ({"via": [(7, 8)]}, "raised"),
+            )
+        ),
+    ],
     "one-lost": [attempt(paper_scenarios()[0]), lost(paper_scenarios()[0])],
     "paper": [attempt(s, branch="LS") for s in paper_scenarios()],
     "ahead": [attempt(s) for s in _same_place(5, 0)],
@@ -278,7 +292,8 @@ ODD = {
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    "name", ["all-lost", *(pytest.param(name, marks=pytest.mark.slow) for name in [*ODD][1:])]
+    "name",
+    ["all-lost", "routes", *(pytest.param(name, marks=pytest.mark.slow) for name in [*ODD][2:])],
 )
 def test_odd_results_make_a_report_too(results, tmp_path, name):
     """Nothing came back, nothing to compare with, no circle to cross, no length at all."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from dubins_study.report.topics.single_attempts import GRID, WORST, drawn, packe
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import NUMBERS, Pose, Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, write_folder
+from tests.unit.report.results_folder import attempt, lost, write_folder
 
 HOSTILE = "</script>\n'\"$(touch x) \u202e"
 
@@ -93,6 +94,26 @@ def test_every_value_comes_back(results: Results):
         np.testing.assert_allclose(numbers, chosen[name].astype(float), rtol=5e-4)
     assert columns["evaluations"] == chosen["evaluations"].tolist()
     assert columns["false_claim"] == chosen["false_claim"].astype(int).tolist()
+
+
+def test_via_points_and_final_headings_come_back(results, tmp_path):
+    """Where there are any; for the command that repeats the attempt."""
+    plain = Scenario(target_x=3, target_y=1)
+    made = [
+        plain,
+        replace(plain, via=[(1, -2), (3, 0.1)]),
+        replace(plain, final_heading=7),
+        replace(plain, via=[(5, 6)], final_heading=-1),
+    ]
+    records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(made)]
+    read = unpacked(sample(load([write_folder(tmp_path / "a", "a", records)]).attempts, 10))
+    scenarios = read["scenarios"]
+
+    assert scenarios["scenario_id"] == ["0", "1", "2", "3"]
+    assert scenarios["via_x"] == [None, [1, 3], None, [5]]
+    assert scenarios["via_y"] == [None, [-2, 0.1], None, [6]]
+    assert scenarios["final_heading"] == [None, None, 7, -1]
+    assert "via_x" not in unpacked(sample(results.attempts, 10))["scenarios"]
 
 
 def test_short_paths_come_back_as_their_controls(results: Results):

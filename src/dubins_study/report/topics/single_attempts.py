@@ -299,8 +299,10 @@ def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     given = [*_OF_SCENARIO, *(name for name in ROUTE if table[name].notna().any())]
     known = table[given].astype(object)
     columns = known.where(known.notna(), None)
-    columns = columns.map(lambda value: [*value] if isinstance(value, np.ndarray) else value)
-    return places.tolist(), {name: columns[name].tolist() for name in given}
+    return places.tolist(), {
+        name: [list(v) if isinstance(v, np.ndarray) else v for v in columns[name].tolist()]
+        for name in given
+    }
 
 
 def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
