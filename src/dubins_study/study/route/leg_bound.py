@@ -1,0 +1,314 @@
+"""A proven lower bound of a leg's length over an interval of headings at each of its ends.
+
+Everything is in units of the turning radius. For a costate nu any path of a leg is as long as
+
+    nu . P + integral of (1 - nu . e(theta)) ds,    P the way from its start to its end,
+
+so that along a word of turns and a straight the integral is a function of the first heading, one of
+the last, and a remainder that is of second order about the word of which nu is the costate. Hence a
+bound of each word over the box is a constant and two minima over one heading each, taken in closed
+form, less a bound of the remainder (docs/derivation.md, section 15).
+
+Rounding. Bounds are computed in doubles and lowered by `_rounding`; ranges of angles that decide
+which paths count are widened by `_SLACK`, and distances by `_SLACK` of their scale. More paths than
+there are only lower a bound.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.closed_form.kernel_compile import compiled, separate
+from dubins_study.study.path import BoolArray, FloatArray
+
+WordArray = NDArray[np.int8]
+
+_PI, _TWO_PI = math.pi, 2 * math.pi
+_SLACK = 1e-13
+# The costate of RLR and LRL is 1 / |cos psi| long; longer ones than this are not needed.
+_LONGEST_COSTATE = 20.0
+_SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
+NO_WORD = -1
+
+
+@separate
+def turns(word: int) -> tuple[float, float]:
+    """The turns of a word's first and last arc, 1 to the left; words as in `pose.WORDS6`."""
+    first = 1.0 if word == 0 or word == 2 or word == 5 else -1.0
+    return first, (-first if word == 2 or word == 3 else first)
+
+
+@separate
+def _arc_minimum(
+    middle: float, half: float, low: float, high: float, rho: float, kappa: float
+) -> tuple[float, float]:
+    """Least x + rho sin x - kappa (x - m) over |x - m| <= half and x in [low, high], and its x - m.
+
+    m is `middle` or differs from it by a whole turn. Infinite where there is no such x.
+    """
+    middle -= _TWO_PI * math.floor(middle / _TWO_PI + 0.5)
+    cosine = (kappa - 1.0) / rho
+    still = -math.acos(cosine) if abs(cosine) <= 1.0 else math.nan
+    best, place = math.inf, 0.0
+    for turn in range(-1, 2):
+        m = middle + turn * _TWO_PI
+        first, last = max(m - half, low), min(m + half, high)
+        if first > last:
+            continue
+        for candidate in range(4):
+            x = first
+            if candidate == 1:
+                x = last
+            elif candidate > 1:
+                x = still if candidate == 2 else still + _TWO_PI
+                if not (first < x < last):
+                    continue
+            value = x + rho * math.sin(x) - kappa * (x - m)
+            if value < best:
+                best, place = value, x - m
+    return best, place
+
+
+@separate
+def _straight_bound(
+    x: float,
+    y: float,
+    s1: float,
+    s2: float,
+    direction: float,
+    least: float,
+    most: float,
+    straight: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+) -> tuple[float, float, float]:
+    """A bound of a word with a straight, whose costate points along `direction`.
+
+    Args:
+        least, most: bounds of s1 times (the straight's direction less `direction`).
+        straight: a lower bound of the straight's length.
+
+    Returns the bound and both headings, less the middles c1 and c2, where it is attained.
+    """
+    if s1 == s2:
+        low2, high2, error = -_PI + least, _PI + most, 0.0
+    else:
+        low2, high2 = -_PI - most, _PI - least
+        w = max(0.0, -least)
+        error = max(0.0, 2.0 * (w - math.sin(w)) - straight * (1.0 - math.cos(w)))
+    f1, x1 = _arc_minimum(
+        s1 * (direction - c1) - _PI, h1, -_PI - most, _PI - least, 1.0, s1 * slope1
+    )
+    f2, x2 = _arc_minimum(s2 * (c2 - direction) - _PI, h2, low2, high2, 1.0, s2 * slope2)
+    along = x * math.cos(direction) + y * math.sin(direction)
+    return along + _TWO_PI + f1 + f2 - error, -s1 * x1, s2 * x2
+
+
+@separate
+def _between(
+    x: float, y: float, s1: float, s2: float, t1: float, t2: float
+) -> tuple[float, float]:
+    """From the first arc's centre to the last one's."""
+    return (
+        x - s2 * math.sin(t2) + s1 * math.sin(t1),
+        y + s2 * math.cos(t2) - s1 * math.cos(t1),
+    )
+
+
+@separate
+def _direction(dx: float, dy: float, s1: float, s2: float) -> float:
+    """The heading on the straight, given the way between the centres; at most 3 pi / 2."""
+    angle = math.atan2(dy, dx)
+    if s1 != s2:
+        square = dx * dx + dy * dy - 4.0
+        angle += s1 * math.atan2(2.0, math.sqrt(max(square, 0.0)))
+    return angle
+
+
+@separate
+def _csc_bound(
+    x: float,
+    y: float,
+    s1: float,
+    s2: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+    enough: float,
+) -> float:
+    """A bound of a word with a straight over a box; one above `enough` is not made better."""
+    dx, dy = _between(x, y, s1, s2, c1, c2)
+    m = math.hypot(dx, dy)
+    reach = h1 + h2 + _SLACK * (1.0 + m)
+    m_low, m_high = max(0.0, m - reach), m + reach
+    turned = math.asin(reach / m) if reach < m else _PI
+    direction = _direction(dx, dy, s1, s2)
+    below, above, straight = turned, turned, 0.0
+    if s1 != s2:
+        if m_high < 2.0:
+            return math.inf
+        straight = math.sqrt(max(m_low * m_low - 4.0, 0.0))
+        farthest = math.sqrt(max(m_high * m_high - 4.0, 0.0))
+        middle = math.atan2(2.0, math.sqrt(max(m * m - 4.0, 0.0)))
+        below += middle - math.atan2(2.0, farthest)
+        above += math.atan2(2.0, straight) - middle
+        if straight > _SHORTEST_STRAIGHT:
+            below, above = min(below, reach / straight), min(above, reach / straight)
+    below, above = below + _SLACK, above + _SLACK
+    best, t1, t2 = _straight_bound(
+        *(x, y, s1, s2, direction, -below, above, straight),
+        *(c1, h1, slope1, c2, h2, slope2),
+    )
+    for _ in range(2):
+        if best >= enough or turned == _PI:
+            break
+        dx, dy = _between(x, y, s1, s2, c1 + t1, c2 + t2)
+        other = _direction(dx, dy, s1, s2)
+        shift = other - direction
+        shift -= _TWO_PI * math.floor(shift / _TWO_PI + 0.5)
+        # the direction at a point of the box; by rounding it may differ, and any is as good
+        other = direction + shift
+        value, t1, t2 = _straight_bound(
+            *(x, y, s1, s2, other, -below - s1 * shift, above - s1 * shift, straight),
+            *(c1, h1, slope1, c2, h2, slope2),
+        )
+        if value <= best + 1e-15 * abs(best):
+            break
+        best = value
+    return best
+
+
+@separate
+def _ccc_bound(
+    x: float,
+    y: float,
+    s: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+) -> tuple[float, float]:
+    """A bound of LRL (s = 1) or RLR over a box, and the length of its costate."""
+    dx, dy = _between(x, y, s, s, c1, c2)
+    m = math.hypot(dx, dy)
+    reach = h1 + h2 + _SLACK * (1.0 + m)
+    m_low, m_high = max(0.0, m - reach), m + reach
+    if m_low >= 4.0:
+        return math.inf, 1.0
+    psi_low = _PI - math.asin(min(1.0, 0.25 * m_high)) - _SLACK
+    psi_high = _PI - math.asin(0.25 * m_low) + _SLACK
+    turned = math.asin(reach / m) + _SLACK if reach < m else _PI
+    rho = min(_LONGEST_COSTATE, 1.0 / max(1e-3, -math.cos(0.5 * (psi_low + psi_high))))
+    pull = 4.0 * rho * math.cos(turned)
+    # concave in psi if the pull is positive; else both terms are least at the lower end
+    rest = 4.0 * psi_low + pull * math.sin(psi_low)
+    if pull > 0.0:
+        rest = min(rest, 4.0 * psi_high + pull * math.sin(psi_high))
+    axis = math.atan2(dy, dx)
+    edge = psi_high + turned
+    f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1)
+    f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2)
+    return rest - rho * (x * math.cos(axis) + y * math.sin(axis)) + f1 + f2, rho
+
+
+@separate
+def _rounding(x: float, y: float, rho: float, slope1: float, slope2: float) -> float:
+    """More than the rounding of a bound (docs/derivation.md, section 15)."""
+    size = 8.0 * rho * (abs(x) + abs(y)) + 100.0 * (2.0 + 2.0 * rho + abs(slope1) + abs(slope2))
+    return EPS * size
+
+
+@separate
+def box_bound(
+    x: float,
+    y: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+) -> tuple[float, int]:
+    """A lower bound of the length plus `slope1` t1 less `slope2` t2, and the word that gives it.
+
+    Args:
+        x, y: the end of the leg, seen from its start (radii).
+        c1, h1: middle and half the width of the interval of first headings (rad); t1 is the first
+            heading less c1.
+        c2, h2: those of the last heading, less c2.
+    """
+    best, word = math.inf, NO_WORD
+    for index in range(4):
+        s1, s2 = turns(index)
+        value = _csc_bound(x, y, s1, s2, c1, h1, slope1, c2, h2, slope2, best)
+        if value < best:
+            best, word = value, index
+    rho = 1.0
+    if x * x + y * y < 16.0 + _SLACK:
+        for index in range(4, 6):
+            s, _ = turns(index)
+            value, longer = _ccc_bound(x, y, s, c1, h1, slope1, c2, h2, slope2)
+            rho = max(rho, longer)
+            if value < best:
+                best, word = value, index
+    return best - _rounding(x, y, rho, slope1, slope2), word
+
+
+@compiled
+def bound_leg(
+    x: float,
+    y: float,
+    first: tuple[FloatArray, FloatArray, FloatArray],
+    last: tuple[FloatArray, FloatArray, FloatArray],
+    live: BoolArray,
+    bounds: FloatArray,
+    words: WordArray,
+) -> None:
+    """`box_bound` of every live pair of intervals; infinite for the others.
+
+    Args:
+        first, last: middles, halves of widths and slopes of the intervals at both ends.
+        live, bounds, words: shape (intervals at the start, intervals at the end); two are written.
+    """
+    c1, h1, slope1 = first
+    c2, h2, slope2 = last
+    for i in range(c1.size):
+        for j in range(c2.size):
+            bounds[i, j], words[i, j] = math.inf, NO_WORD
+            if live[i, j]:
+                bounds[i, j], words[i, j] = box_bound(
+                    *(x, y, c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j])
+                )
+
+
+@separate
+def word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[float, float]:
+    """Derivatives of a word's length by both headings, where it exists or is nearest to existing."""
+    s1, s2 = turns(word)
+    dx, dy = _between(x, y, s1, s2, t1, t2)
+    if word < 4:
+        direction = _direction(dx, dy, s1, s2)
+        return -s1 * (1.0 - math.cos(direction - t1)), s2 * (1.0 - math.cos(t2 - direction))
+    axis = math.atan2(dy, dx)
+    quarter = 0.0625 * (dx * dx + dy * dy)
+    rho = 1.0 / math.sqrt(max(1.0 / _LONGEST_COSTATE**2, 1.0 - quarter))
+    return -s1 * (1.0 + rho * math.cos(t1 - axis)), s1 * (1.0 + rho * math.cos(t2 - axis))
+
+
+def columns(*arrays: Any) -> tuple[FloatArray, ...]:
+    """The arrays as contiguous doubles, of one type for the compiled loops."""
+    return tuple(np.ascontiguousarray(array, np.float64) for array in arrays)
