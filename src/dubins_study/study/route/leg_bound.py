@@ -296,8 +296,8 @@ def bound_leg(
 
 
 @separate
-def word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[float, float]:
-    """Derivatives of a word's length by both headings, where it exists or is nearest to existing."""
+def _word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[float, float]:
+    """Derivatives of a word's length by both headings, where it exists or nearly does."""
     s1, s2 = turns(word)
     dx, dy = _between(x, y, s1, s2, t1, t2)
     if word < 4:
@@ -309,6 +309,37 @@ def word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[fl
     return -s1 * (1.0 + rho * math.cos(t1 - axis)), s1 * (1.0 + rho * math.cos(t2 - axis))
 
 
-def columns(*arrays: Any) -> tuple[FloatArray, ...]:
-    """The arrays as contiguous doubles, of one type for the compiled loops."""
-    return tuple(np.ascontiguousarray(array, np.float64) for array in arrays)
+@compiled
+def potential_slopes(
+    before: FloatArray,
+    headings_before: FloatArray,
+    words_before: WordArray,
+    after: FloatArray,
+    headings_after: FloatArray,
+    words_after: WordArray,
+    headings: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Slopes of the potential for which both legs at a point are as flat as they can be.
+
+    Args:
+        before, after: both legs as (x, y); of no size at an end of the route.
+        headings_before, headings_after: the other ends' headings, one for each of `headings`.
+        words_before, words_after: words of both legs, likewise.
+
+    Returns the slopes, and by how much the derivatives of both legs do not cancel.
+    """
+    slopes, steepness = np.zeros(headings.size), np.zeros(headings.size)
+    for j in range(headings.size):
+        rise, fall = 0.0, 0.0
+        if before.size:
+            _, rise = _word_slopes(
+                before[0], before[1], headings_before[j], headings[j], words_before[j]
+            )
+        if after.size:
+            fall, _ = _word_slopes(
+                after[0], after[1], headings[j], headings_after[j], words_after[j]
+            )
+        if before.size and after.size:
+            slopes[j] = 0.5 * (rise - fall)
+        steepness[j] = abs(rise + fall)
+    return slopes, steepness

@@ -1,0 +1,252 @@
+"""The shortest route through points in a given order, with a proof.
+
+Everything is in units of the turning radius, headings in radians. The heading at each point lies in
+one of some intervals and may jump inside it: the least sum of the legs' bounds
+(`study.route.leg_bound`) over all chains of intervals, by a dynamic program, is a lower bound of the
+route. Intervals and pairs of them that no route as short as the best one known can pass are left
+out; the others are split until the bound meets that route's length (docs/derivation.md, section 15).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.closed_form.pose import WORDS6, pose_delta, pose_shortest
+from dubins_study.study.path import BoolArray, FloatArray
+from dubins_study.study.route.descent import descend, leg_table
+from dubins_study.study.route.leg_bound import WordArray, bound_leg, potential_slopes
+
+_TWO_PI = 2 * math.pi
+_COARSE = 16  # headings a point of the first dynamic program
+_NARROWEST = 1e-14  # rad; half the width of an interval that is not split any more
+_MOST_PAIRS = 40_000_000
+
+
+class Route(NamedTuple):
+    """The best route found, and a proven interval around the shortest length of all."""
+
+    headings: FloatArray  # shape (n + 1,), rad
+    words: tuple[str, ...]  # of `pose.WORDS6`, one a leg
+    segments: FloatArray  # shape (n, 3), radii
+    length: float
+    low: float
+    high: float
+    closed: bool  # whether low and high are within the tolerance
+    rounds: int
+    boxes: int  # pairs of intervals that a bound was computed for
+    seconds: float
+
+
+class _Intervals(NamedTuple):
+    """The intervals of headings at a point: middles, halves of widths, slopes of the potential."""
+
+    middle: FloatArray
+    half: FloatArray
+    slope: FloatArray
+
+
+def search(
+    points: ArrayLike,
+    first: float | None,
+    last: float | None = None,
+    *,
+    limit: float,
+    tolerance: float = 1e-12,
+) -> Route:
+    """The shortest route through the points, or the interval that its length is proven to lie in.
+
+    Args:
+        points: shape (n + 1, 2), in radii, neighbours apart.
+        first, last: headings at both ends (rad); None if free.
+        limit: seconds.
+        tolerance: of the interval's width, relative to the length.
+    """
+    return _Search(np.asarray(points, np.float64), first, last, limit, tolerance).run()
+
+
+class _Search:
+    def __init__(
+        self,
+        points: FloatArray,
+        first: float | None,
+        last: float | None,
+        limit: float,
+        tolerance: float,
+    ) -> None:
+        self.began, self.limit, self.tolerance = perf_counter(), limit, tolerance
+        self.n = len(points) - 1
+        self.legs = np.ascontiguousarray(np.diff(points, axis=0))
+        size = np.abs(points).sum(1)
+        self.deltas = np.array(
+            [
+                pose_delta(size[i] + size[i + 1], float(np.abs(self.legs[i]).sum()))
+                for i in range(self.n)
+            ]
+        )
+        given = [first, *[None] * (self.n - 1), last]
+        self.free = np.array([heading is None for heading in given])
+        width = _TWO_PI / _COARSE
+        grid = -math.pi + width * (np.arange(_COARSE) + 0.5)
+        self.intervals = [_start(heading, grid, 0.5 * width + 1e-14) for heading in given]
+        self.live = [
+            np.ones((a.middle.size, b.middle.size), np.bool_)
+            for a, b in zip(self.intervals, self.intervals[1:], strict=False)
+        ]
+        self.length, self.headings = math.inf, np.zeros(self.n + 1)
+        self.low, self.discarded = 0.0, math.inf
+        self.boxes = self.rounds = 0
+
+    def run(self) -> Route:
+        tables = [
+            leg_table(x, y, delta, a.middle, b.middle)
+            for (x, y), delta, a, b in zip(
+                self.legs, self.deltas, self.intervals, self.intervals[1:], strict=False
+            )
+        ]
+        lengths, words = [table[0] for table in tables], [table[1] for table in tables]
+        self._aim(lengths, words, _sums(lengths), None)
+        self._improve(lengths, _TWO_PI / _COARSE / 4)
+        while self._bound():
+            self.rounds += 1
+            ahead, behind = self.sums = _sums(self.bounds)
+            least = ahead[-1].min() * (1.0 - (self.n + 2) * EPS)
+            self.low = max(self.low, min(least, self.discarded, self.high))
+            if self.low >= self.high * (1.0 - self.tolerance):
+                break
+            self._improve(self.bounds, 0.5 * max(interval.half.max() for interval in self.intervals))
+            if self.low >= self.high * (1.0 - self.tolerance) or not self._split():
+                break
+        return self._route()
+
+    @property
+    def high(self) -> float:
+        """More than the best route's length, whatever the rounding."""
+        return self.length * (1.0 + (self.n + 8) * EPS) + 64.0 * self.n * EPS
+
+    def _bound(self) -> bool:
+        """Bounds of all pairs of intervals; False where the time is over."""
+        self.bounds, self.words = [], []
+        for i, (x, y) in enumerate(self.legs):
+            if perf_counter() - self.began > self.limit:
+                return False
+            live = self.live[i]
+            bounds, words = np.empty(live.shape), np.empty(live.shape, np.int8)
+            bound_leg(x, y, self.intervals[i], self.intervals[i + 1], live, bounds, words)
+            self.bounds.append(bounds)
+            self.words.append(words)
+            self.boxes += int(live.sum())
+        return True
+
+    def _improve(self, costs: list[FloatArray], width: float) -> None:
+        """Go downhill from the middles of the intervals on the cheapest chain."""
+        headings, j = np.empty(self.n + 1), int(np.argmin(_sums(costs)[0][-1]))
+        ahead = _sums(costs)[0]
+        for i in range(self.n, -1, -1):
+            headings[i] = self.intervals[i].middle[j]
+            if i:
+                j = int(np.argmin(ahead[i - 1] + costs[i - 1][:, j]))
+        length = descend(self.legs, self.deltas, headings, self.free, width)
+        if length < self.length:
+            self.length, self.headings = length, headings
+
+    def _split(self) -> bool:
+        """Leave out what no shorter route can pass, and split what is left."""
+        ahead, behind = self.sums
+        threshold = self.high * (1.0 - 0.5 * self.tolerance)
+        self.discarded = min(self.discarded, threshold)
+        margin = 1.0 - (2 * self.n + 4) * EPS
+        kept = [(a + b) * margin <= threshold for a, b in zip(ahead, behind, strict=True)]
+        steepness = self._aim(self.bounds, self.words, self.sums, kept)
+        parents = []
+        worth = [i.half * (s + i.half) for i, s in zip(self.intervals, steepness, strict=True)]
+        most = max(float(w[k].max()) if k.any() else 0.0 for w, k in zip(worth, kept, strict=True))
+        if most == 0.0:
+            self.low = max(self.low, min(self.discarded, self.high))
+            return False
+        old = self.intervals
+        self.intervals = []
+        for i in range(self.n + 1):
+            split = (worth[i] >= 0.1 * most) & (old[i].half > _NARROWEST) & kept[i]
+            chosen = np.flatnonzero(kept[i])
+            parent = np.repeat(chosen, 1 + split[chosen])
+            parents.append(parent)
+            twin = np.zeros(parent.size)
+            second = np.append(False, parent[1:] == parent[:-1])
+            firsts = np.append(second[1:], False)
+            twin[second], twin[firsts] = 0.5, -0.5
+            half = old[i].half[parent]
+            middle = old[i].middle[parent] + twin * half
+            half = np.where(twin == 0.0, half, 0.5 * half + 1e-15)
+            self.intervals.append(_Intervals(middle, half, old[i].slope[parent]))
+        pairs = 0
+        for i in range(self.n):
+            alive = (ahead[i][:, None] + self.bounds[i] + behind[i + 1]) * margin <= threshold
+            self.live[i] = np.ascontiguousarray(alive[np.ix_(parents[i], parents[i + 1])])
+            pairs += self.live[i].size
+        return pairs < _MOST_PAIRS
+
+    def _aim(self, costs, words, sums, kept):
+        """Slopes of the potential along the best chain through each interval."""
+        ahead, behind = sums
+        steepness = []
+        new = []
+        none = np.empty(0), np.empty(0), np.empty(0, np.int8)
+        for i, interval in enumerate(self.intervals):
+            every = np.arange(interval.middle.size)
+            left = right = none
+            if i:
+                j = np.argmin(ahead[i - 1][:, None] + costs[i - 1], axis=0)
+                left = self.legs[i - 1], self.intervals[i - 1].middle[j], words[i - 1][j, every]
+            if i < self.n:
+                k = np.argmin(costs[i] + behind[i + 1], axis=1)
+                right = self.legs[i], self.intervals[i + 1].middle[k], words[i][every, k]
+            slope, steep = potential_slopes(*left, *right, interval.middle)
+            slope = np.clip(slope, -4.0, 4.0)
+            if not self.free[i]:
+                slope[:], steep[:] = 0.0, 0.0
+            steepness.append(steep)
+            new.append(interval._replace(slope=slope))
+        self.intervals = new
+        return steepness
+
+    def _route(self) -> Route:
+        words, segments = [], []
+        for i, (x, y) in enumerate(self.legs):
+            _, index, *lengths = pose_shortest(
+                x, y, self.headings[i], self.headings[i + 1], self.deltas[i]
+            )
+            words.append(WORDS6[index])
+            segments.append(lengths)
+        closed = self.low >= self.high * (1.0 - self.tolerance)
+        seconds = perf_counter() - self.began
+        return Route(
+            *(self.headings, tuple(words), np.array(segments), self.length, self.low, self.high),
+            *(closed, self.rounds, self.boxes, seconds),
+        )
+
+
+def _start(heading: float | None, grid: FloatArray, half: float) -> _Intervals:
+    """All headings, or the one that is given."""
+    if heading is None:
+        return _Intervals(grid, np.full(grid.size, half), np.zeros(grid.size))
+    reduced = math.remainder(heading, _TWO_PI)
+    # a double of 2 pi is 2.5e-16 less than it
+    turns = abs(heading - reduced) / _TWO_PI
+    return _Intervals(np.array([reduced]), np.array([turns * 2.5e-16]), np.zeros(1))
+
+
+def _sums(costs: list[FloatArray]) -> tuple[list[FloatArray], list[FloatArray]]:
+    """The least costs from the start to each interval, and from each interval to the end."""
+    ahead, behind = [np.zeros(costs[0].shape[0])], [np.zeros(costs[-1].shape[1])]
+    for cost in costs:
+        ahead.append((ahead[-1][:, None] + cost).min(0))
+    for cost in reversed(costs):
+        behind.insert(0, (cost + behind[0]).min(1))
+    return ahead, behind
