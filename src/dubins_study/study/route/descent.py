@@ -22,7 +22,7 @@ for _called in pose.CALLED:
 _shortest = separate(pose.pose_shortest)
 _gradient = separate(pose.pose_gradient)
 
-_FINEST = 1e-15  # rad, of the grid about the best headings
+_FINEST = 1e-13  # rad, of the grid about the best headings
 _ROUGH = 1e-3  # rad; below it Newton's method is tried
 _LARGEST_STEP = 0.05  # rad, of Newton's method
 
@@ -37,6 +37,17 @@ def leg_table(
         for j in range(last.size):
             lengths[i, j], words[i, j], _, _, _ = _shortest(x, y, first[i], last[j], delta)
     return lengths, words
+
+
+@compiled
+def leg_lengths(
+    x: float, y: float, delta: float, first: FloatArray, last: FloatArray
+) -> FloatArray:
+    """Lengths of a leg for pairs of headings."""
+    lengths = np.empty(first.size)
+    for i in range(first.size):
+        lengths[i] = _shortest(x, y, first[i], last[i], delta)[0]
+    return lengths
 
 
 @separate
@@ -58,7 +69,7 @@ def _grid_step(
                 a = headings[i] + (j - 2) * width
                 length = _shortest(legs[i, 0], legs[i, 1], a, b, deltas[i])[0]
                 # the middle wins where lengths are equal, so that the search comes to rest
-                total = cost[j] + length + (0.0 if j == 2 else 1e-15)
+                total = cost[j] + length + (0.0 if j == 2 else 1e-14)
                 if total < following[k]:
                     following[k], back[i, k] = total, j
         cost = following
@@ -176,6 +187,8 @@ def descend(
                         best = length
                         headings[:] = trial
                     return best
-        if not _grid_step(legs, deltas, headings, free, width):
-            width *= 0.4
+        moves = 0
+        while moves < 20 and _grid_step(legs, deltas, headings, free, width):
+            moves += 1
+        width *= 0.4
     return route_length(legs, deltas, headings)

@@ -135,6 +135,19 @@ def _direction(dx: float, dy: float, s1: float, s2: float) -> float:
 
 
 @separate
+def _turning_minimum(
+    s: float, c1: float, h1: float, slope1: float, c2: float, h2: float, slope2: float, low: float
+) -> float:
+    """Least T + slope1 t1 - slope2 t2 over a box, T = s (theta2 - theta1) + 2 pi k not below `low`.
+
+    The turning of a word's first and last arc less its middle arc's is such a T.
+    """
+    middle, half = s * (c2 - c1), h1 + h2 + _SLACK
+    middle += _TWO_PI * math.ceil((low - half - middle) / _TWO_PI)
+    return middle - abs(slope1 - s) * h1 - abs(slope2 - s) * h2
+
+
+@separate
 def _csc_bound(
     x: float,
     y: float,
@@ -171,6 +184,9 @@ def _csc_bound(
         *(x, y, s1, s2, direction, -below, above, straight),
         *(c1, h1, slope1, c2, h2, slope2),
     )
+    if s1 == s2:
+        turning = _turning_minimum(s1, c1, h1, slope1, c2, h2, slope2, -_SLACK)
+        best = max(best, m_low + turning)
     for _ in range(2):
         if best >= enough or turned == _PI:
             break
@@ -222,7 +238,9 @@ def _ccc_bound(
     edge = psi_high + turned
     f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1)
     f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2)
-    return rest - rho * (x * math.cos(axis) + y * math.sin(axis)) + f1 + f2, rho
+    turning = _turning_minimum(s, c1, h1, slope1, c2, h2, slope2, -2.0 * psi_high)
+    value = rest - rho * (x * math.cos(axis) + y * math.sin(axis)) + f1 + f2
+    return max(value, 4.0 * psi_low + turning), rho
 
 
 @separate

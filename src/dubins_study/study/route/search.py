@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6, pose_delta, pose_shortest
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_table
+from dubins_study.study.route.descent import descend, leg_lengths, leg_table
 from dubins_study.study.route.leg_bound import WordArray, bound_leg, potential_slopes
 
 _TWO_PI = 2 * math.pi
@@ -165,7 +165,7 @@ class _Search:
         kept = [(a + b) * margin <= threshold for a, b in zip(ahead, behind, strict=True)]
         steepness = self._aim(self.bounds, self.words, self.sums, kept)
         parents = []
-        worth = [i.half * (s + i.half) for i, s in zip(self.intervals, steepness, strict=True)]
+        worth = steepness
         most = max(float(w[k].max()) if k.any() else 0.0 for w, k in zip(worth, kept, strict=True))
         if most == 0.0:
             self.low = max(self.low, min(self.discarded, self.high))
@@ -199,19 +199,26 @@ class _Search:
         new = []
         none = np.empty(0), np.empty(0), np.empty(0, np.int8)
         for i, interval in enumerate(self.intervals):
+            slack = np.zeros(interval.middle.size)
             every = np.arange(interval.middle.size)
             left = right = none
             if i:
                 j = np.argmin(ahead[i - 1][:, None] + costs[i - 1], axis=0)
                 left = self.legs[i - 1], self.intervals[i - 1].middle[j], words[i - 1][j, every]
+                gap = leg_lengths(*left[0], self.deltas[i - 1], left[1], interval.middle)
+                gap -= costs[i - 1][j, every]
+                slack += gap * interval.half / (interval.half + self.intervals[i - 1].half[j] + 1e-300)
             if i < self.n:
                 k = np.argmin(costs[i] + behind[i + 1], axis=1)
                 right = self.legs[i], self.intervals[i + 1].middle[k], words[i][every, k]
+                gap = leg_lengths(*right[0], self.deltas[i], interval.middle, right[1])
+                gap -= costs[i][every, k]
+                slack += gap * interval.half / (interval.half + self.intervals[i + 1].half[k] + 1e-300)
             slope, steep = potential_slopes(*left, *right, interval.middle)
             slope = np.clip(slope, -4.0, 4.0)
             if not self.free[i]:
-                slope[:], steep[:] = 0.0, 0.0
-            steepness.append(steep)
+                slope[:], slack[:] = 0.0, 0.0
+            steepness.append(slack)
             new.append(interval._replace(slope=slope))
         self.intervals = new
         return steepness
