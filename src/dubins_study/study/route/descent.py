@@ -24,6 +24,7 @@ _gradient = separate(pose.pose_gradient)
 
 _FINEST = 1e-13  # rad, of the grid about the best headings
 _ROUGH = 1e-3  # rad; below it Newton's method is tried
+_GRID = 13  # headings a point
 _LARGEST_STEP = 0.05  # rad, of Newton's method
 
 
@@ -54,32 +55,35 @@ def leg_lengths(
 def _grid_step(
     legs: FloatArray, deltas: FloatArray, headings: FloatArray, free: BoolArray, width: float
 ) -> bool:
-    """Move to the best of five headings a point, `width` apart; whether any has changed."""
-    n = deltas.size
-    cost, back = np.zeros(5), np.empty((n, 5), np.int64)
+    """Move to the best of `_GRID` headings a point, `width` apart; whether any has changed."""
+    n, centre = deltas.size, _GRID // 2
+    cost, back = np.full(_GRID, math.inf), np.empty((n, _GRID), np.int64)
+    for j in range(_GRID):
+        if free[0] or j == centre:
+            cost[j] = 0.0
     for i in range(n):
-        following = np.full(5, math.inf)
-        for k in range(5):
-            if k != 2 and not free[i + 1]:
+        following = np.full(_GRID, math.inf)
+        for k in range(_GRID):
+            if k != centre and not free[i + 1]:
                 continue
-            b = headings[i + 1] + (k - 2) * width
-            for j in range(5):
-                if j != 2 and not free[i]:
+            b = headings[i + 1] + (k - centre) * width
+            for j in range(_GRID):
+                if not (cost[j] < math.inf):
                     continue
-                a = headings[i] + (j - 2) * width
+                a = headings[i] + (j - centre) * width
                 length = _shortest(legs[i, 0], legs[i, 1], a, b, deltas[i])[0]
                 # the middle wins where lengths are equal, so that the search comes to rest
-                total = cost[j] + length + (0.0 if j == 2 else 1e-14)
+                total = cost[j] + length + (0.0 if j == centre else 1e-14)
                 if total < following[k]:
                     following[k], back[i, k] = total, j
         cost = following
-    k, moved = 2, False
-    for j in range(5):
+    k, moved = centre, False
+    for j in range(_GRID):
         if cost[j] < cost[k]:
             k = j
     for i in range(n, -1, -1):
-        moved |= k != 2
-        headings[i] += (k - 2) * width
+        moved |= k != centre
+        headings[i] += (k - centre) * width
         if i > 0:
             k = back[i - 1, k]
     return moved
@@ -188,7 +192,7 @@ def descend(
                         headings[:] = trial
                     return best
         moves = 0
-        while moves < 20 and _grid_step(legs, deltas, headings, free, width):
+        while moves < 8 and _grid_step(legs, deltas, headings, free, width):
             moves += 1
-        width *= 0.4
+        width *= 0.5
     return route_length(legs, deltas, headings)

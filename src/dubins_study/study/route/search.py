@@ -120,7 +120,7 @@ class _Search:
             self.low = max(self.low, min(least, self.discarded, self.high))
             if self.low >= self.high * (1.0 - self.tolerance):
                 break
-            self._improve(self.bounds, 0.5 * max(interval.half.max() for interval in self.intervals))
+            self._improve(self.bounds, 0.2 * max(interval.half.max() for interval in self.intervals))
             if self.low >= self.high * (1.0 - self.tolerance) or not self._split():
                 break
         return self._route()
