@@ -10,16 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from dubins_study.study.closed_form import pose
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.leg_bound import WordArray
+from dubins_study.study.route.leg_words import shortest_word
 
-for _called in pose.CALLED:
-    register_jitable(_called)
-_shortest = separate(pose.pose_shortest)
 _gradient = separate(pose.pose_gradient)
 
 _FINEST = 1e-13  # rad, of the grid about the best headings
@@ -30,33 +27,33 @@ _LARGEST_STEP = 0.05  # rad, of Newton's method
 
 @compiled
 def leg_table(
-    x: float, y: float, delta: float, first: FloatArray, last: FloatArray
+    x: float, y: float, first: FloatArray, last: FloatArray
 ) -> tuple[FloatArray, WordArray]:
     """Lengths and words of a leg for all pairs of headings, of shape (first, last)."""
     lengths, words = np.empty((first.size, last.size)), np.empty((first.size, last.size), np.int8)
     for i in range(first.size):
         for j in range(last.size):
-            lengths[i, j], words[i, j], _, _, _ = _shortest(x, y, first[i], last[j], delta)
+            lengths[i, j], words[i, j], _, _, _ = shortest_word(x, y, first[i], last[j])
     return lengths, words
 
 
 @compiled
 def leg_lengths(
-    x: float, y: float, delta: float, first: FloatArray, last: FloatArray
+    x: float, y: float, first: FloatArray, last: FloatArray
 ) -> FloatArray:
     """Lengths of a leg for pairs of headings."""
     lengths = np.empty(first.size)
     for i in range(first.size):
-        lengths[i] = _shortest(x, y, first[i], last[i], delta)[0]
+        lengths[i] = shortest_word(x, y, first[i], last[i])[0]
     return lengths
 
 
 @separate
 def _grid_step(
-    legs: FloatArray, deltas: FloatArray, headings: FloatArray, free: BoolArray, width: float
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
 ) -> bool:
     """Move to the best of `_GRID` headings a point, `width` apart; whether any has changed."""
-    n, centre = deltas.size, _GRID // 2
+    n, centre = legs.shape[0], _GRID // 2
     cost, back = np.full(_GRID, math.inf), np.empty((n, _GRID), np.int64)
     for j in range(_GRID):
         if free[0] or j == centre:
@@ -71,7 +68,7 @@ def _grid_step(
                 if not (cost[j] < math.inf):
                     continue
                 a = headings[i] + (j - centre) * width
-                length = _shortest(legs[i, 0], legs[i, 1], a, b, deltas[i])[0]
+                length = shortest_word(legs[i, 0], legs[i, 1], a, b)[0]
                 # the middle wins where lengths are equal, so that the search comes to rest
                 total = cost[j] + length + (0.0 if j == centre else 1e-14)
                 if total < following[k]:
@@ -90,11 +87,11 @@ def _grid_step(
 
 
 @separate
-def route_length(legs: FloatArray, deltas: FloatArray, headings: FloatArray) -> float:
+def route_length(legs: FloatArray, headings: FloatArray) -> float:
     """The length of the route with these headings."""
     total = 0.0
-    for i in range(deltas.size):
-        total += _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], deltas[i])[0]
+    for i in range(legs.shape[0]):
+        total += shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])[0]
     return total
 
 
@@ -118,16 +115,16 @@ def _curvatures(word: int, t: float, p: float, q: float) -> tuple[float, float, 
 
 @separate
 def _newton(
-    legs: FloatArray, deltas: FloatArray, headings: FloatArray, free: BoolArray
+    legs: FloatArray, headings: FloatArray, free: BoolArray
 ) -> bool:
     """Newton's method; False where the Hessian is not positive definite or a step is long."""
-    n = deltas.size
+    n = legs.shape[0]
     slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     for _ in range(12):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
-            length, word, t, p, q = _shortest(
-                legs[i, 0], legs[i, 1], headings[i], headings[i + 1], deltas[i]
+            length, word, t, p, q = shortest_word(
+                legs[i, 0], legs[i, 1], headings[i], headings[i + 1]
             )
             if not (p > 1e-9):
                 return False
@@ -167,32 +164,42 @@ def _newton(
 
 @compiled
 def descend(
-    legs: FloatArray, deltas: FloatArray, headings: FloatArray, free: BoolArray, width: float
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
 ) -> float:
     """Shorten a route in place, and return its length.
 
     Args:
         legs: from each point to the next, shape (n, 2).
-        deltas: uncertainty of each leg, shape (n,).
         headings: at the points, shape (n + 1,); changed where `free`.
         width: distance of the first grid's headings (rad).
     """
-    best = route_length(legs, deltas, headings)
+    best = route_length(legs, headings)
     trial = headings.copy()
     tried = 0
     while width > _FINEST:
         if width < _ROUGH and tried < 3:
             tried += 1
             trial[:] = headings
-            if _newton(legs, deltas, trial, free):
-                length = route_length(legs, deltas, trial)
+            if _newton(legs, trial, free):
+                length = route_length(legs, trial)
                 if length <= best + 1e-14 * (1.0 + best):
                     if length < best:
                         best = length
                         headings[:] = trial
                     return best
         moves = 0
-        while moves < 8 and _grid_step(legs, deltas, headings, free, width):
+        while moves < 8 and _grid_step(legs, headings, free, width):
             moves += 1
         width *= 0.5
-    return route_length(legs, deltas, headings)
+    return route_length(legs, headings)
+
+
+@compiled
+def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, FloatArray]:
+    """The word of each leg, shape (n,), and its segments, shape (n, 3)."""
+    n = legs.shape[0]
+    words, segments = np.empty(n, np.int8), np.empty((n, 3))
+    for i in range(n):
+        _, words[i], t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
+        segments[i, 0], segments[i, 1], segments[i, 2] = t, p, q
+    return words, segments

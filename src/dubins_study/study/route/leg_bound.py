@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
+from dubins_study.study.route.leg_words import between, straight_direction, turns
 
 WordArray = NDArray[np.int8]
 
@@ -34,13 +35,6 @@ _SLACK = 1e-13
 _LONGEST_COSTATE = 20.0
 _SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
 NO_WORD = -1
-
-
-@separate
-def turns(word: int) -> tuple[float, float]:
-    """The turns of a word's first and last arc, 1 to the left; words as in `pose.WORDS6`."""
-    first = 1.0 if word == 0 or word == 2 or word == 5 else -1.0
-    return first, (-first if word == 2 or word == 3 else first)
 
 
 @separate
@@ -114,27 +108,6 @@ def _straight_bound(
 
 
 @separate
-def _between(
-    x: float, y: float, s1: float, s2: float, t1: float, t2: float
-) -> tuple[float, float]:
-    """From the first arc's centre to the last one's."""
-    return (
-        x - s2 * math.sin(t2) + s1 * math.sin(t1),
-        y + s2 * math.cos(t2) - s1 * math.cos(t1),
-    )
-
-
-@separate
-def _direction(dx: float, dy: float, s1: float, s2: float) -> float:
-    """The heading on the straight, given the way between the centres; at most 3 pi / 2."""
-    angle = math.atan2(dy, dx)
-    if s1 != s2:
-        square = dx * dx + dy * dy - 4.0
-        angle += s1 * math.atan2(2.0, math.sqrt(max(square, 0.0)))
-    return angle
-
-
-@separate
 def _turning_minimum(
     s: float, c1: float, h1: float, slope1: float, c2: float, h2: float, slope2: float, low: float
 ) -> float:
@@ -162,12 +135,12 @@ def _csc_bound(
     enough: float,
 ) -> float:
     """A bound of a word with a straight over a box; one above `enough` is not made better."""
-    dx, dy = _between(x, y, s1, s2, c1, c2)
+    dx, dy = between(x, y, s1, s2, c1, c2)
     m = math.hypot(dx, dy)
     reach = h1 + h2 + _SLACK * (1.0 + m)
     m_low, m_high = max(0.0, m - reach), m + reach
     turned = math.asin(reach / m) if reach < m else _PI
-    direction = _direction(dx, dy, s1, s2)
+    direction = straight_direction(dx, dy, s1, s2)
     below, above, straight = turned, turned, 0.0
     if s1 != s2:
         if m_high < 2.0:
@@ -190,8 +163,8 @@ def _csc_bound(
     for _ in range(2):
         if best >= enough or turned == _PI:
             break
-        dx, dy = _between(x, y, s1, s2, c1 + t1, c2 + t2)
-        other = _direction(dx, dy, s1, s2)
+        dx, dy = between(x, y, s1, s2, c1 + t1, c2 + t2)
+        other = straight_direction(dx, dy, s1, s2)
         shift = other - direction
         shift -= _TWO_PI * math.floor(shift / _TWO_PI + 0.5)
         # the direction at a point of the box; by rounding it may differ, and any is as good
@@ -219,7 +192,7 @@ def _ccc_bound(
     slope2: float,
 ) -> tuple[float, float]:
     """A bound of LRL (s = 1) or RLR over a box, and the length of its costate."""
-    dx, dy = _between(x, y, s, s, c1, c2)
+    dx, dy = between(x, y, s, s, c1, c2)
     m = math.hypot(dx, dy)
     reach = h1 + h2 + _SLACK * (1.0 + m)
     m_low, m_high = max(0.0, m - reach), m + reach
@@ -317,9 +290,9 @@ def bound_leg(
 def _word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[float, float]:
     """Derivatives of a word's length by both headings, where it exists or nearly does."""
     s1, s2 = turns(word)
-    dx, dy = _between(x, y, s1, s2, t1, t2)
+    dx, dy = between(x, y, s1, s2, t1, t2)
     if word < 4:
-        direction = _direction(dx, dy, s1, s2)
+        direction = straight_direction(dx, dy, s1, s2)
         return -s1 * (1.0 - math.cos(direction - t1)), s2 * (1.0 - math.cos(t2 - direction))
     axis = math.atan2(dy, dx)
     quarter = 0.0625 * (dx * dx + dy * dy)

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.closed_form.pose import WORDS6, pose_delta, pose_shortest
+from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_lengths, leg_table
+from dubins_study.study.route.descent import descend, leg_lengths, leg_table, route_words
 from dubins_study.study.route.leg_bound import WordArray, bound_leg, potential_slopes
 
 _TWO_PI = 2 * math.pi
@@ -83,13 +83,6 @@ class _Search:
         self.began, self.limit, self.tolerance = perf_counter(), limit, tolerance
         self.n = len(points) - 1
         self.legs = np.ascontiguousarray(np.diff(points, axis=0))
-        size = np.abs(points).sum(1)
-        self.deltas = np.array(
-            [
-                pose_delta(size[i] + size[i + 1], float(np.abs(self.legs[i]).sum()))
-                for i in range(self.n)
-            ]
-        )
         given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
         width = _TWO_PI / _COARSE
@@ -105,9 +98,9 @@ class _Search:
 
     def run(self) -> Route:
         tables = [
-            leg_table(x, y, delta, a.middle, b.middle)
-            for (x, y), delta, a, b in zip(
-                self.legs, self.deltas, self.intervals, self.intervals[1:], strict=False
+            leg_table(x, y, a.middle, b.middle)
+            for (x, y), a, b in zip(
+                self.legs, self.intervals, self.intervals[1:], strict=False
             )
         ]
         lengths, words = [table[0] for table in tables], [table[1] for table in tables]
@@ -152,7 +145,7 @@ class _Search:
             headings[i] = self.intervals[i].middle[j]
             if i:
                 j = int(np.argmin(ahead[i - 1] + costs[i - 1][:, j]))
-        length = descend(self.legs, self.deltas, headings, self.free, width)
+        length = descend(self.legs, headings, self.free, width)
         if length < self.length:
             self.length, self.headings = length, headings
 
@@ -205,36 +198,31 @@ class _Search:
             if i:
                 j = np.argmin(ahead[i - 1][:, None] + costs[i - 1], axis=0)
                 left = self.legs[i - 1], self.intervals[i - 1].middle[j], words[i - 1][j, every]
-                gap = leg_lengths(*left[0], self.deltas[i - 1], left[1], interval.middle)
+                gap = leg_lengths(*left[0], left[1], interval.middle)
                 gap -= costs[i - 1][j, every]
                 slack += gap * interval.half / (interval.half + self.intervals[i - 1].half[j] + 1e-300)
             if i < self.n:
                 k = np.argmin(costs[i] + behind[i + 1], axis=1)
                 right = self.legs[i], self.intervals[i + 1].middle[k], words[i][every, k]
-                gap = leg_lengths(*right[0], self.deltas[i], interval.middle, right[1])
+                gap = leg_lengths(*right[0], interval.middle, right[1])
                 gap -= costs[i][every, k]
                 slack += gap * interval.half / (interval.half + self.intervals[i + 1].half[k] + 1e-300)
             slope, steep = potential_slopes(*left, *right, interval.middle)
             slope = np.clip(slope, -4.0, 4.0)
             if not self.free[i]:
-                slope[:], slack[:] = 0.0, 0.0
-            steepness.append(slack)
+                slope[:], steep[:], slack[:] = 0.0, 0.0, 0.0
+            steepness.append(np.minimum(slack, interval.half * (steep + interval.half)))
             new.append(interval._replace(slope=slope))
         self.intervals = new
         return steepness
 
     def _route(self) -> Route:
-        words, segments = [], []
-        for i, (x, y) in enumerate(self.legs):
-            _, index, *lengths = pose_shortest(
-                x, y, self.headings[i], self.headings[i + 1], self.deltas[i]
-            )
-            words.append(WORDS6[index])
-            segments.append(lengths)
+        words, segments = route_words(self.legs, self.headings)
+        names = tuple(WORDS6[word] for word in words)
         closed = self.low >= self.high * (1.0 - self.tolerance)
         seconds = perf_counter() - self.began
         return Route(
-            *(self.headings, tuple(words), np.array(segments), self.length, self.low, self.high),
+            *(self.headings, names, segments, self.length, self.low, self.high),
             *(closed, self.rounds, self.boxes, seconds),
         )
 
