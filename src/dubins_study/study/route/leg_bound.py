@@ -108,6 +108,49 @@ def _straight_bound(
 
 
 @separate
+def _edge_bound(
+    x: float,
+    y: float,
+    s: float,
+    direction: float,
+    tau: float,
+    along: float,
+    reach: float,
+    least: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+) -> float:
+    """A bound of LSR (s = 1) or RSL for boxes in which the straight may vanish.
+
+    The costate is e + s tau n, with e along `direction` and n to its left: tau >= 0 is the
+    multiplier of the condition that the circles are not nearer than 2.
+
+    Args:
+        along, reach: middle and range of the way between the centres along `direction`.
+        least: a lower bound of z, s times (the straight's direction less `direction`).
+    """
+    most = math.asin(min(1.0, 0.5 * max(along + reach, 0.0))) + _SLACK
+    widest = max(-least, most)
+    extent = abs(along) + reach
+    if widest > 1.2 or extent >= 2.0 or least > most:
+        return -math.inf
+    error = 2.0 * (math.tan(most) - most)
+    error += max(0.0, reach - along) * (1.0 / math.cos(widest) - 1.0)
+    error += 2.0 * tau * (1.0 - math.sqrt(1.0 - 0.25 * extent * extent))
+    rho, phase = math.sqrt(1.0 + tau * tau), math.atan(tau)
+    low, high = phase - _PI - most, phase + _PI - least
+    f1, _ = _arc_minimum(s * (direction - c1) + phase - _PI, h1, low, high, rho, s * slope1)
+    f2, _ = _arc_minimum(s * (direction - c2) + phase - _PI, h2, low, high, rho, -s * slope2)
+    cosine, sine = math.cos(direction), math.sin(direction)
+    pulled = x * (cosine - s * tau * sine) + y * (sine + s * tau * cosine)
+    return pulled + 2.0 * tau + 2.0 * (_PI - phase) + f1 + f2 - error
+
+
+@separate
 def _turning_minimum(
     s: float, c1: float, h1: float, slope1: float, c2: float, h2: float, slope2: float, low: float
 ) -> float:
@@ -160,6 +203,24 @@ def _csc_bound(
     if s1 == s2:
         turning = _turning_minimum(s1, c1, h1, slope1, c2, h2, slope2, -_SLACK)
         best = max(best, m_low + turning)
+    elif m_low <= 2.0 + reach and turned < 1.0 and best < enough:
+        # the direction that S would have if the circles touched; tau makes the bound flat in one
+        # of the headings (docs/derivation.md)
+        touching = math.atan2(dy, dx) + 0.5 * s1 * _PI
+        cosine, sine = math.cos(touching), math.sin(touching)
+        along = dx * cosine + dy * sine
+        least = -turned - 0.5 * _PI + math.atan2(2.0, farthest) - _SLACK
+        a, c = touching - c1, touching - c2
+        for end in range(2):
+            t = a if end == 0 else c
+            kappa = s1 * slope1 if end == 0 else -s1 * slope2
+            tau = (kappa - 1.0 + math.cos(t)) / (s1 * math.sin(t) + 1e-12)
+            if 0.0 < tau < _LONGEST_COSTATE:
+                value = _edge_bound(
+                    *(x, y, s1, touching, tau, along, reach, least - 0.0),
+                    *(c1, h1, slope1, c2, h2, slope2),
+                )
+                best = max(best, value)
     for _ in range(2):
         if best >= enough or turned == _PI:
             break
@@ -300,37 +361,60 @@ def _word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[f
     return -s1 * (1.0 + rho * math.cos(t1 - axis)), s1 * (1.0 + rho * math.cos(t2 - axis))
 
 
-@compiled
-def potential_slopes(
-    before: FloatArray,
-    headings_before: FloatArray,
-    words_before: WordArray,
-    after: FloatArray,
-    headings_after: FloatArray,
-    words_after: WordArray,
-    headings: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Slopes of the potential for which both legs at a point are as flat as they can be.
+UNKNOWN, BY_EDGE, BY_WORD = range(3)  # what a slope at one end of a leg is derived from
 
-    Args:
-        before, after: both legs as (x, y); of no size at an end of the route.
-        headings_before, headings_after: the other ends' headings, one for each of `headings`.
-        words_before, words_after: words of both legs, likewise.
 
-    Returns the slopes, and by how much the derivatives of both legs do not cancel.
+@separate
+def _slope_across(
+    x: float, y: float, t1: float, t2: float, reach: float, word: int, slope: float, forward: bool
+) -> tuple[float, int]:
+    """The slope of the potential for which a leg is flat at its other end, and what says so.
+
+    A word that may change in the box takes any slope at one end, the multiplier of its condition
+    adapting to it, and says the other end's; else both slopes are the word's derivatives.
     """
-    slopes, steepness = np.zeros(headings.size), np.zeros(headings.size)
-    for j in range(headings.size):
-        rise, fall = 0.0, 0.0
-        if before.size:
-            _, rise = _word_slopes(
-                before[0], before[1], headings_before[j], headings[j], words_before[j]
-            )
-        if after.size:
-            fall, _ = _word_slopes(
-                after[0], after[1], headings[j], headings_after[j], words_after[j]
-            )
-        if before.size and after.size:
-            slopes[j] = 0.5 * (rise - fall)
-        steepness[j] = abs(rise + fall)
-    return slopes, steepness
+    s1, s2 = turns(word)
+    dx, dy = between(x, y, s1, s2, t1, t2)
+    m = math.hypot(dx, dy)
+    turn = 0.0
+    if word == 2 or word == 3:
+        turn = s1 if m < 2.0 + 2.0 * reach else 0.0
+    elif word >= 4 and m < 4.0:
+        psi, axis = _PI - math.asin(0.25 * m), math.atan2(dy, dx)
+        a, c = psi + s1 * (axis - t1), psi + s1 * (t2 - axis)
+        a -= _TWO_PI * math.floor(a / _TWO_PI + 0.5)
+        c -= _TWO_PI * math.floor(c / _TWO_PI + 0.5)
+        turn = -s1 if abs(a) < 2.0 * reach else s1 if abs(c) < 2.0 * reach else 0.0
+    d1, d2 = _word_slopes(x, y, t1, t2, word)
+    if turn != 0.0:
+        dx, dy = between(x, y, turn, -turn, t1, t2)
+        switch = math.atan2(dy, dx) + 0.5 * turn * _PI
+        near, far = (t1, t2) if forward else (t2, t1)
+        near, far = turn * (switch - near), turn * (switch - far)
+        if math.isnan(slope) or abs(math.sin(near)) < 1e-3:
+            return math.nan, UNKNOWN
+        kappa = turn * slope if forward else -turn * slope
+        tau = (kappa - 1.0 + math.cos(near)) / math.sin(near)
+        if tau > 0.0:
+            other = 1.0 - math.cos(far) + tau * math.sin(far)
+            return (-turn * other if forward else turn * other), BY_EDGE
+    return (d2 if forward else -d1), BY_WORD
+
+
+@compiled
+def slopes_across(
+    leg: FloatArray,
+    headings1: FloatArray,
+    headings2: FloatArray,
+    reach: FloatArray,
+    words: WordArray,
+    slopes: FloatArray,
+    forward: bool,
+) -> tuple[FloatArray, WordArray]:
+    """`_slope_across` of some boxes: of their last ends if `forward`, else of their first."""
+    across, kinds = np.empty(words.size), np.empty(words.size, np.int8)
+    for j in range(words.size):
+        across[j], kinds[j] = _slope_across(
+            *(leg[0], leg[1], headings1[j], headings2[j], reach[j], words[j], slopes[j], forward)
+        )
+    return across, kinds

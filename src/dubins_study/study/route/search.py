@@ -21,7 +21,7 @@ from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.descent import descend, leg_lengths, leg_table, route_words
-from dubins_study.study.route.leg_bound import WordArray, bound_leg, potential_slopes
+from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, slopes_across
 
 _TWO_PI = 2 * math.pi
 _COARSE = 16  # headings a point of the first dynamic program
@@ -104,7 +104,7 @@ class _Search:
             )
         ]
         lengths, words = [table[0] for table in tables], [table[1] for table in tables]
-        self._aim(lengths, words, _sums(lengths), None)
+        self._aim(lengths, words, _sums(lengths))
         self._improve(lengths, _TWO_PI / _COARSE / 4)
         while self._bound():
             self.rounds += 1
@@ -156,9 +156,8 @@ class _Search:
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
         kept = [(a + b) * margin <= threshold for a, b in zip(ahead, behind, strict=True)]
-        steepness = self._aim(self.bounds, self.words, self.sums, kept)
+        worth = self._aim(self.bounds, self.words, self.sums)
         parents = []
-        worth = steepness
         most = max(float(w[k].max()) if k.any() else 0.0 for w, k in zip(worth, kept, strict=True))
         if most == 0.0:
             self.low = max(self.low, min(self.discarded, self.high))
@@ -185,36 +184,64 @@ class _Search:
             pairs += self.live[i].size
         return pairs < _MOST_PAIRS
 
-    def _aim(self, costs, words, sums, kept):
-        """Slopes of the potential along the best chain through each interval."""
+    def _aim(
+        self,
+        costs: list[FloatArray],
+        words: list[WordArray],
+        sums: tuple[list[FloatArray], list[FloatArray]],
+    ) -> list[FloatArray]:
+        """Set the slopes of the potential from the best chain through each interval.
+
+        Returns for each interval what splitting it may gain.
+        """
         ahead, behind = sums
-        steepness = []
-        new = []
-        none = np.empty(0), np.empty(0), np.empty(0, np.int8)
+        chains = [
+            (np.argmin(ahead[i][:, None] + costs[i], axis=0), np.argmin(costs[i] + behind[i + 1], axis=1))
+            for i in range(self.n)
+        ]
+        left, right = self._flat(chains, words, True), self._flat(chains, words, False)
+        gains = []
         for i, interval in enumerate(self.intervals):
+            (rise, by_left), (fall, by_right) = left[i], right[i]
+            both = (by_left == BY_WORD) & (by_right == BY_WORD)
+            slope = np.where(by_right > by_left, fall, rise)
+            slope = np.where(both, 0.5 * (rise + fall), slope)
+            if i in (0, self.n):
+                slope = np.zeros(interval.middle.size)
+            slope = np.clip(np.where(np.isnan(slope), interval.slope, slope), -20.0, 20.0)
+            steepness = np.where((by_left > 0) & (by_right > 0), np.abs(rise - fall), 0.0)
             slack = np.zeros(interval.middle.size)
-            every = np.arange(interval.middle.size)
-            left = right = none
-            if i:
-                j = np.argmin(ahead[i - 1][:, None] + costs[i - 1], axis=0)
-                left = self.legs[i - 1], self.intervals[i - 1].middle[j], words[i - 1][j, every]
-                gap = leg_lengths(*left[0], left[1], interval.middle)
-                gap -= costs[i - 1][j, every]
-                slack += gap * interval.half / (interval.half + self.intervals[i - 1].half[j] + 1e-300)
-            if i < self.n:
-                k = np.argmin(costs[i] + behind[i + 1], axis=1)
-                right = self.legs[i], self.intervals[i + 1].middle[k], words[i][every, k]
-                gap = leg_lengths(*right[0], interval.middle, right[1])
-                gap -= costs[i][every, k]
-                slack += gap * interval.half / (interval.half + self.intervals[i + 1].half[k] + 1e-300)
-            slope, steep = potential_slopes(*left, *right, interval.middle)
-            slope = np.clip(slope, -4.0, 4.0)
-            if not self.free[i]:
-                slope[:], steep[:], slack[:] = 0.0, 0.0, 0.0
-            steepness.append(np.minimum(slack, interval.half * (steep + interval.half)))
-            new.append(interval._replace(slope=slope))
-        self.intervals = new
-        return steepness
+            every = np.arange(slack.size)
+            for at, mine in ((i - 1, False), (i, True)):
+                if 0 <= at < self.n:
+                    other = chains[at][1] if mine else chains[at][0]
+                    far = self.intervals[at + 1 if mine else at]
+                    ends = interval.middle, far.middle[other]
+                    gap = leg_lengths(*self.legs[at], *(ends if mine else ends[::-1]))
+                    gap -= costs[at][every, other] if mine else costs[at][other, every]
+                    slack += gap * interval.half / (interval.half + far.half[other] + 1e-300)
+            gain = np.minimum(slack, interval.half * (steepness + interval.half))
+            gains.append(gain if self.free[i] else 0.0 * gain)
+            self.intervals[i] = interval._replace(slope=slope)
+        return gains
+
+    def _flat(self, chains, words, forward):
+        """For each interval the slope that its leg on one side asks for, and what says so."""
+        end = 0 if forward else self.n
+        size = self.intervals[end].middle.size
+        slope = np.full(size, 0.0 if self.free[end] else math.nan)
+        found = [(slope, np.full(size, BY_WORD if self.free[end] else UNKNOWN, np.int8))]
+        for i in range(self.n) if forward else range(self.n - 1, -1, -1):
+            a, b = self.intervals[i], self.intervals[i + 1]
+            every = np.arange((b if forward else a).middle.size)
+            j, k = (chains[i][0], every) if forward else (every, chains[i][1])
+            found.append(
+                slopes_across(
+                    *(self.legs[i], a.middle[j], b.middle[k], a.half[j] + b.half[k]),
+                    *(words[i][j, k], found[-1][0][j if forward else k], forward),
+                )
+            )
+        return found if forward else found[::-1]
 
     def _route(self) -> Route:
         words, segments = route_words(self.legs, self.headings)
