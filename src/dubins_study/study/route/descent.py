@@ -15,7 +15,7 @@ from dubins_study.study.closed_form import pose
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.leg_bound import WordArray
-from dubins_study.study.route.leg_words import shortest_word
+from dubins_study.study.route.leg_words import between, shortest_word, word_segments
 
 _gradient = separate(pose.pose_gradient)
 
@@ -195,6 +195,12 @@ def descend(
 
 
 @compiled
+def length_of(legs: FloatArray, headings: FloatArray) -> float:
+    """The length of the route with these headings."""
+    return route_length(legs, headings)
+
+
+@compiled
 def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, FloatArray]:
     """The word of each leg, shape (n,), and its segments, shape (n, 3)."""
     n = legs.shape[0]
@@ -203,3 +209,133 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
         _, words[i], t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
         segments[i, 0], segments[i, 1], segments[i, 2] = t, p, q
     return words, segments
+
+
+@separate
+def _touching(
+    x: float, y: float, t1: float, t2: float, s: float
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
+    """Two arcs, the first one's turn s: derivatives of their length, and of |C2 - C1|^2 - 4.
+
+    Of the length pi + 2 s chi - s (t1 + t2), chi the direction from centre to centre, as it goes on
+    where they are not 2 apart: derivatives 1, 2, 11, 12, 22; then the condition's value and those.
+    """
+    dx, dy = between(x, y, s, -s, t1, t2)
+    square = dx * dx + dy * dy
+    # derivatives of (dx, dy) by t1 are s e(t1), by t2 s e(t2); second ones s n(t1), s n(t2)
+    e1x, e1y, e2x, e2y = s * math.cos(t1), s * math.sin(t1), s * math.cos(t2), s * math.sin(t2)
+    along1, along2 = dx * e1x + dy * e1y, dx * e2x + dy * e2y
+    across1, across2 = dx * e1y - dy * e1x, dx * e2y - dy * e2x
+    between_arcs = math.cos(t1 - t2)
+    # the second derivative by t1 is (-e1y, e1x): its parts along and across are -across1, along1
+    chi1, chi2 = across1 / square, across2 / square
+    chi11 = (along1 - 2.0 * chi1 * along1) / square
+    chi22 = (along2 - 2.0 * chi2 * along2) / square
+    chi12 = -(chi1 * along2 + chi2 * along1) / square
+    return (
+        2.0 * s * chi1 - s,
+        2.0 * s * chi2 - s,
+        2.0 * s * chi11,
+        2.0 * s * chi12,
+        2.0 * s * chi22,
+        square - 4.0,
+        2.0 * along1,
+        2.0 * along2,
+        2.0 * (1.0 - across1),
+        2.0 * between_arcs,
+        2.0 * (1.0 - across2),
+    )
+
+
+@compiled
+def leg_models(legs: FloatArray, headings: FloatArray, words: WordArray, edges: FloatArray):
+    """The eleven numbers of `_touching` for each leg; zeros for the condition where it has none."""
+    models = np.zeros((words.size, 11))
+    for i in range(words.size):
+        x, y, t1, t2 = legs[i, 0], legs[i, 1], headings[i], headings[i + 1]
+        if edges[i] != 0.0:
+            models[i] = np.array(_touching(x, y, t1, t2, edges[i]))
+        else:
+            t, p, q = word_segments(x, y, t1, t2, words[i])
+            models[i, 0], models[i, 1] = _gradient(words[i], t, p, q)
+            models[i, 2], models[i, 3], models[i, 4] = _curvatures(words[i], t, p, q)
+    return models
+
+
+def settle(
+    legs: FloatArray, headings: FloatArray, free: BoolArray, words: WordArray, edges: FloatArray
+) -> FloatArray | None:
+    """A stationary route whose legs at an edge stay there, by Newton's method; None if it fails.
+
+    Args:
+        edges: for each leg the first turn of the two arcs that it is to be, or 0.
+    """
+    headings, n = headings.copy(), words.size
+    at = np.flatnonzero(edges)
+    size = n + 1 + at.size
+    tau = np.zeros(n)
+    for _ in range(20):
+        models = leg_models(legs, headings, words, edges)
+        # between headings that are given nothing is asked of a leg
+        models[~(free[:-1] | free[1:])] = 0.0
+        if not np.isfinite(models).all():
+            return None
+        matrix, right = np.zeros((size, size)), np.zeros(size)
+        i = np.arange(n)
+        h = models[:, 2:5] + tau[:, None] * models[:, 8:11]
+        np.add.at(matrix, (i, i), h[:, 0])
+        np.add.at(matrix, (i + 1, i + 1), h[:, 2])
+        matrix[i, i + 1] = matrix[i + 1, i] = h[:, 1]
+        np.add.at(right, i, models[:, 0])
+        np.add.at(right, i + 1, models[:, 1])
+        rows = n + 1 + np.arange(at.size)
+        matrix[rows, at] = matrix[at, rows] = models[at, 6]
+        matrix[rows, at + 1] = matrix[at + 1, rows] = models[at, 7]
+        right[rows] = models[at, 5]
+        fixed = np.flatnonzero(~free)
+        matrix[fixed] = 0.0
+        matrix[:, fixed] = 0.0
+        matrix[fixed, fixed] = 1.0
+        right[fixed] = 0.0
+        idle = rows[~(free[at] | free[at + 1])]
+        matrix[idle, idle] = 1.0
+        right[idle] = 0.0
+        try:
+            step = np.linalg.solve(matrix, right)
+        except np.linalg.LinAlgError:
+            return None
+        tau[at] = -step[n + 1 :]
+        move = step[: n + 1]
+        longest = float(np.abs(move).max())
+        if not longest < 1.0:
+            return None
+        headings -= move * min(1.0, 0.1 / max(longest, 1e-300))
+        if longest < 1e-14:
+            break
+    return headings
+
+
+def single_arcs(legs, headings, free, words, segments, near, short):
+    """Headings with which the legs that are nearly one arc are one, and what is free then."""
+    headings, free = headings.copy(), free.copy()
+    for i, (word, (t, p, q)) in enumerate(zip(words, segments, strict=True)):
+        distance = math.hypot(*legs[i])
+        first = 1.0 if word in (0, 2, 5) else -1.0
+        if word < 2 and p < near:
+            s, arc = first, t + q
+        elif word in (2, 3) and p < near and min(t, q) < short:
+            s, arc = (first, t) if q < t else (-first, q)
+        elif word >= 4 and t < short and q < short:
+            s, arc = -first, p
+        else:
+            continue
+        if distance > 2.0:
+            continue
+        half = math.asin(0.5 * distance)
+        half = half if arc < math.pi else math.pi - half
+        chord = math.atan2(legs[i, 1], legs[i, 0])
+        for at, heading in ((i, chord - s * half), (i + 1, chord + s * half)):
+            if free[at]:
+                headings[at] = heading
+                free[at] = False
+    return headings, free

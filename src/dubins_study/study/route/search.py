@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_lengths, leg_table, route_words
+from dubins_study.study.route.descent import descend, leg_lengths, leg_table, length_of, route_words, settle, single_arcs
 from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, slopes_across
 
 _TWO_PI = 2 * math.pi
@@ -146,6 +146,19 @@ class _Search:
             if i:
                 j = int(np.argmin(ahead[i - 1] + costs[i - 1][:, j]))
         length = descend(self.legs, headings, self.free, width)
+        for near in (0.1, 0.01, 1e-3, 1e-4):
+            words, segments = route_words(self.legs, headings)
+            edges = _edges(words, segments, near)
+            for short in (0.0, 0.03, 0.3):
+                start, free = single_arcs(self.legs, headings, self.free, words, segments, near, short)
+                settled = settle(self.legs, start, free, words, edges)
+                if settled is None:
+                    continue
+                other = length_of(self.legs, settled)
+                if DEBUG:
+                    print("   settle", near, short, edges, length, other, settled-headings)
+                if other < length:
+                    length, headings = other, settled
         if length < self.length:
             self.length, self.headings = length, headings
 
@@ -252,6 +265,18 @@ class _Search:
             *(self.headings, names, segments, self.length, self.low, self.high),
             *(closed, self.rounds, self.boxes, seconds),
         )
+
+
+DEBUG = False
+
+
+def _edges(words: WordArray, segments: FloatArray, near: float) -> FloatArray:
+    """For each leg that is nearly two arcs the turn of the first, else 0."""
+    turn = np.where((words == 2) | (words == 5), 1.0, -1.0)
+    a, p, c = segments.T
+    cs = np.where(((words == 2) | (words == 3)) & (p < near), turn, 0.0)
+    cs = np.where((words >= 4) & (a < near), -turn, cs)
+    return np.where((words >= 4) & (c < near), turn, cs)
 
 
 def _start(heading: float | None, grid: FloatArray, half: float) -> _Intervals:
