@@ -418,3 +418,30 @@ def slopes_across(
             *(leg[0], leg[1], headings1[j], headings2[j], reach[j], words[j], slopes[j], forward)
         )
     return across, kinds
+
+
+@compiled
+def halving_gains(
+    leg: FloatArray,
+    first: tuple[FloatArray, FloatArray, FloatArray],
+    last: tuple[FloatArray, FloatArray, FloatArray],
+    forward: bool,
+) -> FloatArray:
+    """Bounds of boxes with the lower and the upper half of one of their intervals, shape (2, n).
+
+    Of the first interval if `forward`, else of the last.
+    """
+    c1, h1, slope1 = first
+    c2, h2, slope2 = last
+    bounds = np.empty((2, c1.size))
+    for half in range(2):
+        side = half - 0.5
+        for j in range(c1.size):
+            d1 = side * h1[j] if forward else 0.0
+            d2 = 0.0 if forward else side * h2[j]
+            bound, _ = box_bound(
+                *(leg[0], leg[1], c1[j] + d1, h1[j] - abs(d1), slope1[j]),
+                *(c2[j] + d2, h2[j] - abs(d2), slope2[j]),
+            )
+            bounds[half, j] = bound + slope1[j] * d1 - slope2[j] * d2
+    return bounds

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_lengths, leg_table, length_of, route_words, settle, single_arcs
-from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, slopes_across
+from dubins_study.study.route.descent import descend, leg_table, length_of, route_words, settle, single_arcs
+from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, halving_gains, slopes_across
 
 _TWO_PI = 2 * math.pi
 _COARSE = 16  # headings a point of the first dynamic program
@@ -213,29 +213,35 @@ class _Search:
             for i in range(self.n)
         ]
         left, right = self._flat(chains, words, True), self._flat(chains, words, False)
-        gains = []
+        gains: list[FloatArray] = []
+        old = list(self.intervals)
         for i, interval in enumerate(self.intervals):
             (rise, by_left), (fall, by_right) = left[i], right[i]
             both = (by_left == BY_WORD) & (by_right == BY_WORD)
             slope = np.where(by_right > by_left, fall, rise)
             slope = np.where(both, 0.5 * (rise + fall), slope)
+            slope = np.where(both & (np.abs(rise) > 3.0), fall, slope)
+            slope = np.where(both & (np.abs(fall) > 3.0), rise, slope)
             if i in (0, self.n):
                 slope = np.zeros(interval.middle.size)
             slope = np.clip(np.where(np.isnan(slope), interval.slope, slope), -20.0, 20.0)
-            steepness = np.where((by_left > 0) & (by_right > 0), np.abs(rise - fall), 0.0)
-            slack = np.zeros(interval.middle.size)
-            every = np.arange(slack.size)
+            self.intervals[i] = interval._replace(slope=slope)
+        if not hasattr(self, "sums"):
+            return []
+        for i, interval in enumerate(self.intervals):
+            every = np.arange(interval.middle.size)
+            halves, whole = np.zeros((2, every.size)), np.zeros(every.size)
             for at, mine in ((i - 1, False), (i, True)):
                 if 0 <= at < self.n:
                     other = chains[at][1] if mine else chains[at][0]
-                    far = self.intervals[at + 1 if mine else at]
-                    ends = interval.middle, far.middle[other]
-                    gap = leg_lengths(*self.legs[at], *(ends if mine else ends[::-1]))
-                    gap -= costs[at][every, other] if mine else costs[at][other, every]
-                    slack += gap * interval.half / (interval.half + far.half[other] + 1e-300)
-            gain = np.minimum(slack, interval.half * (steepness + interval.half))
+                    far = _Intervals(*(a[other] for a in old[at + 1 if mine else at]))
+                    ends = (old[i], far) if mine else (far, old[i])
+                    halves += halving_gains(self.legs[at], *ends, mine)
+                    whole += costs[at][every, other] if mine else costs[at][other, every]
+            gain = halves.min(0) - whole
+            gain = np.maximum(np.where(np.isnan(gain), 0.0, np.minimum(gain, 1.0)), 0.0)
+            gain = gain + 0.1 * interval.half**2
             gains.append(gain if self.free[i] else 0.0 * gain)
-            self.intervals[i] = interval._replace(slope=slope)
         return gains
 
     def _flat(self, chains, words, forward):
