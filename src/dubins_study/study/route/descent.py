@@ -19,10 +19,8 @@ from dubins_study.study.route.leg_words import between, shortest_word, word_segm
 
 _gradient = separate(pose.pose_gradient)
 
-_FINEST = 1e-13  # rad, of the grid about the best headings
-_ROUGH = 1e-3  # rad; below it Newton's method is tried
 _GRID = 13  # headings a point
-_LARGEST_STEP = 0.05  # rad, of Newton's method
+_LARGEST_STEP = 0.3  # rad, of Newton's method
 
 
 @compiled
@@ -120,7 +118,7 @@ def _newton(
     """Newton's method; False where the Hessian is not positive definite or a step is long."""
     n = legs.shape[0]
     slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
-    for _ in range(12):
+    for _ in range(30):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
             length, word, t, p, q = shortest_word(
@@ -154,44 +152,34 @@ def _newton(
                 slope[i] -= beside[i] * slope[i + 1]
             slope[i] /= diagonal[i]
             longest = max(longest, abs(slope[i]))
-        if not (longest < _LARGEST_STEP):
-            return False
-        headings -= slope
+        headings -= slope * min(1.0, _LARGEST_STEP / max(longest, _LARGEST_STEP))
         if longest < 1e-12:
             return True
-    return True
+    return False
+
+
+@compiled
+def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
+    """Newton's method from headings, in place; whether it came to rest at a local minimum."""
+    return _newton(legs, headings, free)
 
 
 @compiled
 def descend(
-    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
-) -> float:
-    """Shorten a route in place, and return its length.
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, finest: float
+) -> None:
+    """Shorten a route in place, on grids about its headings.
 
     Args:
         legs: from each point to the next, shape (n, 2).
         headings: at the points, shape (n + 1,); changed where `free`.
-        width: distance of the first grid's headings (rad).
+        width, finest: distance of the first and of the last grid's headings (rad).
     """
-    best = route_length(legs, headings)
-    trial = headings.copy()
-    tried = 0
-    while width > _FINEST:
-        if width < _ROUGH and tried < 3:
-            tried += 1
-            trial[:] = headings
-            if _newton(legs, trial, free):
-                length = route_length(legs, trial)
-                if length <= best + 1e-14 * (1.0 + best):
-                    if length < best:
-                        best = length
-                        headings[:] = trial
-                    return best
+    while width > finest:
         moves = 0
         while moves < 8 and _grid_step(legs, headings, free, width):
             moves += 1
         width *= 0.5
-    return route_length(legs, headings)
 
 
 @compiled

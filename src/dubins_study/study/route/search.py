@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_table, length_of, route_words, settle, single_arcs
+from dubins_study.study.route.descent import descend, leg_table, length_of, newton, route_words, settle, single_arcs
 from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, halving_gains, slopes_across
 
 _TWO_PI = 2 * math.pi
@@ -95,6 +95,7 @@ class _Search:
         self.length, self.headings = math.inf, np.zeros(self.n + 1)
         self.low, self.discarded = 0.0, math.inf
         self.boxes = self.rounds = 0
+        self.tried: set[tuple[int, ...]] = set()
 
     def run(self) -> Route:
         tables = [
@@ -105,7 +106,7 @@ class _Search:
         ]
         lengths, words = [table[0] for table in tables], [table[1] for table in tables]
         self._aim(lengths, words, _sums(lengths))
-        self._improve(lengths, _TWO_PI / _COARSE / 4)
+        self._improve(lengths, words, _TWO_PI / _COARSE / 4)
         while self._bound():
             self.rounds += 1
             ahead, behind = self.sums = _sums(self.bounds)
@@ -113,7 +114,7 @@ class _Search:
             self.low = max(self.low, min(least, self.discarded, self.high))
             if self.low >= self.high * (1.0 - self.tolerance):
                 break
-            self._improve(self.bounds, 0.2 * max(interval.half.max() for interval in self.intervals))
+            self._improve(self.bounds, self.words, 0.2 * max(interval.half.max() for interval in self.intervals))
             if self.low >= self.high * (1.0 - self.tolerance) or not self._split():
                 break
         return self._route()
@@ -137,30 +138,48 @@ class _Search:
             self.boxes += int(live.sum())
         return True
 
-    def _improve(self, costs: list[FloatArray], width: float) -> None:
+    def _improve(self, costs: list[FloatArray], words: list[WordArray], width: float) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
-        headings, j = np.empty(self.n + 1), int(np.argmin(_sums(costs)[0][-1]))
         ahead = _sums(costs)[0]
+        headings, j = np.empty(self.n + 1), int(np.argmin(ahead[-1]))
+        route = []
         for i in range(self.n, -1, -1):
             headings[i] = self.intervals[i].middle[j]
             if i:
-                j = int(np.argmin(ahead[i - 1] + costs[i - 1][:, j]))
-        length = descend(self.legs, headings, self.free, width)
-        for near in (0.1, 0.01, 1e-3, 1e-4):
-            words, segments = route_words(self.legs, headings)
-            edges = _edges(words, segments, near)
+                k = int(np.argmin(ahead[i - 1] + costs[i - 1][:, j]))
+                route.append(int(words[i - 1][k, j]))
+                j = k
+        if tuple(route) in self.tried:
+            return
+        self.tried.add(tuple(route))
+        trial = headings.copy()
+        if newton(self.legs, trial, self.free):
+            self._take(trial)
+            return
+        descend(self.legs, headings, self.free, width, 1e-4)
+        self._take(headings)
+        before, attempts = self.length, set()
+        for near in (0.1, 0.01, 1e-3):
+            found, segments = route_words(self.legs, headings)
+            edges = _edges(found, segments, near)
             for short in (0.0, 0.03, 0.3):
-                start, free = single_arcs(self.legs, headings, self.free, words, segments, near, short)
-                settled = settle(self.legs, start, free, words, edges)
-                if settled is None:
+                start, free = single_arcs(self.legs, headings, self.free, found, segments, near, short)
+                attempt = (edges.tobytes(), free.tobytes())
+                if attempt in attempts:
                     continue
-                other = length_of(self.legs, settled)
-                if DEBUG:
-                    print("   settle", near, short, edges, length, other, settled-headings)
-                if other < length:
-                    length, headings = other, settled
+                attempts.add(attempt)
+                settled = settle(self.legs, start, free, found, edges)
+                if settled is not None:
+                    self._take(settled)
+        if self.length == before:
+            descend(self.legs, headings, self.free, 1e-4, 1e-13)
+            self._take(headings)
+
+    def _take(self, headings: FloatArray) -> None:
+        """Keep a route if it is the shortest yet."""
+        length = length_of(self.legs, headings)
         if length < self.length:
-            self.length, self.headings = length, headings
+            self.length, self.headings = length, headings.copy()
 
     def _split(self) -> bool:
         """Leave out what no shorter route can pass, and split what is left."""
@@ -171,14 +190,14 @@ class _Search:
         kept = [(a + b) * margin <= threshold for a, b in zip(ahead, behind, strict=True)]
         worth = self._aim(self.bounds, self.words, self.sums)
         parents = []
-        most = max(float(w[k].max()) if k.any() else 0.0 for w, k in zip(worth, kept, strict=True))
-        if most == 0.0:
+        most = self._most_on_chain(worth)
+        if not all(k.any() for k in kept):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
         old = self.intervals
         self.intervals = []
         for i in range(self.n + 1):
-            split = (worth[i] >= 0.1 * most) & (old[i].half > _NARROWEST) & kept[i]
+            split = (worth[i] >= 0.25 * most[i]) & (old[i].half > _NARROWEST) & kept[i]
             chosen = np.flatnonzero(kept[i])
             parent = np.repeat(chosen, 1 + split[chosen])
             parents.append(parent)
@@ -212,6 +231,7 @@ class _Search:
             (np.argmin(ahead[i][:, None] + costs[i], axis=0), np.argmin(costs[i] + behind[i + 1], axis=1))
             for i in range(self.n)
         ]
+        self.chains = chains
         left, right = self._flat(chains, words, True), self._flat(chains, words, False)
         gains: list[FloatArray] = []
         old = list(self.intervals)
@@ -243,6 +263,15 @@ class _Search:
             gain = gain + 0.1 * interval.half**2
             gains.append(gain if self.free[i] else 0.0 * gain)
         return gains
+
+    def _most_on_chain(self, gains: list[FloatArray]) -> list[FloatArray]:
+        """The largest gain on the best chain through each interval."""
+        ahead, behind = [gains[0]], [gains[-1]]
+        for i in range(self.n):
+            ahead.append(np.maximum(gains[i + 1], ahead[-1][self.chains[i][0]]))
+        for i in range(self.n - 1, -1, -1):
+            behind.insert(0, np.maximum(gains[i], behind[0][self.chains[i][1]]))
+        return [np.maximum(a, b) for a, b in zip(ahead, behind, strict=True)]
 
     def _flat(self, chains, words, forward):
         """For each interval the slope that its leg on one side asks for, and what says so."""
