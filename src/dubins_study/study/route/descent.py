@@ -36,9 +36,7 @@ def leg_table(
 
 
 @compiled
-def leg_lengths(
-    x: float, y: float, first: FloatArray, last: FloatArray
-) -> FloatArray:
+def leg_lengths(x: float, y: float, first: FloatArray, last: FloatArray) -> FloatArray:
     """Lengths of a leg for pairs of headings."""
     lengths = np.empty(first.size)
     for i in range(first.size):
@@ -47,9 +45,7 @@ def leg_lengths(
 
 
 @separate
-def _grid_step(
-    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
-) -> bool:
+def _grid_step(legs: FloatArray, headings: FloatArray, free: BoolArray, width: float) -> bool:
     """Move to the best of `_GRID` headings a point, `width` apart; whether any has changed."""
     n, centre = legs.shape[0], _GRID // 2
     cost, back = np.full(_GRID, math.inf), np.empty((n, _GRID), np.int64)
@@ -112,13 +108,11 @@ def _curvatures(word: int, t: float, p: float, q: float) -> tuple[float, float, 
 
 
 @separate
-def _newton(
-    legs: FloatArray, headings: FloatArray, free: BoolArray
-) -> bool:
+def _newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     """Newton's method; False where the Hessian is not positive definite or a step is long."""
     n = legs.shape[0]
     slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
-    for _ in range(30):
+    for _ in range(40):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
             length, word, t, p, q = shortest_word(
@@ -138,6 +132,9 @@ def _newton(
                 slope[i], diagonal[i], beside[i] = 0.0, 1.0, 0.0
                 if i > 0:
                     beside[i - 1] = 0.0
+        # a straight's free end is reached like a cubic's minimum: by halves
+        if np.abs(slope).max() < 1e-13:
+            return True
         # elimination without pivots: the matrix is positive definite where all of them are
         for i in range(n + 1):
             if i > 0:
@@ -252,55 +249,57 @@ def leg_models(legs: FloatArray, headings: FloatArray, words: WordArray, edges: 
 
 def settle(
     legs: FloatArray, headings: FloatArray, free: BoolArray, words: WordArray, edges: FloatArray
-) -> FloatArray | None:
+) -> tuple[FloatArray, FloatArray] | None:
     """A stationary route whose legs at an edge stay there, by Newton's method; None if it fails.
 
     Args:
+        free: headings that are varied; those of a leg that is one arc are not.
         edges: for each leg the first turn of the two arcs that it is to be, or 0.
+
+    Returns the headings, and at each point the slope of the potential for which both legs are flat
+    there: the derivative of the leg before it, with its condition's multiplier; NaN where unknown.
     """
     headings, n = headings.copy(), words.size
     at = np.flatnonzero(edges)
     size = n + 1 + at.size
     tau = np.zeros(n)
+    moving = free[:-1] | free[1:]
+    fixed, i, rows = np.flatnonzero(~free), np.arange(n), n + 1 + np.arange(at.size)
+    idle = rows[~moving[at]]
     for _ in range(20):
         models = leg_models(legs, headings, words, edges)
-        # between headings that are given nothing is asked of a leg
-        models[~(free[:-1] | free[1:])] = 0.0
+        models[~moving] = 0.0  # nothing is asked of a leg between headings that are given
         if not np.isfinite(models).all():
             return None
         matrix, right = np.zeros((size, size)), np.zeros(size)
-        i = np.arange(n)
-        h = models[:, 2:5] + tau[:, None] * models[:, 8:11]
-        np.add.at(matrix, (i, i), h[:, 0])
-        np.add.at(matrix, (i + 1, i + 1), h[:, 2])
-        matrix[i, i + 1] = matrix[i + 1, i] = h[:, 1]
+        hessian = models[:, 2:5] + tau[:, None] * models[:, 8:11]
+        np.add.at(matrix, (i, i), hessian[:, 0])
+        np.add.at(matrix, (i + 1, i + 1), hessian[:, 2])
+        matrix[i, i + 1] = matrix[i + 1, i] = hessian[:, 1]
         np.add.at(right, i, models[:, 0])
         np.add.at(right, i + 1, models[:, 1])
-        rows = n + 1 + np.arange(at.size)
         matrix[rows, at] = matrix[at, rows] = models[at, 6]
         matrix[rows, at + 1] = matrix[at + 1, rows] = models[at, 7]
         right[rows] = models[at, 5]
-        fixed = np.flatnonzero(~free)
-        matrix[fixed] = 0.0
-        matrix[:, fixed] = 0.0
-        matrix[fixed, fixed] = 1.0
-        right[fixed] = 0.0
-        idle = rows[~(free[at] | free[at + 1])]
-        matrix[idle, idle] = 1.0
-        right[idle] = 0.0
+        for given in (fixed, idle):
+            matrix[given], matrix[:, given], right[given] = 0.0, 0.0, 0.0
+            matrix[given, given] = 1.0
         try:
             step = np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             return None
         tau[at] = -step[n + 1 :]
-        move = step[: n + 1]
-        longest = float(np.abs(move).max())
+        longest = float(np.abs(step[: n + 1]).max())
         if not longest < 1.0:
             return None
-        headings -= move * min(1.0, 0.1 / max(longest, 1e-300))
+        headings -= step[: n + 1] * min(1.0, 0.1 / max(longest, 1e-300))
         if longest < 1e-14:
             break
-    return headings
+    slopes = np.full(n + 1, math.nan)
+    slopes[:-1] = np.where(moving, -models[:, 0] - tau * models[:, 6], math.nan)
+    behind = np.where(moving, models[:, 1] + tau * models[:, 7], math.nan)
+    slopes[1:] = np.where(np.isnan(behind), slopes[1:], behind)
+    return headings, slopes
 
 
 def single_arcs(legs, headings, free, words, segments, near, short):
@@ -327,3 +326,13 @@ def single_arcs(legs, headings, free, words, segments, near, short):
                 headings[at] = heading
                 free[at] = False
     return headings, free
+
+
+@compiled
+def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
+    """The derivative of the length of the leg before each point by the heading there; 0 at first."""
+    slopes = np.zeros(headings.size)
+    for i in range(legs.shape[0]):
+        _, word, t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
+        _, slopes[i + 1] = _gradient(word, t, p, q)
+    return slopes

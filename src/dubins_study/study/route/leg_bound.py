@@ -39,11 +39,12 @@ NO_WORD = -1
 
 @separate
 def _arc_minimum(
-    middle: float, half: float, low: float, high: float, rho: float, kappa: float
+    middle: float, half: float, low: float, high: float, rho: float, kappa: float, floor: float
 ) -> tuple[float, float]:
     """Least x + rho sin x - kappa (x - m) over |x - m| <= half and x in [low, high], and its x - m.
 
-    m is `middle` or differs from it by a whole turn. Infinite where there is no such x.
+    m is `middle` or differs from it by a whole turn. Infinite where there is no such x. Below
+    `floor` the first two terms are what they are there.
     """
     middle -= _TWO_PI * math.floor(middle / _TWO_PI + 0.5)
     cosine = (kappa - 1.0) / rho
@@ -54,15 +55,16 @@ def _arc_minimum(
         first, last = max(m - half, low), min(m + half, high)
         if first > last:
             continue
-        for candidate in range(4):
+        for candidate in range(5):
             x = first
             if candidate == 1:
                 x = last
             elif candidate > 1:
-                x = still if candidate == 2 else still + _TWO_PI
+                x = floor if candidate == 4 else still if candidate == 2 else still + _TWO_PI
                 if not (first < x < last):
                     continue
-            value = x + rho * math.sin(x) - kappa * (x - m)
+            lifted = max(x, floor)
+            value = lifted + rho * math.sin(lifted) - kappa * (x - m)
             if value < best:
                 best, place = value, x - m
     return best, place
@@ -99,10 +101,13 @@ def _straight_bound(
         low2, high2 = -_PI - most, _PI - least
         w = max(0.0, -least)
         error = max(0.0, 2.0 * (w - math.sin(w)) - straight * (1.0 - math.cos(w)))
+    # an arc that would be driven backwards for a bit makes up for it in the straight
+    turned = max(most, -least)
+    floor = -_PI if s1 != s2 or (straight >= 0.4 * turned and turned <= 1.0) else -math.inf
     f1, x1 = _arc_minimum(
-        s1 * (direction - c1) - _PI, h1, -_PI - most, _PI - least, 1.0, s1 * slope1
+        s1 * (direction - c1) - _PI, h1, -_PI - most, _PI - least, 1.0, s1 * slope1, floor
     )
-    f2, x2 = _arc_minimum(s2 * (c2 - direction) - _PI, h2, low2, high2, 1.0, s2 * slope2)
+    f2, x2 = _arc_minimum(s2 * (c2 - direction) - _PI, h2, low2, high2, 1.0, s2 * slope2, floor)
     along = x * math.cos(direction) + y * math.sin(direction)
     return along + _TWO_PI + f1 + f2 - error, -s1 * x1, s2 * x2
 
@@ -143,8 +148,12 @@ def _edge_bound(
     error += 2.0 * tau * (1.0 - math.sqrt(1.0 - 0.25 * extent * extent))
     rho, phase = math.sqrt(1.0 + tau * tau), math.atan(tau)
     low, high = phase - _PI - most, phase + _PI - least
-    f1, _ = _arc_minimum(s * (direction - c1) + phase - _PI, h1, low, high, rho, s * slope1)
-    f2, _ = _arc_minimum(s * (direction - c2) + phase - _PI, h2, low, high, rho, -s * slope2)
+    f1, _ = _arc_minimum(
+        s * (direction - c1) + phase - _PI, h1, low, high, rho, s * slope1, -math.inf
+    )
+    f2, _ = _arc_minimum(
+        s * (direction - c2) + phase - _PI, h2, low, high, rho, -s * slope2, -math.inf
+    )
     cosine, sine = math.cos(direction), math.sin(direction)
     pulled = x * (cosine - s * tau * sine) + y * (sine + s * tau * cosine)
     return pulled + 2.0 * tau + 2.0 * (_PI - phase) + f1 + f2 - error
@@ -184,7 +193,7 @@ def _csc_bound(
     m_low, m_high = max(0.0, m - reach), m + reach
     turned = math.asin(reach / m) if reach < m else _PI
     direction = straight_direction(dx, dy, s1, s2)
-    below, above, straight = turned, turned, 0.0
+    below, above, straight = turned, turned, m_low
     if s1 != s2:
         if m_high < 2.0:
             return math.inf
@@ -200,6 +209,7 @@ def _csc_bound(
         *(x, y, s1, s2, direction, -below, above, straight),
         *(c1, h1, slope1, c2, h2, slope2),
     )
+    moved = 0.0
     if s1 == s2:
         turning = _turning_minimum(s1, c1, h1, slope1, c2, h2, slope2, -_SLACK)
         best = max(best, m_low + turning)
@@ -221,20 +231,27 @@ def _csc_bound(
                     *(c1, h1, slope1, c2, h2, slope2),
                 )
                 best = max(best, value)
-    for _ in range(2):
+    for _ in range(4):
         if best >= enough or turned == _PI:
             break
         dx, dy = between(x, y, s1, s2, c1 + t1, c2 + t2)
         other = straight_direction(dx, dy, s1, s2)
-        shift = other - direction
+        # Newton's step: headings inside their intervals turn with the direction
+        square = dx * dx + dy * dy - (0.0 if s1 == s2 else 4.0)
+        turning = math.sin(s1 * (other - c1 - t1)) if abs(t1) < h1 else 0.0
+        turning += math.sin(s2 * (c2 + t2 - other)) if abs(t2) < h2 else 0.0
+        shift = other - direction - moved
         shift -= _TWO_PI * math.floor(shift / _TWO_PI + 0.5)
-        # the direction at a point of the box; by rounding it may differ, and any is as good
+        moved += shift / max(0.25, 1.0 + turning / math.sqrt(max(square, 1e-4)))
+        shift = moved
+        # whatever the direction is, the bound holds
         other = direction + shift
         value, t1, t2 = _straight_bound(
             *(x, y, s1, s2, other, -below - s1 * shift, above - s1 * shift, straight),
             *(c1, h1, slope1, c2, h2, slope2),
         )
-        if value <= best + 1e-15 * abs(best):
+        if value <= best + 1e-14 * abs(best):
+            best = max(best, value)
             break
         best = value
     return best
@@ -270,8 +287,8 @@ def _ccc_bound(
         rest = min(rest, 4.0 * psi_high + pull * math.sin(psi_high))
     axis = math.atan2(dy, dx)
     edge = psi_high + turned
-    f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1)
-    f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2)
+    f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1, -math.inf)
+    f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2, -math.inf)
     turning = _turning_minimum(s, c1, h1, slope1, c2, h2, slope2, -2.0 * psi_high)
     value = rest - rho * (x * math.cos(axis) + y * math.sin(axis)) + f1 + f2
     return max(value, 4.0 * psi_low + turning), rho

@@ -23,9 +23,7 @@ def turns(word: int) -> tuple[float, float]:
 
 
 @separate
-def between(
-    x: float, y: float, s1: float, s2: float, t1: float, t2: float
-) -> tuple[float, float]:
+def between(x: float, y: float, s1: float, s2: float, t1: float, t2: float) -> tuple[float, float]:
     """From the first arc's centre to the last one's."""
     return (
         x - s2 * math.sin(t2) + s1 * math.sin(t1),

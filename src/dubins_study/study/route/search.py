@@ -20,8 +20,24 @@ from numpy.typing import ArrayLike
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descend, leg_table, length_of, newton, route_words, settle, single_arcs
-from dubins_study.study.route.leg_bound import BY_WORD, UNKNOWN, WordArray, bound_leg, halving_gains, slopes_across
+from dubins_study.study.route.descent import (
+    descend,
+    leg_slopes,
+    leg_table,
+    length_of,
+    newton,
+    route_words,
+    settle,
+    single_arcs,
+)
+from dubins_study.study.route.leg_bound import (
+    BY_WORD,
+    UNKNOWN,
+    WordArray,
+    bound_leg,
+    halving_gains,
+    slopes_across,
+)
 
 _TWO_PI = 2 * math.pi
 _COARSE = 16  # headings a point of the first dynamic program
@@ -100,13 +116,11 @@ class _Search:
     def run(self) -> Route:
         tables = [
             leg_table(x, y, a.middle, b.middle)
-            for (x, y), a, b in zip(
-                self.legs, self.intervals, self.intervals[1:], strict=False
-            )
+            for (x, y), a, b in zip(self.legs, self.intervals, self.intervals[1:], strict=False)
         ]
         lengths, words = [table[0] for table in tables], [table[1] for table in tables]
-        self._aim(lengths, words, _sums(lengths))
         self._improve(lengths, words, _TWO_PI / _COARSE / 4)
+        self._aim(lengths, words, _sums(lengths))
         while self._bound():
             self.rounds += 1
             ahead, behind = self.sums = _sums(self.bounds)
@@ -114,7 +128,11 @@ class _Search:
             self.low = max(self.low, min(least, self.discarded, self.high))
             if self.low >= self.high * (1.0 - self.tolerance):
                 break
-            self._improve(self.bounds, self.words, 0.2 * max(interval.half.max() for interval in self.intervals))
+            self._improve(
+                self.bounds,
+                self.words,
+                0.2 * max(interval.half.max() for interval in self.intervals),
+            )
             if self.low >= self.high * (1.0 - self.tolerance) or not self._split():
                 break
         return self._route()
@@ -154,7 +172,7 @@ class _Search:
         self.tried.add(tuple(route))
         trial = headings.copy()
         if newton(self.legs, trial, self.free):
-            self._take(trial)
+            self._take(trial, leg_slopes(self.legs, trial))
             return
         descend(self.legs, headings, self.free, width, 1e-4)
         self._take(headings)
@@ -163,23 +181,26 @@ class _Search:
             found, segments = route_words(self.legs, headings)
             edges = _edges(found, segments, near)
             for short in (0.0, 0.03, 0.3):
-                start, free = single_arcs(self.legs, headings, self.free, found, segments, near, short)
+                start, free = single_arcs(
+                    self.legs, headings, self.free, found, segments, near, short
+                )
                 attempt = (edges.tobytes(), free.tobytes())
                 if attempt in attempts:
                     continue
                 attempts.add(attempt)
                 settled = settle(self.legs, start, free, found, edges)
                 if settled is not None:
-                    self._take(settled)
+                    self._take(*settled)
         if self.length == before:
             descend(self.legs, headings, self.free, 1e-4, 1e-13)
             self._take(headings)
 
-    def _take(self, headings: FloatArray) -> None:
-        """Keep a route if it is the shortest yet."""
+    def _take(self, headings: FloatArray, slopes: FloatArray | None = None) -> None:
+        """Keep a route if it is the shortest yet, and its slopes of the potential."""
         length = length_of(self.legs, headings)
         if length < self.length:
             self.length, self.headings = length, headings.copy()
+            self.slopes = np.full(self.n + 1, math.nan) if slopes is None else slopes
 
     def _split(self) -> bool:
         """Leave out what no shorter route can pass, and split what is left."""
@@ -228,7 +249,10 @@ class _Search:
         """
         ahead, behind = sums
         chains = [
-            (np.argmin(ahead[i][:, None] + costs[i], axis=0), np.argmin(costs[i] + behind[i + 1], axis=1))
+            (
+                np.argmin(ahead[i][:, None] + costs[i], axis=0),
+                np.argmin(costs[i] + behind[i + 1], axis=1),
+            )
             for i in range(self.n)
         ]
         self.chains = chains
@@ -245,6 +269,12 @@ class _Search:
             if i in (0, self.n):
                 slope = np.zeros(interval.middle.size)
             slope = np.clip(np.where(np.isnan(slope), interval.slope, slope), -20.0, 20.0)
+            # next to the best route, and everywhere at first, its own slopes
+            if i not in (0, self.n) and not math.isnan(self.slopes[i]):
+                away = interval.middle - self.headings[i]
+                away -= _TWO_PI * np.round(away / _TWO_PI)
+                near = (np.abs(away) <= 4.0 * interval.half) | (not hasattr(self, "sums"))
+                slope = np.where(near, self.slopes[i], slope)
             self.intervals[i] = interval._replace(slope=slope)
         if not hasattr(self, "sums"):
             return []
