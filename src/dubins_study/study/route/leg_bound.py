@@ -39,15 +39,22 @@ NO_WORD = -1
 
 @separate
 def _arc_minimum(
-    middle: float, half: float, low: float, high: float, rho: float, kappa: float, floor: float
+    middle: float,
+    half: float,
+    low: float,
+    high: float,
+    rho: float,
+    kappa: float,
+    floor: float,
+    mu: float,
 ) -> tuple[float, float]:
-    """Least x + rho sin x - kappa (x - m) over |x - m| <= half and x in [low, high], and its x - m.
+    """Least x + rho sin x - kappa (x - m) - mu x over |x - m| <= half, x in [low, high]; its x - m.
 
     m is `middle` or differs from it by a whole turn. Infinite where there is no such x. Below
     `floor` the first two terms are what they are there.
     """
     middle -= _TWO_PI * math.floor(middle / _TWO_PI + 0.5)
-    cosine = (kappa - 1.0) / rho
+    cosine = (kappa + mu - 1.0) / rho
     still = -math.acos(cosine) if abs(cosine) <= 1.0 else math.nan
     best, place = math.inf, 0.0
     for turn in range(-1, 2):
@@ -64,7 +71,7 @@ def _arc_minimum(
                 if not (first < x < last):
                     continue
             lifted = max(x, floor)
-            value = lifted + rho * math.sin(lifted) - kappa * (x - m)
+            value = lifted + rho * math.sin(lifted) - kappa * (x - m) - mu * x
             if value < best:
                 best, place = value, x - m
     return best, place
@@ -105,9 +112,11 @@ def _straight_bound(
     turned = max(most, -least)
     floor = -_PI if s1 != s2 or (straight >= 0.4 * turned and turned <= 1.0) else -math.inf
     f1, x1 = _arc_minimum(
-        s1 * (direction - c1) - _PI, h1, -_PI - most, _PI - least, 1.0, s1 * slope1, floor
+        s1 * (direction - c1) - _PI, h1, -_PI - most, _PI - least, 1.0, s1 * slope1, floor, 0.0
     )
-    f2, x2 = _arc_minimum(s2 * (c2 - direction) - _PI, h2, low2, high2, 1.0, s2 * slope2, floor)
+    f2, x2 = _arc_minimum(
+        s2 * (c2 - direction) - _PI, h2, low2, high2, 1.0, s2 * slope2, floor, 0.0
+    )
     along = x * math.cos(direction) + y * math.sin(direction)
     return along + _TWO_PI + f1 + f2 - error, -s1 * x1, s2 * x2
 
@@ -149,10 +158,10 @@ def _edge_bound(
     rho, phase = math.sqrt(1.0 + tau * tau), math.atan(tau)
     low, high = phase - _PI - most, phase + _PI - least
     f1, _ = _arc_minimum(
-        s * (direction - c1) + phase - _PI, h1, low, high, rho, s * slope1, -math.inf
+        s * (direction - c1) + phase - _PI, h1, low, high, rho, s * slope1, -math.inf, 0.0
     )
     f2, _ = _arc_minimum(
-        s * (direction - c2) + phase - _PI, h2, low, high, rho, -s * slope2, -math.inf
+        s * (direction - c2) + phase - _PI, h2, low, high, rho, -s * slope2, -math.inf, 0.0
     )
     cosine, sine = math.cos(direction), math.sin(direction)
     pulled = x * (cosine - s * tau * sine) + y * (sine + s * tau * cosine)
@@ -258,6 +267,65 @@ def _csc_bound(
 
 
 @separate
+def _vanishing_bound(
+    x: float,
+    y: float,
+    s: float,
+    end: float,
+    axis: float,
+    psi: float,
+    psi_reach: float,
+    turned: float,
+    near: float,
+    near_half: float,
+    kappa_near: float,
+    far: float,
+    far_half: float,
+    kappa_far: float,
+) -> tuple[float, float]:
+    """A bound of LRL (s = 1) or RLR where an arc may vanish, and the length of its costate.
+
+    The multiplier mu >= 0 is that of the condition that the arc at `near` is not negative; `end` is
+    1 if this is the first arc, -1 if it is the last.
+
+    Args:
+        axis, turned: direction from the first arc's centre to the last one's; its range.
+        psi, psi_reach: half the middle arc, at the middle of the box and its range.
+        near, far: s (axis less heading), signed by `end`, at both ends; with halves of intervals.
+    """
+    cosine, sine = -math.cos(psi), math.sin(psi)
+    # both arcs, less psi, from (-pi, pi] about the vanishing one
+    u = near - _TWO_PI * math.floor((near + psi) / _TWO_PI + 0.5)
+    v = far - _TWO_PI * math.floor(far / _TWO_PI + 0.5)
+    best, longest = -math.inf, 1.0
+    for flat in range(2):
+        if flat == 0:
+            rise = 1.0 + math.cos(u) / cosine - kappa_near
+            per_mu = 1.0 + 0.25 * (math.cos(u) / cosine + math.sin(u) / sine)
+        else:
+            rise = 1.0 + math.cos(v) / cosine - kappa_far
+            per_mu = 0.25 * (math.cos(v) / cosine - math.sin(v) / sine)
+        mu = rise / per_mu if per_mu != 0.0 else 0.0
+        if not (0.0 < mu < 8.0):
+            continue
+        along, across = 0.25 * (4.0 - mu) / cosine, -0.25 * mu / sine
+        rho, eta = math.hypot(along, across), math.atan2(across, along)
+        rest = (4.0 - mu) * psi + 4.0 * sine * along - mu * eta
+        rest -= 2.0 * rho * (psi_reach * psi_reach + turned * turned)
+        edge = psi + psi_reach + turned
+        f1, _ = _arc_minimum(
+            near - eta, near_half, -edge - eta, edge - eta, rho, kappa_near, -math.inf, mu
+        )
+        f2, _ = _arc_minimum(
+            far + eta, far_half, -edge + eta, edge + eta, rho, kappa_far, -math.inf, 0.0
+        )
+        direction = axis - s * end * eta
+        pulled = rho * (x * math.cos(direction) + y * math.sin(direction))
+        best, longest = max(best, rest - pulled + f1 + f2), max(longest, rho)
+    return best, longest
+
+
+@separate
 def _ccc_bound(
     x: float,
     y: float,
@@ -287,11 +355,32 @@ def _ccc_bound(
         rest = min(rest, 4.0 * psi_high + pull * math.sin(psi_high))
     axis = math.atan2(dy, dx)
     edge = psi_high + turned
-    f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1, -math.inf)
-    f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2, -math.inf)
+    f1, _ = _arc_minimum(s * (axis - c1), h1, -edge, edge, rho, s * slope1, -math.inf, 0.0)
+    f2, _ = _arc_minimum(s * (c2 - axis), h2, -edge, edge, rho, s * slope2, -math.inf, 0.0)
     turning = _turning_minimum(s, c1, h1, slope1, c2, h2, slope2, -2.0 * psi_high)
     value = rest - rho * (x * math.cos(axis) + y * math.sin(axis)) + f1 + f2
-    return max(value, 4.0 * psi_low + turning), rho
+    value = max(value, 4.0 * psi_low + turning)
+    if m_high < 3.99 and turned < 0.5:
+        psi = _PI - math.asin(0.25 * m)
+        psi_reach = max(psi_high - psi, psi - psi_low) + _SLACK
+        near, far = s * (axis - c1), s * (c2 - axis)
+        for end in range(2):
+            arc = psi + (near if end == 0 else far)
+            arc -= _TWO_PI * math.floor(arc / _TWO_PI + 0.5)
+            if abs(arc) > 2.0 * (reach + turned):
+                continue
+            if end == 0:
+                other, longer = _vanishing_bound(
+                    *(x, y, s, 1.0, axis, psi, psi_reach, turned),
+                    *(near, h1, s * slope1, far, h2, s * slope2),
+                )
+            else:
+                other, longer = _vanishing_bound(
+                    *(x, y, s, -1.0, axis, psi, psi_reach, turned),
+                    *(far, h2, s * slope2, near, h1, s * slope1),
+                )
+            value, rho = max(value, other), max(rho, longer)
+    return value, rho
 
 
 @separate
