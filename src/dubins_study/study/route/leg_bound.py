@@ -182,6 +182,40 @@ def _turning_minimum(
 
 
 @separate
+def _circle_bound(
+    x: float,
+    y: float,
+    s: float,
+    direction: float,
+    c1: float,
+    h1: float,
+    slope1: float,
+    c2: float,
+    h2: float,
+    slope2: float,
+) -> float:
+    """A bound of LSL (s = 1) or RSR for any direction of the costate.
+
+    It does not matter which way S goes, which is open where both circles nearly coincide: a whole
+    turn more of one arc and less of the other leaves the sum of x + sin x as it is.
+    """
+    first = s * (direction - c1)
+    total = s * (c2 - c1)
+    total += _TWO_PI * math.ceil((-_SLACK - h1 - h2 - total) / _TWO_PI)
+    turns1 = math.floor(first / _TWO_PI)
+    first -= _TWO_PI * turns1
+    last = s * (c2 - direction)
+    turns2 = math.floor(last / _TWO_PI)
+    last -= _TWO_PI * turns2
+    whole = math.floor((total - first - last) / _TWO_PI + 0.5)
+    m1, m2 = first - _PI, last - _PI
+    f1, _ = _arc_minimum(m1, h1, m1 - h1, m1 + h1, 1.0, s * slope1, -math.inf, 0.0)
+    f2, _ = _arc_minimum(m2, h2, m2 - h2, m2 + h2, 1.0, s * slope2, -math.inf, 0.0)
+    along = x * math.cos(direction) + y * math.sin(direction)
+    return along + _TWO_PI * (1.0 + whole) + f1 + f2
+
+
+@separate
 def _csc_bound(
     x: float,
     y: float,
@@ -222,6 +256,11 @@ def _csc_bound(
     if s1 == s2:
         turning = _turning_minimum(s1, c1, h1, slope1, c2, h2, slope2, -_SLACK)
         best = max(best, m_low + turning)
+        if turned > 0.5:
+            for end in range(3):
+                along = direction if end == 0 else c1 if end == 1 else c2
+                value = _circle_bound(x, y, s1, along, c1, h1, slope1, c2, h2, slope2)
+                best = max(best, value)
     elif m_low <= 2.0 + reach and turned < 1.0 and best < enough:
         # the direction that S would have if the circles touched; tau makes the bound flat in one
         # of the headings (docs/derivation.md)

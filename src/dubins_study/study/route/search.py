@@ -99,6 +99,7 @@ class _Search:
         self.began, self.limit, self.tolerance = perf_counter(), limit, tolerance
         self.n = len(points) - 1
         self.legs = np.ascontiguousarray(np.diff(points, axis=0))
+        self.far = bool((np.hypot(*self.legs.T) >= 4.0).all())
         given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
         width = _TWO_PI / _COARSE
@@ -173,7 +174,8 @@ class _Search:
         trial = headings.copy()
         if newton(self.legs, trial, self.free):
             self._take(trial, leg_slopes(self.legs, trial))
-            return
+            if self.far:  # no jumps: a finer grid finds nothing better
+                return
         descend(self.legs, headings, self.free, width, 1e-4)
         self._take(headings)
         before, attempts = self.length, set()
