@@ -1,1 +1,1 @@
-"""Routes through points in a given order: proven bounds of their length, and the certified search."""
+"""Routes through points in a given order: proven bounds of their length, and the search."""

@@ -8,6 +8,7 @@ units of the turning radius.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from dubins_study.study.route.leg_words import between, shortest_word, word_segm
 _gradient = separate(pose.pose_gradient)
 
 _GRID = 13  # headings a point
+_FINE, _FINEST = 1e-4, 1e-13  # rad, of grids
+_NEAR = (0.1, 0.01, 1e-3)  # radii; a straight below it may be one that vanishes
+_SHORT = (0.0, 0.03, 0.3)  # rad; so may an arc
 _LARGEST_STEP = 0.3  # rad, of Newton's method
 
 
@@ -33,15 +37,6 @@ def leg_table(
         for j in range(last.size):
             lengths[i, j], words[i, j], _, _, _ = shortest_word(x, y, first[i], last[j])
     return lengths, words
-
-
-@compiled
-def leg_lengths(x: float, y: float, first: FloatArray, last: FloatArray) -> FloatArray:
-    """Lengths of a leg for pairs of headings."""
-    lengths = np.empty(first.size)
-    for i in range(first.size):
-        lengths[i] = shortest_word(x, y, first[i], last[i])[0]
-    return lengths
 
 
 @separate
@@ -80,7 +75,7 @@ def _grid_step(legs: FloatArray, headings: FloatArray, free: BoolArray, width: f
     return moved
 
 
-@separate
+@compiled
 def route_length(legs: FloatArray, headings: FloatArray) -> float:
     """The length of the route with these headings."""
     total = 0.0
@@ -107,17 +102,15 @@ def _curvatures(word: int, t: float, p: float, q: float) -> tuple[float, float, 
     )
 
 
-@separate
-def _newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
-    """Newton's method; False where the Hessian is not positive definite or a step is long."""
+@compiled
+def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
+    """Newton's method from headings, in place; whether it came to rest at a local minimum."""
     n = legs.shape[0]
     slope, diagonal, beside = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     for _ in range(40):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
-            length, word, t, p, q = shortest_word(
-                legs[i, 0], legs[i, 1], headings[i], headings[i + 1]
-            )
+            _, word, t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
             if not (p > 1e-9):
                 return False
             d1, d2 = _gradient(word, t, p, q)
@@ -156,12 +149,6 @@ def _newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
 
 
 @compiled
-def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
-    """Newton's method from headings, in place; whether it came to rest at a local minimum."""
-    return _newton(legs, headings, free)
-
-
-@compiled
 def descend(
     legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, finest: float
 ) -> None:
@@ -177,12 +164,6 @@ def descend(
         while moves < 8 and _grid_step(legs, headings, free, width):
             moves += 1
         width *= 0.5
-
-
-@compiled
-def length_of(legs: FloatArray, headings: FloatArray) -> float:
-    """The length of the route with these headings."""
-    return route_length(legs, headings)
 
 
 @compiled
@@ -302,8 +283,28 @@ def settle(
     return headings, slopes
 
 
-def single_arcs(legs, headings, free, words, segments, near, short):
-    """Headings with which the legs that are nearly one arc are one, and what is free then."""
+def _edges(words: WordArray, segments: FloatArray, near: float) -> FloatArray:
+    """For each leg that is nearly two arcs the turn of the first, else 0."""
+    turn = np.where((words == 2) | (words == 5), 1.0, -1.0)
+    first, middle, last = segments.T
+    edges = np.where(((words == 2) | (words == 3)) & (middle < near), turn, 0.0)
+    edges = np.where((words >= 4) & (first < near), -turn, edges)
+    return np.where((words >= 4) & (last < near), turn, edges)
+
+
+def _single_arcs(
+    legs: FloatArray,
+    headings: FloatArray,
+    free: BoolArray,
+    words: WordArray,
+    segments: FloatArray,
+    near: float,
+    short: float,
+) -> tuple[FloatArray, BoolArray]:
+    """Headings with which legs that are nearly one arc are one, and which are free then.
+
+    A straight below `near` and an arc below `short` are taken to vanish.
+    """
     headings, free = headings.copy(), free.copy()
     for i, (word, (t, p, q)) in enumerate(zip(words, segments, strict=True)):
         distance = math.hypot(*legs[i])
@@ -330,9 +331,47 @@ def single_arcs(legs, headings, free, words, segments, near, short):
 
 @compiled
 def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
-    """The derivative of the length of the leg before each point by the heading there; 0 at first."""
+    """Derivatives of the leg before each point by the heading there; 0 at the first point."""
     slopes = np.zeros(headings.size)
     for i in range(legs.shape[0]):
         _, word, t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
         _, slopes[i + 1] = _gradient(word, t, p, q)
     return slopes
+
+
+def descents(
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Routes downhill from one, each with the slopes of the potential at its points (NaN: unknown).
+
+    Args:
+        legs: from each point to the next, shape (n, 2).
+        headings: at the points, shape (n + 1,); varied where `free`.
+        width: distance of the first grid's headings (rad).
+    """
+    smooth = headings.copy()
+    if newton(legs, smooth, free):
+        yield smooth, leg_slopes(legs, smooth)
+        if (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
+            return
+    unknown = np.full(headings.size, math.nan)
+    headings = headings.copy()
+    descend(legs, headings, free, width, _FINE)
+    yield headings, unknown
+    words, segments = route_words(legs, headings)
+    settled = False
+    attempts: set[bytes] = set()
+    for near in _NEAR:
+        edges = _edges(words, segments, near)
+        for short in _SHORT:
+            start, moving = _single_arcs(legs, headings, free, words, segments, near, short)
+            attempt = edges.tobytes() + moving.tobytes()
+            if attempt not in attempts:
+                attempts.add(attempt)
+                result = settle(legs, start, moving, words, edges)
+                if result is not None:
+                    settled = True
+                    yield result
+    if not settled:
+        descend(legs, headings, free, _FINE, _FINEST)
+        yield headings, unknown

@@ -17,7 +17,6 @@ there are only lower a bound.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -467,8 +466,7 @@ def box_bound(
 
 @compiled
 def bound_leg(
-    x: float,
-    y: float,
+    leg: FloatArray,
     first: tuple[FloatArray, FloatArray, FloatArray],
     last: tuple[FloatArray, FloatArray, FloatArray],
     live: BoolArray,
@@ -478,6 +476,7 @@ def bound_leg(
     """`box_bound` of every live pair of intervals; infinite for the others.
 
     Args:
+        leg: (x, y), the end seen from the start (radii).
         first, last: middles, halves of widths and slopes of the intervals at both ends.
         live, bounds, words: shape (intervals at the start, intervals at the end); two are written.
     """
@@ -488,7 +487,7 @@ def bound_leg(
             bounds[i, j], words[i, j] = math.inf, NO_WORD
             if live[i, j]:
                 bounds[i, j], words[i, j] = box_bound(
-                    *(x, y, c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j])
+                    *(leg[0], leg[1], c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j])
                 )
 
 
@@ -566,7 +565,7 @@ def slopes_across(
 
 
 @compiled
-def halving_gains(
+def bounds_of_halves(
     leg: FloatArray,
     first: tuple[FloatArray, FloatArray, FloatArray],
     last: tuple[FloatArray, FloatArray, FloatArray],
