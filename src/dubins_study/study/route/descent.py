@@ -16,13 +16,17 @@ from dubins_study.study.closed_form import pose
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.leg_bound import WordArray
-from dubins_study.study.route.leg_words import between, shortest_word, word_segments
+from dubins_study.study.route.leg_words import (
+    between,
+    nearest_segments,
+    shortest_word,
+)
 
 _gradient = separate(pose.pose_gradient)
 
 _GRID = 13  # headings a point
 _FINE, _FINEST = 1e-4, 1e-13  # rad, of grids
-_NEAR = (0.1, 0.01, 1e-3)  # radii; a straight below it may be one that vanishes
+_NEAR = (0.4, 0.1, 0.01, 1e-3)  # radii; a straight below it may be one that vanishes
 _SHORT = (0.0, 0.03, 0.3)  # rad; so may an arc
 _LARGEST_STEP = 0.3  # rad, of Newton's method
 
@@ -222,7 +226,7 @@ def leg_models(legs: FloatArray, headings: FloatArray, words: WordArray, edges: 
         if edges[i] != 0.0:
             models[i] = np.array(_touching(x, y, t1, t2, edges[i]))
         else:
-            t, p, q = word_segments(x, y, t1, t2, words[i])
+            t, p, q = nearest_segments(x, y, t1, t2, words[i])
             models[i, 0], models[i, 1] = _gradient(words[i], t, p, q)
             models[i, 2], models[i, 3], models[i, 4] = _curvatures(words[i], t, p, q)
     return models
@@ -339,14 +343,26 @@ def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
     return slopes
 
 
+@compiled
+def route_nearly(legs: FloatArray, headings: FloatArray, words: WordArray) -> FloatArray:
+    """Segments of words that exist or nearly do, shape (n, 3)."""
+    segments = np.empty((words.size, 3))
+    for i in range(words.size):
+        segments[i] = np.array(
+            nearest_segments(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], words[i])
+        )
+    return segments
+
+
 def descents(
-    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float
+    legs: FloatArray, headings: FloatArray, words: WordArray, free: BoolArray, width: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Routes downhill from one, each with the slopes of the potential at its points (NaN: unknown).
 
     Args:
         legs: from each point to the next, shape (n, 2).
         headings: at the points, shape (n + 1,); varied where `free`.
+        words: of each leg, which need not quite exist.
         width: distance of the first grid's headings (rad).
     """
     smooth = headings.copy()
@@ -354,12 +370,26 @@ def descents(
         yield smooth, leg_slopes(legs, smooth)
         if (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
             return
+    yield from _settled(legs, headings, free, words, route_nearly(legs, headings, words))
     unknown = np.full(headings.size, math.nan)
     headings = headings.copy()
     descend(legs, headings, free, width, _FINE)
     yield headings, unknown
-    words, segments = route_words(legs, headings)
-    settled = False
+    settled = list(_settled(legs, headings, free, *route_words(legs, headings)))
+    yield from settled
+    if not settled:
+        descend(legs, headings, free, _FINE, _FINEST)
+        yield headings, unknown
+
+
+def _settled(
+    legs: FloatArray,
+    headings: FloatArray,
+    free: BoolArray,
+    words: WordArray,
+    segments: FloatArray,
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """`settle` for every choice of segments that may be meant to vanish."""
     attempts: set[bytes] = set()
     for near in _NEAR:
         edges = _edges(words, segments, near)
@@ -370,8 +400,4 @@ def descents(
                 attempts.add(attempt)
                 result = settle(legs, start, moving, words, edges)
                 if result is not None:
-                    settled = True
                     yield result
-    if not settled:
-        descend(legs, headings, free, _FINE, _FINEST)
-        yield headings, unknown

@@ -72,6 +72,26 @@ def word_segments(
 
 
 @separate
+def nearest_segments(
+    x: float, y: float, t1: float, t2: float, word: int
+) -> tuple[float, float, float]:
+    """The segments of a word that exists or nearly does: arcs from -1 on, a straight 0 for none."""
+    s1, s2 = turns(word)
+    dx, dy = between(x, y, s1, s2, t1, t2)
+    square = dx * dx + dy * dy
+    if word >= 4:
+        middle, angle = _PI - math.asin(0.25 * min(4.0, math.sqrt(square))), math.atan2(dy, dx)
+        a, p, c = middle + s1 * (angle - t1), 2.0 * middle, middle + s1 * (t2 - angle)
+    else:
+        angle = straight_direction(dx, dy, s1, s2)
+        p = math.sqrt(max(square - (0.0 if s1 == s2 else 4.0), 0.0))
+        a, c = s1 * (angle - t1), s2 * (t2 - angle)
+    a -= _TWO_PI * math.floor((a + 1.0) / _TWO_PI)
+    c -= _TWO_PI * math.floor((c + 1.0) / _TWO_PI)
+    return a, p, c
+
+
+@separate
 def shortest_word(
     x: float, y: float, t1: float, t2: float
 ) -> tuple[float, int, float, float, float]:

@@ -208,7 +208,10 @@ class _Search:
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
-        for headings, slopes in descents(self.legs, np.array(middles), self.free, 0.2 * width):
+        chain = np.array(words, np.int8)
+        for headings, slopes in descents(
+            self.legs, np.array(middles), chain, self.free, 0.2 * width
+        ):
             length = route_length(self.legs, headings)
             if length < self.length:
                 self.length, self.headings, self.slopes = length, headings, slopes
