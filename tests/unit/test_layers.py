@@ -68,6 +68,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study": (),
     "study.closed_form": ("study",),
     "study.rows": ("study",),
+    "study.route": ("study", "study.closed_form"),
     "study.check": ("study", "study.closed_form", "study.rows"),
     "solvers": ("study.*",),
     "solvers.nlp_engines": ("study.*", "solvers"),

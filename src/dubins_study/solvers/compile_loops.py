@@ -10,15 +10,17 @@ import pandas as pd
 
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.route.search import search
 
 
 def compile_loops() -> None:
-    """Solve, judge and certify a small and a large frame, of which each takes its own loops."""
+    """Solve, judge and certify a small and a large frame, which take different loops; a route."""
     for rows in (1, SMALL):
         frame = pd.DataFrame({"x": np.zeros(rows), "y": 0.0, "heading": 0.0, "target_x": 3.0})
         frame = frame.assign(target_y=1.0, radius=1.0)
         for branch in ("best", "LS"):
             solve_frame(frame, branch=branch, certified=True)
+    search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, limit=60.0, tolerance=1e-6)
 
 
 if __name__ == "__main__":

@@ -218,7 +218,9 @@ def _touching(
 
 
 @compiled
-def leg_models(legs: FloatArray, headings: FloatArray, words: WordArray, edges: FloatArray):
+def leg_models(
+    legs: FloatArray, headings: FloatArray, words: WordArray, edges: FloatArray
+) -> FloatArray:
     """The eleven numbers of `_touching` for each leg; zeros for the condition where it has none."""
     models = np.zeros((words.size, 11))
     for i in range(words.size):

@@ -7,7 +7,7 @@ Everything is in units of the turning radius. For a costate nu any path of a leg
 so that along a word of turns and a straight the integral is a function of the first heading, one of
 the last, and a remainder that is of second order about the word of which nu is the costate. Hence a
 bound of each word over the box is a constant and two minima over one heading each, taken in closed
-form, less a bound of the remainder (docs/derivation.md, section 15).
+form, less a bound of the remainder (docs/derivation.md, section 16).
 
 Rounding. Bounds are computed in doubles and lowered by `_rounding`; ranges of angles that decide
 which paths count are widened by `_SLACK`, and distances by `_SLACK` of their scale. More paths than
@@ -274,7 +274,7 @@ def _csc_bound(
             tau = (kappa - 1.0 + math.cos(t)) / (s1 * math.sin(t) + 1e-12)
             if 0.0 < tau < _LONGEST_COSTATE:
                 value = _edge_bound(
-                    *(x, y, s1, touching, tau, along, reach, least - 0.0),
+                    *(x, y, s1, touching, tau, along, reach, least),
                     *(c1, h1, slope1, c2, h2, slope2),
                 )
                 best = max(best, value)
@@ -423,7 +423,7 @@ def _ccc_bound(
 
 @separate
 def _rounding(x: float, y: float, rho: float, slope1: float, slope2: float) -> float:
-    """More than the rounding of a bound (docs/derivation.md, section 15)."""
+    """More than the rounding of a bound (docs/derivation.md, section 16)."""
     size = 8.0 * rho * (abs(x) + abs(y)) + 100.0 * (2.0 + 2.0 * rho + abs(slope1) + abs(slope2))
     return EPS * size
 

@@ -5,7 +5,7 @@ one of some intervals and may jump inside it: the least sum of the legs' bounds
 (`study.route.leg_bound`) over all chains of intervals, by a dynamic program, is a lower bound of
 the route. Intervals and pairs of them that no route as short as the best one known can pass are
 left out; the others are split until the bound meets that route's length (docs/derivation.md,
-section 15).
+section 16).
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ class _Chains:
     def __init__(self, costs: list[FloatArray], words: list[WordArray]) -> None:
         self.costs, self.words = costs, words
         self.ahead, self.behind = [np.zeros(costs[0].shape[0])], [np.zeros(costs[-1].shape[1])]
-        self._before, self._after = [], []
+        self._before: list[IndexArray] = []
+        self._after: list[IndexArray] = []
         for cost in costs:
             total = self.ahead[-1][:, None] + cost
             self._before.append(np.argmin(total, axis=0))
@@ -109,7 +110,8 @@ class _Chains:
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
         """The intervals and the words of the cheapest chain."""
-        route, words = [int(np.argmin(self.ahead[-1]))], []
+        route = [int(np.argmin(self.ahead[-1]))]
+        words: list[int] = []
         for i in range(len(self.costs) - 1, -1, -1):
             route.insert(0, int(self._before[i][route[0]]))
             words.insert(0, int(self.words[i][route[0], route[1]]))
@@ -317,7 +319,7 @@ def _start(heading: float | None) -> _Intervals:
     """All headings, or the one that is given."""
     if heading is None:
         width = _TWO_PI / _COARSE
-        grid = -math.pi + width * (np.arange(_COARSE) + 0.5)
+        grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, _COARSE)
         return _Intervals(grid, np.full(_COARSE, 0.5 * width + _OVERLAP), np.zeros(_COARSE))
     reduced = math.remainder(heading, _TWO_PI)
     # the double of 2 pi is less than 2 pi by 2.45e-16
