@@ -121,6 +121,13 @@ def _straight_bound(
 
 
 @separate
+def _rounding(x: float, y: float, rho: float, slope1: float, slope2: float) -> float:
+    """More than the rounding of a bound (docs/derivation.md, section 16)."""
+    size = 8.0 * rho * (abs(x) + abs(y)) + 100.0 * (2.0 + 2.0 * rho + abs(slope1) + abs(slope2))
+    return EPS * size
+
+
+@separate
 def _edge_bound(
     x: float,
     y: float,
@@ -164,7 +171,8 @@ def _edge_bound(
     )
     cosine, sine = math.cos(direction), math.sin(direction)
     pulled = x * (cosine - s * tau * sine) + y * (sine + s * tau * cosine)
-    return pulled + 2.0 * tau + 2.0 * (_PI - phase) + f1 + f2 - error
+    bound = pulled + 2.0 * tau + 2.0 * (_PI - phase) + f1 + f2 - error
+    return bound - _rounding(x, y, rho, slope1, slope2)
 
 
 @separate
@@ -321,7 +329,7 @@ def _vanishing_bound(
     far_half: float,
     kappa_far: float,
 ) -> tuple[float, float]:
-    """A bound of LRL (s = 1) or RLR where an arc may vanish, and the length of its costate.
+    """A bound of LRL (s = 1) or RLR where an arc may vanish, and the sum of its multipliers.
 
     The multiplier mu >= 0 is that of the condition that the arc at `near` is not negative; `end` is
     1 if this is the first arc, -1 if it is the last.
@@ -359,7 +367,7 @@ def _vanishing_bound(
         )
         direction = axis - s * end * eta
         pulled = rho * (x * math.cos(direction) + y * math.sin(direction))
-        best, longest = max(best, rest - pulled + f1 + f2), max(longest, rho)
+        best, longest = max(best, rest - pulled + f1 + f2), max(longest, rho + mu)
     return best, longest
 
 
@@ -419,13 +427,6 @@ def _ccc_bound(
                 )
             value, rho = max(value, other), max(rho, longer)
     return value, rho
-
-
-@separate
-def _rounding(x: float, y: float, rho: float, slope1: float, slope2: float) -> float:
-    """More than the rounding of a bound (docs/derivation.md, section 16)."""
-    size = 8.0 * rho * (abs(x) + abs(y)) + 100.0 * (2.0 + 2.0 * rho + abs(slope1) + abs(slope2))
-    return EPS * size
 
 
 @separate
