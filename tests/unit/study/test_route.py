@@ -89,7 +89,7 @@ def test_no_route_on_a_fine_grid_is_below_the_proven_bound(legs, least, most, he
         points = random_route(seed, legs, least, most)
         last = 0.7 if seed % 2 else None
 
-        route = search(points, -0.4, last, limit=LIMIT, tolerance=1e-6)
+        route = search(points, -0.4, last, limit=5.0, tolerance=1e-6)
         on_grid = grid_length(points, -0.4, last, headings)
 
         assert route.low <= on_grid

@@ -33,13 +33,16 @@ _LARGEST_STEP = 0.3  # rad, of Newton's method
 
 @compiled
 def leg_table(
-    x: float, y: float, first: FloatArray, last: FloatArray
+    leg: FloatArray, first: FloatArray, last: FloatArray, live: BoolArray
 ) -> tuple[FloatArray, WordArray]:
-    """Lengths and words of a leg for all pairs of headings, of shape (first, last)."""
-    lengths, words = np.empty((first.size, last.size)), np.empty((first.size, last.size), np.int8)
+    """Lengths and words of a leg for all live pairs of headings, of shape (first, last)."""
+    lengths, words = np.full(live.shape, math.inf), np.zeros(live.shape, np.int8)
     for i in range(first.size):
         for j in range(last.size):
-            lengths[i, j], words[i, j], _, _, _ = shortest_word(x, y, first[i], last[j])
+            if live[i, j]:
+                lengths[i, j], words[i, j], _, _, _ = shortest_word(
+                    leg[0], leg[1], first[i], last[j]
+                )
     return lengths, words
 
 

@@ -155,11 +155,7 @@ class _Search:
 
     def run(self) -> Route:
         """Bound, go downhill and split by turns until the gap is closed or the time is over."""
-        tables = [
-            leg_table(x, y, a.middle, b.middle)
-            for (x, y), (a, b) in zip(self.legs, pairwise(self.intervals), strict=True)
-        ]
-        chains = _Chains([lengths for lengths, _ in tables], [words for _, words in tables])
+        chains = self._middles()
         self._improve(chains)
         self.intervals = self._aimed(chains)
         while not self.closed:
@@ -172,6 +168,7 @@ class _Search:
             # a chain of other words, but not in every round of a long search
             if not self.closed and (self.rounds <= _EAGER or self.rounds % _EAGER == 0):
                 self._improve(bounded)
+                self._improve(self._middles())
             if self.closed or not self._split(bounded):
                 break
         return self._route()
@@ -202,10 +199,20 @@ class _Search:
             self.boxes += int(live.sum())
         return _Chains(bounds, words)
 
+    def _middles(self) -> _Chains:
+        """Routes through the middles of the intervals, by live pairs."""
+        tables = [
+            leg_table(leg, a.middle, b.middle, live)
+            for leg, live, (a, b) in zip(
+                self.legs, self.live, pairwise(self.intervals), strict=True
+            )
+        ]
+        return _Chains([lengths for lengths, _ in tables], [words for _, words in tables])
+
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
         route, words = chains.cheapest()
-        if words in self.tried:
+        if words in self.tried or not math.isfinite(chains.ahead[-1].min()):
             return
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
