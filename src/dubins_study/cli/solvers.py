@@ -9,6 +9,7 @@ import typer
 
 from dubins_study.cli.terminal.arguments import complete_solvers
 from dubins_study.cli.terminal.output import listing, plain, table
+from dubins_study.study.words import FREE_FINAL_HEADING
 
 if TYPE_CHECKING:
     from dubins_study.solvers.registry import Entry
@@ -31,8 +32,11 @@ def solvers(
         objects = [each._asdict() | {"available": each.reason is None} for each in listed]
         print(json.dumps(objects, indent=2))
     elif solver is None:
-        head = ("solver", "formulation", "engine", "guarantee", "available")
-        rows = [(e.name, e.formulation, e.engine, e.guarantee, _available(e)) for e in listed]
+        head = ("solver", "formulation", "engine", "guarantee", "also takes", "available")
+        rows = [
+            (e.name, e.formulation, e.engine, e.guarantee, _beyond_one_leg(e), _available(e))
+            for e in listed
+        ]
         print(f"{table(head, rows)}\n\nsettings of one: dubins-study solvers ipopt")
     else:
         print(solver_text(listed[0]))
@@ -53,6 +57,11 @@ def solver_text(entry: Entry) -> str:
             "available": _available(entry),
         }
     )
+
+
+def _beyond_one_leg(entry: Entry) -> str:
+    """What a solver takes besides one leg with a free final heading."""
+    return ", ".join(need for need in entry.takes if need != FREE_FINAL_HEADING)
 
 
 def _available(entry: Entry) -> str:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
-from dubins_study.experiments.isolation.messages import WorkerReply
+from dubins_study.experiments.isolation.messages import (
+    WorkerReply,
+    decode_question,
+    encode_question,
+)
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.run_plan import RunSettings
-from dubins_study.solvers.protocol import Method, Solution
+from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.row_table import row_key, row_path
@@ -77,3 +83,13 @@ def test_pieces_make_up_the_whole(sizes, most):
         left, _ = left_of(left, {}, rows)
 
     assert seen == [one.key for chain in chains for one in chain]
+
+
+@pytest.mark.parametrize(
+    "route", [{}, {"via": [(0.1, -1e-300), (1 / 3, 7)]}, {"final_heading": 0.1}, {"via": [(1, 2)]}]
+)
+def test_a_question_travels_as_json(route):
+    """Bit by bit, with its via points and final heading."""
+    question = Question(Scenario(1, 2, 0.1, 3, 4, 2, label="ä", **route), repeat=3)
+
+    assert decode_question(json.loads(json.dumps(encode_question(question)))) == question
