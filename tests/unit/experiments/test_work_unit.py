@@ -86,7 +86,7 @@ def test_pieces_make_up_the_whole(sizes, most):
 
 
 @pytest.mark.parametrize(
-    "route", [{}, {"via": [(0.1, -1e-300), (1 / 3, 7)]}, {"final_heading": 0.1}, {"via": [(1, 2)]}]
+    "route", [{}, {"via": [(0.1, -1e-300), (1 / 3, 7)]}, {"final_heading": 0.1}, {"via": [(2, 1)]}]
 )
 def test_a_question_travels_as_json(route):
     """Bit by bit, with its via points and final heading."""
