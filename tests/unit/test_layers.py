@@ -69,7 +69,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.closed_form": ("study",),
     "study.rows": ("study",),
     "study.route": ("study", "study.closed_form"),
-    "study.check": ("study", "study.closed_form", "study.rows"),
+    "study.check": ("study", "study.closed_form", "study.rows", "study.route"),
     "solvers": ("study.*",),
     "solvers.nlp_engines": ("study.*", "solvers"),
     "solvers.paper_nlp": ("study.*", "solvers", "solvers.nlp_engines"),

@@ -102,7 +102,10 @@ class _Command(TyperCommand):
         names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
         for option in options:
             value = ctx.params.get(str(option.name))
-            for word in value if isinstance(value, list | tuple) else [value]:
+            words = value if isinstance(value, list | tuple) else [value]
+            for word in (
+                w for item in words for w in (item if isinstance(item, tuple) else [item])
+            ):
                 if str(word) in names and not ctx.resilient_parsing:
                     message = f"{str(word)!r} is an option of its own; expected a value"
                     raise typer.BadParameter(message, ctx=ctx, param_hint=f"'{option.opts[0]}'")

@@ -251,11 +251,20 @@ class Interview:
 
 
 # how a question ended, best first
-ENDINGS = ("shortest", "right that there is none", "longer", "none", "missing", "unanswered")
+ENDINGS = (
+    "shortest",
+    "right that there is none",
+    "longer",
+    "undecided",
+    "none",
+    "missing",
+    "unanswered",
+)
 _BY_VERDICT = {
     Verdict.OPTIMAL: "shortest",
     Verdict.NONE_EXISTS: "right that there is none",
     Verdict.LONGER: "longer",
+    Verdict.UNDECIDED: "undecided",
     Verdict.MISSES: "missing",
 }
 # claims that say that a path was found

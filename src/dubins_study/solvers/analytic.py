@@ -1,10 +1,11 @@
-"""`analytic`: the closed form, exact for every branch."""
+"""`analytic`: the closed form of one leg, exact for every branch, and the search for routes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import (
     FrameSolution,
     Guarantee,
@@ -13,24 +14,31 @@ from dubins_study.solvers.protocol import (
     Solution,
     Solver,
 )
-from dubins_study.study.closed_form.shortest import as_path, shortest
-from dubins_study.study.scenario import NUMBERS
-from dubins_study.study.words import BRANCHES, Claim
+from dubins_study.study.closed_form.pose import pose_path
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.scenario import NUMBERS, Pose, Scenario
+from dubins_study.study.words import EVERY_BRANCH, NEEDS, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _NONE = "no {} path exists"
+_CLOSED = min(tolerances.gap for tolerances in PROFILES.values())
 
 
 @dataclass(frozen=True)
 class Analytic(Solver):
-    """The closed form: `study.closed_form.shortest`; for frames `study.closed_form.kernel`."""
+    """The closed form, and of a route the search with a proof.
+
+    `study.closed_form.shortest`, for frames `study.closed_form.kernel`; with a final heading
+    `study.closed_form.pose`; with via points `study.route`.
+    """
 
     name: ClassVar[str] = "analytic"
     guarantee: ClassVar[Guarantee] = Guarantee.EXACT
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    summary: ClassVar[str] = "the closed form: exact, every branch, no iteration"
+    branches: ClassVar[tuple[str, ...]] = EVERY_BRANCH
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    summary: ClassVar[str] = "the closed form: exact, every branch, no iteration; routes: search"
 
     @property
     def method(self) -> Method:
@@ -41,11 +49,16 @@ class Analytic(Solver):
         return True
 
     def solve(self, model: Question, limit: float) -> Solution:
-        scenario = model.scenario
-        optimum = shortest(scenario, model.branch)
-        if optimum is None:
-            return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
-        path = as_path(scenario, optimum.word, optimum.segments)
+        scenario, branch = model.scenario, model.branch
+        if scenario.via:
+            return _searched(scenario, limit)
+        if scenario.final_heading is None:
+            path = shortest_path(scenario, branch)
+        else:
+            end = Pose(scenario.target_x, scenario.target_y, scenario.final_heading)
+            path = pose_path(scenario.start, end, scenario.radius, branch)
+        if path is None:
+            return Solution(Claim.INFEASIBLE, message=_NONE.format(branch))
         length = path.total_length
         return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
 
@@ -72,3 +85,18 @@ class Analytic(Solver):
         length[:, absent] = 0.0
         paths = Paths(curvature, length, ~absent)
         return FrameSolution(claim, paths, rows.length, rows.length.copy(), message=message)
+
+
+def _searched(scenario: Scenario, limit: float) -> Solution:
+    """A route's answer, called optimal if the proven gap is within every profile's tolerance."""
+    from dubins_study.study.route.shortest import shortest_route  # one leg needs no compiled code
+
+    path, _, low, high = shortest_route(scenario, limit)
+    closed = high - low <= _CLOSED * max(low, scenario.radius)
+    return Solution(
+        Claim.OPTIMAL if closed else Claim.FEASIBLE,
+        path,
+        claimed_length=path.total_length,
+        lower_bound=low,
+        message=f"the shortest length is proven to be between {low!r} and {high!r}",
+    )

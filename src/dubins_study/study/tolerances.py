@@ -8,6 +8,9 @@ from dubins_study.study.body_coordinates import EPS
 
 # radii: the largest distance to the target of a path that arrives, in every profile
 ARRIVES = 1e-6
+# rad: the largest error of a final heading that is given, in every profile. It moves nothing but
+# the heading itself, and turning by it takes as many radii of path as a target may be missed by.
+HEADED = ARRIVES
 # of the coordinates' size and a path's length: what driving in floating point loses
 DRIVEN = 32.0 * EPS
 

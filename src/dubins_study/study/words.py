@@ -126,6 +126,7 @@ class Verdict(StrEnum):
     MISSES = "misses"
     NONE = "none"
     NONE_EXISTS = "none exists"
+    UNDECIDED = "undecided"  # of a route whose proven interval is too wide to tell
 
 
 class Proof(StrEnum):
@@ -135,6 +136,7 @@ class Proof(StrEnum):
       the targets within delta, and the path is an extremal, for `best` also clear of its cut (of
       LR and RL the interval alone decides); or there is provably no path, and none was returned.
       Of a word's few paths the interval holds the shortest, so that its cut says nothing.
+      Of a route, and of a leg with a final heading, the interval alone decides too.
     * bounded: the solver's own lower bound is within the tolerance, and contradicts nothing.
     * extremal: an arriving path that satisfies Pontryagin's conditions.
     * none: none of these.

@@ -16,6 +16,9 @@ EXACT = "analytic"
 # The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
 PRESOLVED = "by presolve"
 VERDICTS = ("optimal", "none exists", PRESOLVED, "longer", "misses", "none")
+# Neither right nor wrong: the proven interval around the shortest length is too wide to tell. Such
+# an attempt is counted by itself and enters no share.
+UNDECIDED = "undecided"
 # What an interval counts as one trial of a solver: repeats of it, cold and warm starts, and the
 # same attempt in another experiment all depend on each other.
 TRIAL = ("scenario_id", "branch")

@@ -81,7 +81,10 @@ def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: fl
 
 
 def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
-    """A judged row has a reference word if its question has an answer.
+    """Whether each row counts as an attempt at a question that has an answer.
+
+    One whose verdict is `undecided` does not, since nobody knows whether it is right. A judged row
+    has a reference word if its question has an answer.
 
     For a row that was not judged, the closed form decides. Every route has an answer, and so has
     every leg with a final heading: for `best`, and for the words that reach every pose.
@@ -93,7 +96,7 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
         for place, row in zip(unjudged.index, unjudged.to_dict("records"), strict=True)
         if _has_answer(row)
     ]
-    return judged | rows.index.isin(answerable)
+    return (judged | rows.index.isin(answerable)) & rows["verdict"].ne("undecided")
 
 
 def _has_answer(row: Mapping[Any, Any]) -> bool:

@@ -10,7 +10,14 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, TRIAL, VERDICTS, Attempts
+from dubins_study.report.data.attempts import (
+    PRESOLVED,
+    SUCCESSES,
+    TRIAL,
+    UNDECIDED,
+    VERDICTS,
+    Attempts,
+)
 
 
 def methods(attempts: Attempts) -> pd.DataFrame:
@@ -27,8 +34,8 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
     """Attempts at questions that have a path: one row per solver, zeros if it has none.
 
     Columns: solver, attempts, questions, right (questions answered right), the attempts with each
-    verdict, false_claims, wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s
-    (median, s; null if no attempt returned).
+    verdict, those that are undecided (which are no attempts here), false_claims, wrong_basins,
+    not_returned (timeout, crashed, raised, ...), wall_s (median, s; null if no attempt returned).
     """
     counts = {f'"{verdict}"': f"verdict = '{verdict}'" for verdict in VERDICTS}
     counts |= {"false_claims": "false_claim", "wrong_basins": "wrong_basin"}
@@ -39,7 +46,7 @@ def verdicts(attempts: Attempts) -> pd.DataFrame:
     )
     return attempts.frame(
         f"""SELECT solver, count(*) FILTER (answerable) AS attempts,
-            {_questions("answerable")} AS questions,
+            {_questions("answerable")} AS questions, {_UNDECIDED} AS {UNDECIDED},
             {_questions(f"answerable AND {_RIGHT}")} AS "right", {counted},
             CASE WHEN bool_or(outcome = 'returned') FILTER (answerable)
                 THEN median(wall_s) FILTER (answerable) END AS wall_s
@@ -102,7 +109,9 @@ def existence(attempts: Attempts) -> pd.DataFrame:
 
 
 _RIGHT = f"verdict IN {SUCCESSES}"
-_KIND = f"""CASE WHEN answerable THEN NULL WHEN verdict = '{PRESOLVED}' THEN 'presolved'
+_UNDECIDED = f"count(*) FILTER (verdict = '{UNDECIDED}')"
+_KIND = f"""CASE WHEN answerable OR verdict = '{UNDECIDED}' THEN NULL
+    WHEN verdict = '{PRESOLVED}' THEN 'presolved'
     WHEN outcome IN ('unsupported', 'unavailable') THEN 'unasked'
     WHEN {_RIGHT} THEN 'right' WHEN false_claim THEN 'wrong' ELSE 'silent' END"""
 # Columns that tell attempts of one solver at one trial apart.

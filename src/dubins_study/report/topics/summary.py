@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data import verdicts as counts
-from dubins_study.report.data.attempts import EXACT, PRESOLVED, Attempts
+from dubins_study.report.data.attempts import EXACT, PRESOLVED, UNDECIDED, Attempts
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
@@ -50,6 +50,7 @@ _COLUMNS = (
     *columns(kind="cell", right_text="right of n, 95 %"),
     *(Column(key, key, count) for key in ("none exists", PRESOLVED)),
     *columns(count, longer="longer", misses="misses", none="none"),
+    *columns(count, undecided="undecided"),
     *columns(count, false_claims="false claims", wrong_basins="wrong basins"),
     *columns(count, not_returned="not returned"),
     *columns(seconds, wall_s="median time"),
@@ -70,7 +71,9 @@ def best_solvers(results: Results) -> tuple[str, ...]:
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
     """A table of `summary`, with columns before it; columns without any count are left out."""
-    rare = [key for key in ("none exists", PRESOLVED, "not_returned") if not frame[key].any()]
+    rare = [
+        key for key in ("none exists", PRESOLVED, UNDECIDED, "not_returned") if not frame[key].any()
+    ]
     shown = [column for column in _COLUMNS if column.key not in rare]
     bad = marks(frame, "misses", "none", "false_claims", "not_returned")
     return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS, dense=True)
@@ -87,13 +90,19 @@ def summary_section(results: Results) -> Section | None:
         "By presolve: the setting presolve answered that no path exists, and no engine was asked."
         if frame[PRESOLVED].any()
         else "",
+        "Undecided: the shortest length is not known well enough; such attempts enter no share."
+        if frame[UNDECIDED].any()
+        else "",
         "A false claim says more than the check finds; a wrong basin is a longer path that turns "
         "by another angle. Not returned: timed out, crashed, raised, unsupported or unavailable.",
     )
     experiments = list(
         dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
     )
-    questions, without = frame["questions"].sum(), attempts.count - int(frame["attempts"].sum())
+    questions, without = (
+        frame["questions"].sum(),
+        attempts.count - int(frame[["attempts", UNDECIDED]].sum().sum()),
+    )
     text = sentences(
         f"{some(attempts.count, 'attempt')} by {some(solvers, 'solver')} in the "
         f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",

@@ -54,7 +54,7 @@ def unpaired(base: Results, new: Results) -> pd.DataFrame:
 
 
 def _questions(results: Results) -> pd.DataFrame:
-    rows = results.rows
+    rows = results.rows[results.rows["verdict"].ne("undecided")]
     false = rows["false_claim"].eq(True) | rows["false_bound"].eq(True)
     attempts = rows[[*_PAIR, *_SHARED, "gap"]].assign(
         right=success(rows).fillna(False).astype(float),

@@ -13,6 +13,7 @@ from typing import Any
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import Extremal, measure
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
@@ -94,7 +95,7 @@ def certify(
         tolerances: those of the judgement.
     """
     if not scenario.one_free_leg:
-        return Certificate(proof=Proof.NONE)
+        return _certify_reference(scenario, judged, branch, lower_bound, tolerances)
     radius = scenario.radius
     interval = enclose(scenario, branch)
     costates, cut = None, None
@@ -128,6 +129,43 @@ def certify(
         costate_error=None if costates is None else _costate_error(costates, multipliers),
         false_bound=false_bound,
         **({} if costates is None else costates._asdict()),
+    )
+
+
+def _certify_reference(
+    scenario: Scenario,
+    judged: Judgement,
+    branch: str,
+    lower_bound: float | None,
+    tolerances: Tolerances,
+) -> Certificate:
+    """Certify an answer to a scenario with via points or a final heading, by its reference alone.
+
+    A route that nothing is said about is not searched for.
+    """
+    if scenario.via and judged.gap is None and lower_bound is None:
+        return Certificate(proof=Proof.NONE)
+    interval = reference_of(scenario, branch).enclosure
+    scale = max(interval.low, scenario.radius)
+    allowed = tolerances.gap * scale
+    arriving = None if judged.gap is None else judged.length
+    false_bound = (
+        lower_bound is not None
+        and lower_bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
+    )
+    proof = Proof.NONE
+    if judged.verdict is Verdict.NONE_EXISTS and not interval.exists:
+        proof = Proof.PROVED
+    elif arriving is not None and interval.holds(arriving, allowed):
+        if judged.verdict is Verdict.OPTIMAL:
+            proof = Proof.PROVED
+        elif lower_bound is not None and not false_bound and abs(arriving - lower_bound) <= allowed:
+            proof = Proof.BOUNDED
+    return Certificate(
+        proof=proof,
+        reference_low=_finite(interval.low),
+        reference_high=_finite(interval.high),
+        false_bound=false_bound,
     )
 
 

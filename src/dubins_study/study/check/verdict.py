@@ -6,12 +6,13 @@ import math
 from collections.abc import Sequence
 from copy import copy
 from functools import lru_cache
-from itertools import accumulate
-from typing import Any
+from typing import Any, NamedTuple
 
 from dubins_study.study.body_coordinates import EPS, local
-from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.enclosure import Enclosure, enclose
+from dubins_study.study.check.reference import reference_of, visited
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
+from dubins_study.study.check.visits import Visits, legs, visits
 from dubins_study.study.closed_form.shortest import (
     Shortest,
     margin,
@@ -23,7 +24,7 @@ from dubins_study.study.closed_form.shortest import (
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import DRIVEN, Tolerances, arrives
+from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
@@ -126,14 +127,7 @@ def judge(
     verdict `none exists`, its claim.
     """
     if not scenario.one_free_leg:
-        if path is not None:
-            raise NotImplementedError("routes and final headings are not judged yet")
-        return Judgement(
-            region=None,
-            margin=None,
-            verdict=Verdict.NONE,
-            false_claim=is_false(claim, Verdict.NONE),
-        )
+        return judge_visits(scenario, path, claim, branch, tolerances)
     optimum, known = _closed_form(scenario, branch)
     if path is not None and drivable(path):
         return _judge_path(scenario, path, claim, branch, tolerances, optimum, known)
@@ -263,26 +257,131 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     """Largest amount by which curvatures leave what a branch allows, in units of 1 / radius.
 
     `best` allows [-1, 1]; `LS` [0, 1] and `RS` [-1, 0], since where the word exists no path of
-    one-sided turning is shorter (docs/derivation.md, section 8); `LR` and `RL` allow only +1 and
-    -1, in that order. Arcs of no length are left out of `curvature`.
+    one-sided turning is shorter (docs/derivation.md, section 8); any other word allows only +1, 0
+    and -1 of its letters, in their order. Arcs of no length are left out of `curvature`.
     """
     if not curvature:
         return 0.0
     if branch == "best":
         return max(0.0, max(map(abs, curvature)) - 1.0)
-    side = 1 if branch[0] == "L" else -1
-    first = [side * u for u in curvature]
     if branch in ("LS", "RS"):
+        side = 1 if branch[0] == "L" else -1
+        first = [side * u for u in curvature]
         return max(0.0, max(first) - 1.0, -min(first))
-    before = list(accumulate((abs(u - 1) for u in first), max, initial=0.0))
-    after = list(accumulate((abs(u + 1) for u in reversed(first)), max, initial=0.0))
-    return min(map(max, before, reversed(after)))
+    # the least excess of the arcs up to here, the last of which is driven by each letter
+    letters = [TURN[letter] for letter in branch]
+    excess = [0.0] * len(letters)
+    for u in curvature:
+        before = math.inf
+        for place, turn in enumerate(letters):
+            before = min(before, excess[place])
+            excess[place] = max(before, abs(u - turn))
+    return min(excess)
+
+
+class _Seen(NamedTuple):
+    """What a path does at the points of its scenario."""
+
+    visits: Visits
+    end: Pose
+    miss: float  # the largest distance from a point, the target among them (length unit)
+    turned: float  # from the final heading, if that is given (rad)
+    excess: float
+    arrives: bool
+
+
+def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
+    radius, length = scenario.radius, path.total_length
+    end, miss, excess = _measured(scenario, path, branch)
+    rounding = DRIVEN * (scenario.extent + length)
+    seen = visits(path, scenario.via, radius, tolerances.miss * radius + rounding)
+    miss = max(miss, seen.miss)
+    turned, blur = 0.0, 0.0
+    if scenario.final_heading is not None:
+        turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
+        blur = DRIVEN * (abs(end.heading) + abs(scenario.final_heading) + length / radius)
+    there = arrives(miss, radius, scenario.extent, length, tolerances.miss)
+    return _Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
+
+
+def judge_visits(
+    scenario: Scenario, path: Path | None, claim: Claim, branch: str, tolerances: Tolerances
+) -> Judgement:
+    """Judge an answer to a scenario with via points or a final heading.
+
+    It is compared with the scenario's reference. Only if it is shorter by more than what it misses
+    its points by explains, it is compared with that of the points that it visits.
+    """
+    if path is None or not drivable(path):
+        verdict = Verdict.NONE if path is None else Verdict.MISSES
+        # a route and the best path always exist, and nothing has to be searched for
+        denied = path is None and claim is Claim.INFEASIBLE and branch != "best"
+        if denied and reference_of(scenario, branch).enclosure.absent:
+            verdict = Verdict.NONE_EXISTS
+        false = is_false(claim, verdict)
+        return Judgement(region=None, margin=None, verdict=verdict, false_claim=false)
+    seen = _seen(scenario, path, branch, tolerances)
+    radius, length = scenario.radius, path.total_length
+    word = words_of(path, seen.visits.at, radius)
+    known: dict[str, Any] = {}
+    verdict = Verdict.MISSES
+    if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
+        best = reference_of(scenario, branch)
+        moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
+        if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
+            best = reference_of(visited(scenario, seen.visits.points, seen.end), branch)
+        if best.path is not None and best.enclosure.exists:
+            verdict, known = _compared(scenario, length, best.enclosure, tolerances.gap)
+            known["reference_word"] = words_of(best.path, best.at, radius)
+            if verdict is Verdict.LONGER:
+                another = known["gap"] > COARSE and word != known["reference_word"]
+                turn = abs(path.turn - best.path.turn)
+                known["wrong_basin"] = another or turn > _ANOTHER_TURN
+    return Judgement(
+        region=None,
+        margin=None,
+        verdict=verdict,
+        false_claim=is_false(claim, verdict),
+        word=word,
+        length=length,
+        travel_time=length / scenario.speed,
+        miss=seen.miss,
+        curvature_excess=seen.excess,
+        **known,
+    )
+
+
+def _compared(
+    scenario: Scenario, length: float, enclosure: Enclosure, gap: float
+) -> tuple[Verdict, dict[str, Any]]:
+    """The verdict on an arriving path, and the columns `reference` and `gap`.
+
+    One leg has a known set of lengths, for all data within delta, of which the nearest counts. Of a
+    route the interval's lower end is the reference, so that the gap is proven.
+    """
+    radius = scenario.radius
+    low = high = enclosure.low
+    if scenario.via:
+        high = enclosure.high
+    elif (nearest := enclosure.nearest(length, gap * max(low, radius))) is not None:
+        low = high = nearest
+    above = (length - low) / max(low, radius)
+    verdict = Verdict.OPTIMAL
+    if above > gap:
+        longer = (length - high) / max(high, radius) > gap
+        verdict = Verdict.LONGER if longer else Verdict.UNDECIDED
+    return verdict, {"reference": low, "gap": above}
+
+
+def words_of(path: Path, at: Sequence[float], radius: float) -> str:
+    """The words of a path's legs, which end at the arc lengths `at`, with spaces between."""
+    return " ".join(map(path_word_of, legs(path, at, radius)))
 
 
 _HONEST = {
-    Claim.OPTIMAL: (Verdict.OPTIMAL,),
-    Claim.LOCAL: (Verdict.OPTIMAL, Verdict.LONGER),
-    Claim.FEASIBLE: (Verdict.OPTIMAL, Verdict.LONGER),
+    Claim.OPTIMAL: (Verdict.OPTIMAL, Verdict.UNDECIDED),
+    Claim.LOCAL: (Verdict.OPTIMAL, Verdict.UNDECIDED, Verdict.LONGER),
+    Claim.FEASIBLE: (Verdict.OPTIMAL, Verdict.UNDECIDED, Verdict.LONGER),
     Claim.INFEASIBLE: (Verdict.NONE_EXISTS,),
 }
 
@@ -301,9 +400,13 @@ def miss_reason(
     if path.start != scenario.start:
         return "the path starts elsewhere"
     radius = scenario.radius
-    _, miss, excess = _measured(scenario, path, branch)
-    if excess > tolerances.curvature:
-        return f"the curvature is {excess:.3g} / R beyond what the branch allows"
-    if miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.total_length):
-        return f"the path ends {miss / radius:.3g} R from the target"
+    seen = _seen(scenario, path, branch, tolerances)
+    if seen.excess > tolerances.curvature:
+        return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
+    if seen.miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.total_length):
+        if seen.visits.miss == seen.miss:
+            return f"the path passes {seen.miss / radius:.3g} R from a via point, in their order"
+        return f"the path ends {seen.miss / radius:.3g} R from the target"
+    if seen.turned > HEADED and not seen.arrives:
+        return f"the path ends {seen.turned:.3g} rad from the final heading"
     return "the path is too long to be driven to within a radius, or the branch has none"

@@ -1,0 +1,65 @@
+"""The proven interval around the shortest length of any question, and a path of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from itertools import groupby
+from typing import NamedTuple
+
+from dubins_study.study.check.enclosure import Enclosure, enclose
+from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.closed_form.pose import pose_path
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario
+
+# The search for the reference of a route ends when its interval is this narrow, of its length, or
+# after so many seconds.
+NARROW = 1e-10
+SEARCH_S = 60.0
+
+
+class Reference(NamedTuple):
+    """What an answer is compared with.
+
+    Of a route the enclosure's one part is an interval that holds the shortest length; of one leg
+    its parts hold the shortest lengths for all data within delta.
+    """
+
+    enclosure: Enclosure
+    path: Path | None  # the shortest that is known; None where a branch has none
+    at: tuple[float, ...]  # the arc lengths of its via points
+
+
+@lru_cache(maxsize=4096)  # the cells of a run ask each question often, in shuffled order
+def reference_of(scenario: Scenario, branch: str = "best") -> Reference:
+    """The reference of a scenario's branch, found anew: nothing that a solver says enters."""
+    if scenario.via:
+        # routes alone need compiled code
+        from dubins_study.study.route.shortest import shortest_route
+
+        found = shortest_route(scenario, SEARCH_S, NARROW)
+        part = (found.low, found.high)
+        return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
+    if scenario.final_heading is None:
+        return Reference(enclose(scenario, branch), shortest_path(scenario, branch), ())
+    question = (
+        *(scenario.start, Pose(scenario.target_x, scenario.target_y, scenario.final_heading)),
+        *(scenario.radius, branch),
+    )
+    return Reference(enclose_pose(*question), pose_path(*question), ())
+
+
+def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose) -> Scenario:
+    """The scenario whose points are those that a path visits on its way to its end.
+
+    Points that are one for a path are one point of that scenario.
+    """
+    way = [point for point, _ in groupby([scenario.start[:2], *points, end[:2]])]
+    x, y = end[:2]
+    return Scenario(
+        *(*scenario.start, x, y, scenario.radius, scenario.speed),
+        via=way[1:-1],
+        final_heading=None if scenario.final_heading is None else end.heading,
+    )

@@ -1,0 +1,155 @@
+"""Where a path visits points in a given order, from its arcs and straights alone.
+
+A point (x, y) seen from the start of a piece of curvature k >= 0, mirrored if the piece turns to
+the right, lies g = (k (x^2 + y^2) - 2 y) / (1 + D) from the piece's circle or line, where
+D = hypot(k x, 1 - k y) is the distance from the centre times k. The piece passes it after
+atan2(k x, 1 - k y) / k, and d farther along their distance is the root of
+g^2 + D (2 sin(k d / 2) / k)^2. None of it cancels as k goes to 0, where it is a straight's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Pose
+
+_STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
+# radii: what is shorter at the ends of a leg is its neighbour's, cut off beside the point
+_CUT = 1e-5
+
+
+class Visits(NamedTuple):
+    """How a path visits points.
+
+    Args:
+        at: arc lengths (length unit) at which it is nearest to each, not decreasing.
+        points: where it is there.
+        miss: the largest distance by which it misses a point (length unit), 0 without points. Of
+            what comes after a point that is not visited, it is the least distance on the way left.
+    """
+
+    at: tuple[float, ...]
+    points: tuple[tuple[float, float], ...]
+    miss: float
+
+
+class _Passing(NamedTuple):
+    """How n pieces pass one point, each from some arc length on; radii, shape (n,)."""
+
+    first: FloatArray  # where the piece is first within the allowed distance; NaN if nowhere
+    nearest: FloatArray  # where it is nearest, then or, if it never is within, at all
+    distance: FloatArray  # there
+
+
+def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowed: float) -> Visits:
+    """Follow a path from point to point: the earliest visit of each, after the one before.
+
+    Args:
+        path: one that can be driven.
+        via: the points, in order.
+        radius: the unit in which a piece's geometry is computed.
+        allowed: how near a path has to come to visit a point (length unit).
+    """
+    pieces = _Pieces(path, radius)
+    at, nearest, miss = 0.0, 0.0, 0.0
+    found: list[float] = []
+    for x, y in via:
+        at, reached, distance = pieces.visit(x, y, at, allowed / radius)
+        nearest = max(nearest, reached)
+        miss = max(miss, distance * radius)
+        found.append(min(nearest * radius, path.total_length))
+    points = path.at(np.array(found))[:, :2].tolist() if found else []
+    return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
+
+
+class _Pieces:
+    """The pieces of a path in units of the radius."""
+
+    def __init__(self, path: Path, radius: float) -> None:
+        self.radius = radius
+        self.length = path.length / radius
+        self.ends = np.concatenate(([0.0], np.cumsum(self.length)))
+        rate = path.curvature * radius
+        self.k, self.side = np.maximum(np.abs(rate), _STRAIGHT), np.where(rate < 0, -1.0, 1.0)
+        poses = path.poses
+        self.x, self.y, heading = poses[:-1].T
+        self.cos, self.sin = np.cos(heading), np.sin(heading)
+        self.last = Pose(*poses[-1])
+
+    def visit(self, x: float, y: float, at: float, allowed: float) -> tuple[float, float, float]:
+        """The first visit of a point after the arc length `at`.
+
+        Returns:
+            Where the path first is within the allowed distance, where it then is nearest, and how
+            near. If it never is within, the last two are of its least distance after `at`, and the
+            first is as the second.
+        """
+        if not self.length.size:
+            return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
+        j = min(int(np.searchsorted(self.ends, at, "right")) - 1, self.length.size - 1)
+        with np.errstate(all="ignore"):  # what overflows is no visit
+            passing = self._passing(slice(j, None), x, y, at, allowed)
+        hits = np.flatnonzero(~np.isnan(passing.first))
+        begins, (_, nearest, distance) = self.ends[j:-1], passing
+        if not hits.size:
+            i = int(np.argmin(distance))
+            reached = float(begins[i] + nearest[i])
+            return reached, reached, float(distance[i])
+        i = int(hits[0])
+        first = float(begins[i] + passing.first[i])
+        while (
+            i + 1 < nearest.size
+            and nearest[i] >= self.length[j + i]
+            and distance[i + 1] <= distance[i]
+        ):
+            i += 1  # still coming nearer at the end of a piece
+        return max(at, first), max(at, float(begins[i] + nearest[i])), float(distance[i])
+
+    def _passing(self, those: slice, x: float, y: float, at: float, allowed: float) -> _Passing:
+        """How pieces pass a point from the arc length `at` on."""
+        k, length, cos, sin = (a[those] for a in (self.k, self.length, self.cos, self.sin))
+        dx, dy = (x - self.x[those]) / self.radius, (y - self.y[those]) / self.radius
+        X, Y = dx * cos + dy * sin, (dy * cos - dx * sin) * self.side[those]
+        D = np.hypot(k * X, 1.0 - k * Y)
+        g = (k * (X * X + Y * Y) - 2.0 * Y) / (1.0 + D)
+        middle, turn = np.arctan2(k * X, 1.0 - k * Y) / k, 2.0 * math.pi / k
+        begin = np.clip(at - self.ends[:-1][those], 0.0, length)
+        chord = np.sqrt((allowed - np.abs(g)) * (allowed + np.abs(g)) / D)  # NaN: never within
+        width = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * k * chord)) / k
+        passed = middle + np.ceil((begin - width - middle) / turn) * turn
+        first = np.maximum(passed - width, begin)
+        within = first <= length  # False for NaN
+        later = middle + np.ceil((begin - middle) / turn) * turn
+
+        def distance(along: FloatArray) -> FloatArray:
+            away: FloatArray = 2.0 * np.sin(0.5 * k * (along - middle)) / k
+            together: FloatArray = np.hypot(g, np.sqrt(D) * away)
+            return together
+
+        end = np.where(distance(begin) <= distance(length), begin, length)
+        least = np.where(
+            within, np.clip(passed, begin, length), np.where(later <= length, later, end)
+        )
+        near = distance(least)
+        near[np.isnan(near)] = math.inf
+        return _Passing(np.where(within, first, math.nan), least, near)
+
+
+def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
+    """A path cut at arc lengths into its legs, without the pieces that are next to nothing."""
+    starts = path.at(np.array([0.0, *at])).tolist()
+    ends = np.concatenate(([0.0], np.cumsum(path.length)))
+    cuts = [0.0, *at, float(ends[-1])]
+    for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
+        those = slice(
+            max(int(np.searchsorted(ends, begin, "right")) - 1, 0),
+            int(np.searchsorted(ends, end, "left")),
+        )
+        lengths = np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
+        kept = lengths > _CUT * radius
+        yield Path(Pose(*start), path.curvature[those][kept], lengths[kept])

@@ -1,0 +1,354 @@
+"""The check of routes and of final headings: what it accepts, what it compares with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dubins_study import solve
+from dubins_study.solvers.attempt import judged
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.reply import Reply
+from dubins_study.study.check import reference
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import curvature_excess, judge, miss_reason
+from dubins_study.study.closed_form.pose import pose_path
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Times
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import POSE_BRANCHES, Claim, Outcome, Proof, Verdict
+
+ROUTE = Scenario(
+    heading="30deg", target_x=10, target_y=5, via=[(4, 1), (6, -2)], final_heading="90deg"
+)
+FREE = replace(ROUTE, final_heading=None)
+POSE = Scenario(heading="30deg", target_x=1, target_y=0.5, final_heading="90deg")
+
+
+@pytest.fixture
+def no_time() -> Iterator[None]:
+    """The search for references is cut short."""
+    reference.reference_of.cache_clear()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reference, "SEARCH_S", 1e-9)
+        yield
+    reference.reference_of.cache_clear()
+
+
+def shifted(path: Path, legs: int, by: float) -> Path:
+    """The path with its first arc longer by `by` of its own units."""
+    lengths = path.length.copy()
+    lengths[legs] += by
+    return Path(path.start, path.curvature, lengths)
+
+
+@pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
+def test_the_analytic_answer_is_proved(scenario):
+    answer = solve(scenario)
+
+    assert (answer.outcome, answer.claim) == (Outcome.RETURNED, Claim.OPTIMAL)
+    assert (answer.verdict, answer.proof) == (Verdict.OPTIMAL, Proof.PROVED)
+    assert answer.reference_low <= answer.length <= answer.reference_high * (1 + 1e-12)
+    assert answer.reference_high - answer.reference_low <= 1e-9 * answer.length
+    assert answer.word == answer.reference_word
+    assert len(answer.word.split()) == scenario.legs
+    assert not answer.false_claim
+    assert not answer.false_bound
+
+
+@pytest.mark.parametrize("branch", POSE_BRANCHES)
+def test_each_word_is_a_branch_of_a_leg_with_a_final_heading(branch):
+    answer = solve(POSE, branch=branch)
+
+    none = branch == "RSL"
+    assert answer.verdict is (Verdict.NONE_EXISTS if none else Verdict.OPTIMAL)
+    assert answer.proof is Proof.PROVED
+    assert none or answer.word == branch or branch == "best"
+
+
+def test_a_word_is_driven_by_its_letters():
+    path = pose_path(POSE.start, Pose(1, 0.5, math.pi / 2), 1, "LSR")
+
+    assert judge(POSE, path, branch="LSR").verdict is Verdict.OPTIMAL
+    assert judge(POSE, path, branch="LSL").verdict is Verdict.MISSES
+    assert "curvature" in miss_reason(POSE, path, "LSL")
+
+
+@pytest.mark.parametrize(
+    ("curvature", "branch", "excess"),
+    [
+        ([1, 0, -1], "LSR", 0),
+        ([1, -1], "LSR", 0),  # its straight has no length
+        ([0, 1, -1], "LSR", 1),
+        ([1, 0.25, -1], "LSR", 0.25),
+        ([-1, 1, -1], "RLR", 0),
+        ([-1, 1, -1, 1], "RLR", 2),
+        ([0.9, 1, -0.75], "LR", 0.25),
+        ([1], "RL", 2 * 0),
+    ],
+)
+def test_the_excess_of_letters(curvature, branch, excess):
+    assert curvature_excess(curvature, branch) == pytest.approx(excess)
+
+
+@pytest.mark.parametrize(("by", "verdict"), [(0.5e-6, Verdict.OPTIMAL), (2e-6, Verdict.MISSES)])
+def test_a_via_point_may_be_missed_by_a_millionth_of_the_radius(by, verdict):
+    """The path of a route whose first via point is somewhat beside."""
+    for radius in (1.0, 25.0):
+        route = replace(ROUTE, radius=radius, target_x=10 * radius, target_y=5 * radius)
+        route = replace(route, via=[(4 * radius, radius), (6 * radius, -2 * radius)])
+        path = solve(route).path
+        heading = path.at(np.cumsum(path.length))[:, 2]
+        # across the path, where no other point of it is nearer
+        [(x, y), second] = route.via
+        across = [
+            h
+            for (a, b), h in zip(path.poses[1:, :2], heading, strict=True)
+            if math.hypot(a - x, b - y) < 1e-9 * radius
+        ][0]
+        moved = (x - by * radius * math.sin(across), y + by * radius * math.cos(across))
+
+        found = judge(replace(route, via=[moved, second]), path)
+
+        assert found.verdict is verdict
+        assert found.miss == pytest.approx(by * radius, rel=1e-3)
+
+
+@pytest.mark.parametrize(("by", "verdict"), [(0.5e-6, Verdict.OPTIMAL), (2e-6, Verdict.MISSES)])
+@pytest.mark.parametrize("scenario", [ROUTE, POSE])
+def test_a_final_heading_may_be_off_by_a_millionth(scenario, by, verdict):
+    off = replace(scenario, final_heading=scenario.final_heading + by + 4 * math.pi)
+    path = solve(scenario).path
+
+    found = judge(off, path)
+
+    assert found.verdict is verdict
+    assert found.miss < 1e-9
+    if verdict is Verdict.MISSES:
+        assert "final heading" in miss_reason(off, path, "best")
+
+
+def test_points_in_another_order_are_missed():
+    path = solve(ROUTE).path
+    turned = replace(ROUTE, via=ROUTE.via[::-1])
+
+    found = judge(turned, path)
+
+    assert found.verdict is Verdict.MISSES
+    assert found.miss > 1
+    assert "via point" in miss_reason(turned, path, "best")
+
+
+def test_a_path_that_passes_the_target_and_drives_on_misses():
+    path = solve(FREE).path
+    on = Path(path.start, [*path.curvature, 0.0], [*path.length, 1.0])
+
+    assert judge(FREE, on).verdict is Verdict.MISSES
+
+
+@pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
+def test_a_detour_is_longer(scenario):
+    path = solve(scenario).path
+    circle = Path(path.start, [1.0, *path.curvature], [2 * math.pi / scenario.radius, *path.length])
+
+    found = judge(scenario, circle, Claim.OPTIMAL)
+
+    assert found.verdict is Verdict.LONGER
+    assert found.wrong_basin
+    assert found.false_claim
+    assert found.gap == pytest.approx(2 * math.pi / path.total_length)
+    assert certify(scenario, circle, found).proof is Proof.NONE
+
+
+@pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
+def test_a_bound_above_the_interval_is_false(scenario):
+    answer = solve(scenario)
+
+    for bound, false in ((answer.length, False), (answer.length * (1 + 1e-8), True)):
+        found = certify(scenario, answer.path, _judgement(answer), lower_bound=bound)
+        assert found.false_bound is false
+
+
+def _judgement(answer):
+    return judge(answer.scenario, answer.path, answer.claim)
+
+
+@pytest.mark.usefixtures("no_time")
+def test_what_the_interval_leaves_open_is_undecided():
+    """Neither right nor wrong, whatever is claimed; a path that is surely longer is longer."""
+    path = solve(FREE).path
+
+    for claim in (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE):
+        found = judge(FREE, path, claim)
+        assert (found.verdict, found.false_claim) == (Verdict.UNDECIDED, False)
+    assert judge(FREE, path, Claim.INFEASIBLE).false_claim
+    certificate = certify(FREE, path, found)
+    assert certificate.proof is Proof.NONE
+    assert certificate.reference_low < 0.999 * path.total_length
+    bounded = certify(FREE, path, found, lower_bound=path.total_length)
+    assert bounded.proof is Proof.BOUNDED
+
+    circles = Path(path.start, [1.0, *path.curvature], [20 * math.pi, *path.length])
+    assert judge(FREE, circles).verdict is Verdict.LONGER
+
+
+def test_a_search_that_is_cut_short_claims_no_optimum():
+    answer = solve(FREE, limit=1e-9)
+
+    assert answer.claim is Claim.FEASIBLE
+    assert answer.lower_bound < answer.length
+
+
+def test_no_path_is_judged_without_a_search(monkeypatch):
+    monkeypatch.setattr(reference, "reference_of", None)
+    nothing = Reply(Outcome.RETURNED, Solution(Claim.FAILED), Times())
+
+    answer = judged("nobody", Question(FREE), nothing)
+
+    assert (answer.verdict, answer.proof, answer.reference) == (Verdict.NONE, Proof.NONE, None)
+    assert judge(FREE, None, Claim.INFEASIBLE).false_claim
+
+
+@pytest.mark.parametrize("via", [(), [(-3, 2)]])
+def test_missing_by_a_little_buys_no_turn(via):
+    """Just inside the start's circle the shortest path is a whole turn longer than on it.
+
+    A path to the circle, which misses by less than is allowed, is compared with the shortest one to
+    where it ends: it is right, but nothing is proved.
+    """
+    inside, arc = 1 - 5e-7, 1.0
+    last = Pose(inside * math.sin(arc), 1 - inside * math.cos(arc), arc)
+    path = Path(Pose(0, 0, 0), [1.0], [arc])
+    scenario = Scenario(target_x=last.x, target_y=last.y, final_heading=arc)
+    if via:  # the same as the first leg of a route
+        there = solve(Scenario(*path.end, target_x=-3, target_y=2, final_heading=1)).path
+        scenario = Scenario(target_x=-3, target_y=2, via=[last[:2]], final_heading=1)
+        path = Path(path.start, [1.0, *there.curvature], [arc, *there.length])
+
+    found = judge(scenario, path, Claim.OPTIMAL)
+    proved = certify(scenario, path, found)
+
+    assert proved.reference_low > path.total_length + 1
+    assert found.verdict is not Verdict.MISSES
+    assert found.gap > -1e-5
+    assert found.miss == pytest.approx(5e-7, rel=1e-3)
+    assert proved.proof is Proof.NONE
+    assert solve(scenario).verdict is Verdict.OPTIMAL
+
+
+# Symmetries of the question, through the whole of `solve`.
+
+
+def random_route(seed: int, near: float = 2.0, far: float = 6.0) -> Scenario:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 5))
+    length, way = rng.uniform(near, far, n), rng.uniform(-math.pi, math.pi, n)
+    points = np.cumsum(length * [np.cos(way), np.sin(way)], axis=1).T + rng.uniform(-1, 1, 2)
+    x, y, heading = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-3, 3)
+    *via, (target_x, target_y) = points
+    final = rng.uniform(-3, 3) if n == 1 or seed % 2 else None
+    return Scenario(x, y, heading, target_x, target_y, via=via, final_heading=final)
+
+
+def moved(scenario: Scenario, *, turn=0.0, scale=1.0, by=(0.0, 0.0), mirror=False) -> Scenario:
+    def point(x: float, y: float) -> tuple[float, float]:
+        y = -y if mirror else y
+        x, y = x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn)
+        return scale * x + by[0], scale * y + by[1]
+
+    side = -1 if mirror else 1
+    final = scenario.final_heading
+    return Scenario(
+        *point(scenario.x, scenario.y),
+        side * scenario.heading + turn,
+        *point(scenario.target_x, scenario.target_y),
+        scale * scenario.radius,
+        via=[point(x, y) for x, y in scenario.via],
+        final_heading=None if final is None else side * final + turn,
+    )
+
+
+MOVES = {
+    "mirrored": {"mirror": True},
+    "turned": {"turn": 2.1},
+    "shifted": {"by": (30.0, -70.0)},
+    "scaled": {"scale": 17.0},
+}
+
+
+@pytest.mark.parametrize("move", MOVES)
+@pytest.mark.parametrize("seed", range(8))
+def test_a_moved_route_is_as_long(seed, move):
+    scenario = random_route(seed)
+    before, after = solve(scenario), solve(moved(scenario, **MOVES[move]))
+
+    assert (before.proof, after.proof) == (Proof.PROVED, Proof.PROVED)
+    scale = MOVES[move].get("scale", 1.0)
+    assert after.length == pytest.approx(scale * before.length, rel=2e-10)
+    # the intervals of one number overlap
+    assert after.reference_low <= scale * before.reference_high * (1 + 1e-12)
+    assert scale * before.reference_low <= after.reference_high * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(1, 16, 2))
+def test_a_route_driven_backwards_is_as_long(seed):
+    scenario = random_route(seed)
+    back = Scenario(
+        *(scenario.target_x, scenario.target_y, scenario.final_heading + math.pi),
+        *(scenario.x, scenario.y),
+        via=scenario.via[::-1],
+        final_heading=scenario.heading + math.pi,
+    )
+
+    assert solve(back).length == pytest.approx(solve(scenario).length, rel=2e-10)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_via_point_on_the_way_changes_nothing(seed):
+    scenario = random_route(seed)
+    path = solve(scenario).path
+    first = math.dist(scenario.points[0], scenario.points[1])
+    x, y = path.at(0.4 * first)[0, :2]
+    more = replace(scenario, via=[(x, y), *scenario.via])
+
+    answer = solve(more)
+
+    assert answer.length == pytest.approx(path.total_length, rel=1e-9)
+    assert judge(more, path).verdict is Verdict.OPTIMAL
+
+
+def attacked(seed: int) -> None:
+    """A random path is an answer to the question of its own points, and never beats the bound."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 7))
+    rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
+    lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
+    path = Path(Pose(*rng.uniform(-3, 3, 3)), rates, lengths)
+    at = np.sort(rng.uniform(0, path.total_length, int(rng.integers(0, 3))))
+    at = at[np.diff(at, prepend=0.0, append=path.total_length)[:-1] > 0.05]
+    given = not at.size or rng.random() < 0.5
+    x, y, heading = path.end
+    via = path.at(at)[:, :2] if at.size else []
+    final = heading if given else None
+    scenario = Scenario(*path.start, x, y, via=via, final_heading=final)
+
+    found = judge(scenario, path)
+    interval = reference.reference_of(scenario).enclosure
+
+    assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.UNDECIDED)
+    assert path.total_length >= interval.low * (1 - 1e-12)
+
+
+def test_random_paths_never_beat_the_reference():
+    for seed in range(40):
+        attacked(seed)
+
+
+@pytest.mark.slow
+def test_many_random_paths_never_beat_the_reference():
+    for seed in range(40, 2_000):
+        attacked(seed)

@@ -1,0 +1,132 @@
+"""Where a path visits points: against dense sampling, and at the edges of its arcs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dubins_study.study.check.visits import legs, visits
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose
+
+STRAIGHTS = (0.0, 1e-300, 1e-12, -1e-9, 1e-6)
+
+
+def random_path(rng: np.random.Generator, radius: float = 1.0) -> Path:
+    """Arcs of all curvatures, of no length and of more than a turn among them."""
+    n = int(rng.integers(1, 9))
+    rates = rng.choice([-1.0, 1.0, 0.0, rng.uniform(-1, 1), *rng.choice(STRAIGHTS, 1)], n)
+    lengths = rng.choice([0.0, 1e-7, 1.0], n, p=[0.1, 0.1, 0.8]) * rng.uniform(0, 8, n)
+    start = Pose(*rng.uniform(-5, 5, 2) * radius, rng.uniform(-9, 9))
+    return Path(start, rates / radius, lengths * radius)
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_the_least_distance_is_that_of_dense_samples(seed):
+    """A point that is never reached: no sample is nearer, and one is as near."""
+    rng = np.random.default_rng(seed)
+    radius = 10.0 ** rng.uniform(-3, 3)
+    path = random_path(rng, radius)
+    point = np.array(path.start[:2]) + rng.uniform(-6, 6, 2) * radius
+
+    seen = visits(path, [tuple(point)], radius, 0.0)
+
+    samples = path.sample(20_001)[:, :2]
+    sampled = float(np.hypot(*(samples - point).T).min())
+    assert sampled >= seen.miss - 1e-12 * radius
+    # between samples the distance changes by at most half the way from one to the next
+    assert sampled <= seen.miss + path.total_length / 40_000 + 1e-12 * radius
+    there = path.at(seen.at[0])[0, :2]
+    assert np.hypot(*(there - point)) == pytest.approx(seen.miss, abs=1e-9 * radius)
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_points_of_a_path_are_visited_in_their_order_and_as_early_as_samples_say(seed):
+    rng = np.random.default_rng(seed)
+    radius = 10.0 ** rng.uniform(-3, 3)
+    path = random_path(rng, radius)
+    driven = np.sort(rng.uniform(0, path.total_length, 4))
+    via = [(x, y) for x, y in path.at(driven)[:, :2].tolist()]
+    allowed = 1e-3 * radius  # which samples can resolve
+
+    seen = visits(path, via, radius, allowed)
+
+    assert seen.miss <= allowed
+    assert list(seen.at) == sorted(seen.at)
+    samples, s = path.sample(40_001)[:, :2], np.linspace(0, path.total_length, 40_001)
+    after = 0.0
+    step = path.total_length / 40_000
+    for (x, y), at, on_path in zip(via, seen.at, driven, strict=True):
+        near = np.hypot(*(samples - (x, y)).T) <= allowed
+        # the least distance comes at most `allowed` of way, or half a turn, after the first entry
+        entered = float(s[near & (s >= after - step)][0])
+        assert at >= entered - step
+        assert at <= on_path + 2 * allowed + 1e-9 * radius
+        after = entered
+
+
+def test_each_visit_is_the_earliest_after_the_one_before():
+    """On a circle driven twice, points on opposite sides alternate."""
+    path = Path(Pose(0, 0, 0), [1.0], [4 * math.pi])
+    right, top, left = (1.0, 1.0), (0.0, 2.0), (-1.0, 1.0)
+    at = [0.5 * math.pi, math.pi, 1.5 * math.pi]
+
+    assert visits(path, [right, top, left], 1, 1e-6).at == pytest.approx(at)
+    turn = 2 * math.pi
+    assert visits(path, [left, right], 1, 1e-6).at == pytest.approx([at[2], at[0] + turn])
+    assert visits(path, [left, right, top], 1, 1e-6).miss < 1e-12
+    assert visits(path, [left, right, left], 1, 1e-6).miss < 1e-12
+    assert visits(path, [left, right, left, right], 1, 1e-6).miss > 0.1  # a third turn is missing
+
+
+def test_what_is_near_is_not_cut_in_two():
+    """A point beside the joint of two arcs is visited where the second one is nearest to it."""
+    path = Path(Pose(0, 0, 0), [0.0, 1.0], [1.0, 2.0])
+    x, y, heading = path.at(1 + 5e-7)[0]
+    point = (x - 2e-7 * math.sin(heading), y + 2e-7 * math.cos(heading))
+
+    seen = visits(path, [point], 1, 1e-6)
+
+    assert seen.miss == pytest.approx(2e-7, rel=1e-6)
+    assert seen.at == pytest.approx([1 + 5e-7], abs=1e-12)
+
+
+@pytest.mark.parametrize("curvature", [0.0, 1e-300, 1e-14, 1e-8, -1e-8])
+def test_arcs_that_hardly_turn_keep_their_digits(curvature):
+    path = Path(Pose(0, 0, 0), [curvature], [1e6])
+    x, y, _ = path.at(3e5)[0]
+
+    assert visits(path, [(x, y + 3e-7)], 1, 1e-6).miss == pytest.approx(3e-7, rel=1e-3)
+
+
+def test_the_centre_of_an_arc_is_a_radius_away():
+    path = Path(Pose(0, 0, 0), [1.0, 0.0], [1.0, 0.1])
+
+    assert visits(path, [(0, 1)], 1, 1e-6).miss == pytest.approx(1)
+
+
+@pytest.mark.parametrize("arcs", [([], []), ([1.0], [0.0])])
+def test_a_path_of_no_length_visits_where_it_is(arcs):
+    path = Path(Pose(1, 2, 3), *arcs)
+
+    assert visits(path, [(1, 2)], 1, 1e-6).miss == 0
+    assert visits(path, [(4, 6)], 1, 1e-6).miss == pytest.approx(5)
+
+
+def test_numbers_that_overflow_visit_nothing():
+    path = Path(Pose(0, 0, 0), [1e300, 1.0], [1e-3, 1.0])
+
+    assert not visits(path, [(1e200, 0)], 1, 1e-6).miss <= 1e-6
+
+
+def test_legs_end_where_points_are_visited():
+    path = Path(Pose(0, 0, 0), [1.0, 0.0, -1.0], [1.0, 4.0, 1.0])
+
+    first, second, third = legs(path, (1.0, 3.0), 1)
+
+    assert first.word() == "L"
+    assert (second.word(), second.total_length) == ("S", 2.0)
+    assert third.word() == "SR"
+    assert third.start == pytest.approx(path.at(3.0)[0])
