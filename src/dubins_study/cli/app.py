@@ -102,10 +102,7 @@ class _Command(TyperCommand):
         names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
         for option in options:
             value = ctx.params.get(str(option.name))
-            words = value if isinstance(value, list | tuple) else [value]
-            for word in (
-                w for item in words for w in (item if isinstance(item, tuple) else [item])
-            ):
+            for word in value if isinstance(value, list | tuple) else [value]:
                 if str(word) in names and not ctx.resilient_parsing:
                     message = f"{str(word)!r} is an option of its own; expected a value"
                     raise typer.BadParameter(message, ctx=ctx, param_hint=f"'{option.opts[0]}'")

@@ -13,6 +13,12 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
 
 
+# A search is done when its interval is this narrow, of the route's length: a thousandth of what the
+# strictest profile asks for. Points in line, where lengths have cubic minima, take long to get to
+# less.
+_NARROW = 1e-9
+
+
 class ShortestRoute(NamedTuple):
     """The best path found, and a proven interval around the shortest length (length unit)."""
 
@@ -22,19 +28,16 @@ class ShortestRoute(NamedTuple):
     high: float
 
 
-def shortest_route(scenario: Scenario, limit: float, tolerance: float = 1e-12) -> ShortestRoute:
+def shortest_route(scenario: Scenario, limit: float) -> ShortestRoute:
     """Search for the shortest path through a scenario's points.
 
     Args:
         scenario: its via points, and its final heading if that is given.
         limit: seconds.
-        tolerance: of the interval's width, relative to the length.
     """
     radius = scenario.radius
     points = (scenario.points - scenario.points[0]) / radius
-    found = search(
-        points, scenario.heading, scenario.final_heading, limit=limit, tolerance=tolerance
-    )
+    found = search(points, scenario.heading, scenario.final_heading, limit=limit, tolerance=_NARROW)
     rates = np.array([TURN[letter] for word in found.words for letter in word])
     segments = found.segments * radius
     driven = segments.ravel() > 0.0
