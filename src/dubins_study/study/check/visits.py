@@ -4,7 +4,8 @@ A point (x, y) seen from the start of a piece of curvature k >= 0, mirrored if t
 the right, lies g = (k (x^2 + y^2) - 2 y) / (1 + D) from the piece's circle or line, where
 D = hypot(k x, 1 - k y) is the distance from the centre times k. The piece passes it after
 atan2(k x, 1 - k y) / k, and d farther along their distance is the root of
-g^2 + D (2 sin(k d / 2) / k)^2. None of it cancels as k goes to 0, where it is a straight's.
+g^2 + D (2 sin(k d / 2) / k)^2. None of it cancels as k goes to 0, where it is a straight's
+(docs/derivation.md, section 17).
 """
 
 from __future__ import annotations

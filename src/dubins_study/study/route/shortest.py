@@ -12,7 +12,6 @@ from dubins_study.study.route.search import search
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
 
-
 # A search is done when its interval is this narrow, of the route's length: a thousandth of what the
 # strictest profile asks for. Points in line, where lengths have cubic minima, take long to get to
 # less.

@@ -154,12 +154,14 @@ class Judgement:
     )
     length: float | None = column("length of the path, from its controls", "length", plotted=True)
     travel_time: float | None = column("length / speed", "time", detail=True)
-    reference: float | None = column("length compared with; near a circle, relaxed", "length")
+    reference: float | None = column(
+        "length compared with: relaxed near a circle, proven lower bound of a route", "length"
+    )
     gap: float | None = column(
         "(length - reference) / max(reference, radius), if it arrives", "1", plotted=True
     )
     miss: float | None = column(
-        "distance from the path's end to the target", "length", plotted=True
+        "largest distance by which the target or a via point is missed", "length", plotted=True
     )
     curvature_excess: float | None = column(
         "curvature beyond what the branch allows", "1/radius", detail=True, plotted=True
