@@ -35,7 +35,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
 from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import BRANCHES, FORMULATIONS, Claim, Outcome
+from dubins_study.study.words import EVERY_BRANCH, FORMULATIONS, Claim, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -169,10 +169,10 @@ _Problem = tuple[str, str, str]
 
 def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
     kind = type(solver)
-    unknown = [name for name in kind.branches if name not in BRANCHES]
+    unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:
         observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
-        yield "fail", observed, f"expected some of: {', '.join(BRANCHES)}"
+        yield "fail", observed, f"expected some of: {', '.join(EVERY_BRANCH)}"
     if kind.guarantee not in set(Guarantee):
         yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
     if (reason := unavailable(solver)) is not None:

@@ -120,7 +120,7 @@ def _reference(drawn: object) -> Path | None:
     judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)
     if not (judged_badly and branch in BRANCHES and isinstance(scenario, Scenario)):
         return None
-    return shortest_path(scenario, branch)
+    return shortest_path(scenario, branch) if scenario.one_free_leg else None
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
