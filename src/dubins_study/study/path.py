@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 from operator import itemgetter, mul
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.values import doubles, real_number
+from dubins_study.study.values import doubles, real_number, short
 from dubins_study.study.words import Claim
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -22,6 +26,7 @@ CLAIMS = tuple(Claim)
 RIPPLE = 1e-3
 # up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
 FEW = 7
+_MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
@@ -90,16 +95,130 @@ class Path:
         Args:
             distance: shape (m,), or one number; length unit, clipped to [0, total length].
         """
-        ends = np.concatenate(([0.0], np.cumsum(self.length)))
-        d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, ends[-1])
+        d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, self._ends[-1])
         if not self.length.size:
             return np.tile(np.array(self.start), (d.size, 1))
-        arc = np.clip(np.searchsorted(ends, d, side="right") - 1, 0, self.length.size - 1)
-        return _advance(self.poses[arc], self.curvature[arc], d - ends[arc])
+        arc = self._arc_at(d)
+        return _advance(self.poses[arc], self.curvature[arc], d - self._ends[arc])
 
-    def sample(self, n: int) -> FloatArray:
-        """`n` poses at equal arc length from the start to the end, shape (n, 3)."""
-        return self.at(np.linspace(0.0, self.total_length, n))
+    @property
+    def _ends(self) -> FloatArray:
+        """Distances along the path of the ends of its arcs, shape (n + 1,); the first is 0."""
+        return np.concatenate(([0.0], np.cumsum(self.length)))
+
+    def _arc_at(self, distance: FloatArray) -> NDArray[np.intp]:
+        """The arc that each distance lies on; of two arcs that meet there, the later one."""
+        arc = np.searchsorted(self._ends, distance, side="right") - 1
+        return np.clip(arc, 0, self.length.size - 1)
+
+    @overload
+    def sample(self, n: int) -> FloatArray: ...
+    @overload
+    def sample(self, n: None = None, *, step: float) -> pd.DataFrame: ...
+    def sample(self, n: int | None = None, *, step: float | None = None) -> FloatArray | Any:
+        """Poses along the path: `n` of them, or one at every `step`.
+
+        Args:
+            n: number of poses, at equal arc length from the start to the end.
+            step: distance along the path from each pose to the next (length unit); the last step
+                ends at the end of the path and may be shorter.
+
+        Returns:
+            With `n` an array of shape (n, 3): x, y (length unit), heading (rad, not wrapped).
+            With `step` a frame with the columns `s` (distance along the path), `x`, `y`, `heading`
+            and `curvature` (1 / length unit); where two arcs meet, the later one's curvature.
+
+        Raises:
+            ValueError: if the step is no positive number or gives more than ten million poses.
+        """
+        if (n is None) == (step is None):
+            raise ValueError(f"n is {short(n)} and step is {short(step)}; expected one of them")
+        if n is not None:
+            return self.at(np.linspace(0.0, self.total_length, n))
+        import pandas as pd
+
+        size, total = real_number(step), self.total_length
+        if not 0 < size < math.inf or not total / size <= _MOST_POINTS:
+            most = f"at most {_MOST_POINTS} poses of a finite path"
+            raise ValueError(f"step is {short(step)}; expected a number above 0 and {most}")
+        # a last step of rounding alone is no step
+        steps = max(math.ceil(total / size * (1 - 1e-12)), 1) if total > 0 else 0
+        s = np.append(size * np.arange(steps), total)
+        curvature = self.curvature[self._arc_at(s)] if self.length.size else np.zeros(1)
+        x, y, heading = self.at(s).T
+        return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
+
+    def to_geojson(self, chord_error: float = 1e-3, **properties: Any) -> dict[str, Any]:
+        """The path as a GeoJSON Feature, a LineString, for `json.dump`.
+
+        The coordinates are the path's own x and y in its length unit: not longitude and latitude,
+        which RFC 7946 takes for granted where nothing else is agreed.
+
+        Args:
+            chord_error: largest distance between an arc and its chords, as a share of the smallest
+                radius of the path's arcs.
+            properties: further properties of the feature, each a value that JSON has.
+
+        Returns:
+            A Feature. Its properties are `length`, `word`, `radius` (the smallest of its arcs; null
+            for a straight path), `start_heading` and `end_heading` (rad), `chord_error` (length
+            unit), and those given.
+
+        Raises:
+            ValueError: if the path cannot be driven, the chord error is not between 0 and 1, or it
+                needs more than ten million points.
+        """
+        share = real_number(chord_error)
+        if not 0 < share <= 1:
+            raise ValueError(f"chord_error is {short(chord_error)}; expected a share up to 1")
+        if not drivable(self):
+            raise ValueError("the path has a number that is not finite, or a negative length")
+        driven = self.length > 0
+        bend, lengths = np.abs(self.curvature[driven]), self.length[driven]
+        sharpest = float(bend.max(initial=0.0))
+        radius = 1 / sharpest if sharpest > 0 else None
+        # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
+        angle = 4 * np.arcsin(np.sqrt(np.minimum(share * bend * (radius or 0.0), 1.0) / 2))
+        chords = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
+        if chords.sum() > _MOST_POINTS:
+            most = f"at most {_MOST_POINTS} points"
+            raise ValueError(f"the path has {chords.sum():.3g} points; expected {most}")
+        counts = chords.astype(int)
+        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        s = np.repeat(np.cumsum(lengths) - lengths, counts) + place * np.repeat(
+            lengths / counts, counts
+        )
+        # a LineString has at least two points, also that of a path of no length
+        points = self.at(np.append(s if s.size else 0.0, self._ends[-1]))[:, :2]
+        return {
+            "type": "Feature",
+            "geometry": {"type": "LineString", "coordinates": points.tolist()},
+            "properties": {
+                "length": self.total_length,
+                "word": self.word(),
+                "radius": radius,
+                "start_heading": self.start.heading,
+                "end_heading": self.end.heading,
+                "chord_error": share * radius if radius else 0.0,
+                **properties,
+            },
+        }
+
+    def cut(self, distances: ArrayLike) -> tuple[Path, ...]:
+        """The parts of the path between distances along it: one more than there are distances.
+
+        Args:
+            distances: shape (m,), not decreasing; length unit, clipped to [0, total length].
+        """
+        ends = self._ends
+        inner = np.clip(np.asarray(distances, dtype=np.float64), 0.0, ends[-1])
+        parts = []
+        for begin, end in pairwise([0.0, *inner.tolist(), float(ends[-1])]):
+            lengths = np.minimum(ends[1:], end) - np.maximum(ends[:-1], begin)
+            driven = lengths > 0
+            start = Pose(*self.at(begin)[0].tolist())
+            parts.append(Path(start, self.curvature[driven], lengths[driven]))
+        return tuple(parts)
 
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
@@ -122,6 +241,24 @@ class Path:
         least = tolerance * self.total_length
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
+
+
+def route_word(path: Path, via: Sequence[Sequence[float]], visits: Sequence[float]) -> str:
+    """The words of a route's legs, separated by spaces, such as `LSR RSL`.
+
+    Args:
+        path: a path that visits the via points.
+        via: points (x, y) that are passed.
+        visits: for each, a distance along the path at which the path is beside it; the path is cut
+            at the nearest place there, so that an arc that ends at the point ends with its leg.
+    """
+    poses = path.at(np.array(visits, dtype=np.float64))
+    ahead = [
+        (x - pose[0]) * math.cos(pose[2]) + (y - pose[1]) * math.sin(pose[2])
+        for (x, y), pose in zip(via, poses.tolist(), strict=True)
+    ]
+    nearest = np.maximum.accumulate(np.add(visits, ahead)) if len(ahead) else visits
+    return " ".join(leg.word() or "-" for leg in path.cut(nearest))
 
 
 def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from brute_force import integrated
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.study.path import Path
+from dubins_study.study.path import Path, route_word
 from dubins_study.study.scenario import Pose
 
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
@@ -45,6 +47,111 @@ def test_samples_lie_on_the_path(pieces, n):
     np.testing.assert_allclose(poses[-1], path.end, atol=1e-9)
     steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
     assert (steps <= path.total_length / (n - 1) + 1e-9).all()
+
+
+@given(arcs, st.floats(0.05, 3))
+def test_a_frame_of_samples(pieces, step):
+    """Every pose is where `at` has it, a step from the last; the curvature is that of its arc."""
+    path = path_of(pieces)
+    frame = path.sample(step=step)
+
+    assert list(frame) == ["s", "x", "y", "heading", "curvature"]
+    np.testing.assert_array_equal(frame[["x", "y", "heading"]], path.at(frame["s"]))
+    assert (frame["s"].iloc[0], frame["s"].iloc[-1]) == (0.0, path.total_length)
+    steps = np.diff(frame["s"])
+    np.testing.assert_allclose(steps[:-1], step, rtol=1e-9)
+    assert (steps[-1:] <= step * (1 + 1e-9)).all()
+    # the heading a little later, by the curvature: the samples are not at the ends of arcs
+    ends = np.concatenate(([0.0], np.cumsum(path.length)))
+    inside = [np.abs(ends - s).min() > 1e-3 for s in frame["s"]]
+    turned = path.at(frame["s"] + 1e-4)[:, 2] - frame["heading"]
+    np.testing.assert_allclose(
+        turned[inside], 1e-4 * frame["curvature"][inside], rtol=1e-6, atol=1e-12
+    )
+
+
+def test_a_step_that_divides_the_path_adds_no_pose():
+    """Three tenths of a path of 0.3: rounding makes no fourth step."""
+    assert len(Path(Pose(0, 0, 0), [0.0], [0.1 + 0.2]).sample(step=0.1)) == 4
+    assert len(Path(Pose(0, 0, 0), [0.0], [0.3]).sample(step=1e300)) == 2
+    assert len(Path(Pose(0, 0, 0), [], []).sample(step=0.1)) == 1
+
+
+@pytest.mark.parametrize("step", [0, -1, math.nan, math.inf, 1e-9, None])
+def test_a_step_that_is_none(step):
+    with pytest.raises(ValueError, match=r"step is .*; expected"):
+        Path(Pose(0, 0, 0), [1], [1]).sample(step=step)
+
+
+@given(arcs, st.floats(1e-3, 1))
+def test_chords_of_geojson_are_near_their_arcs(pieces, share):
+    """No pose of the path is further from the line than the chord error; ends and length agree."""
+    path = path_of(pieces)
+    feature = json.loads(json.dumps(path.to_geojson(share, verdict="optimal"), allow_nan=False))
+    line = np.array(feature["geometry"]["coordinates"])
+    properties = feature["properties"]
+
+    assert (feature["type"], feature["geometry"]["type"]) == ("Feature", "LineString")
+    assert (properties["length"], properties["verdict"]) == (path.total_length, "optimal")
+    np.testing.assert_allclose(line[0], path.start[:2])
+    np.testing.assert_allclose(line[-1], path.end[:2], atol=1e-12)
+    allowed = properties["chord_error"] + 1e-9
+    for point in path.sample(300)[:, :2]:
+        assert _distance(point, line) <= allowed
+
+
+def _distance(point, line):
+    """From a point to a chain of segments."""
+    begin, along = line[:-1], np.diff(line, axis=0)
+    share = np.sum((point - begin) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300)
+    return np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - point).T).min()
+
+
+def test_a_circle_has_as_few_chords_as_its_error_allows():
+    """Chords over the angle a are R (1 - cos(a / 2)) from their arc: 71 of a circle at R / 1000."""
+    circle = Path(Pose(0, 0, 0), [0.5], [4 * math.pi])
+
+    coordinates = circle.to_geojson()["geometry"]["coordinates"]
+    assert len(coordinates) - 1 == math.ceil(2 * math.pi / (2 * math.acos(1 - 1e-3)))
+    assert circle.to_geojson()["properties"]["radius"] == 2.0
+    for path in (Path(Pose(1, 2, 0), [], []), Path(Pose(1, 2, 0), [9], [0])):  # of no length
+        assert path.to_geojson()["geometry"]["coordinates"] == [[1, 2], [1, 2]]
+
+
+@pytest.mark.parametrize("share", [0, -1, 1.5, math.nan])
+def test_a_chord_error_is_a_share(share):
+    with pytest.raises(ValueError, match=r"chord_error is .*; expected a share up to 1"):
+        Path(Pose(0, 0, 0), [1], [1]).to_geojson(share)
+
+
+def test_what_cannot_be_driven_is_not_handed_on():
+    with pytest.raises(ValueError, match="not finite"):
+        Path(Pose(0, 0, 0), [math.nan], [1]).to_geojson()
+    with pytest.raises(ValueError, match=r"the path has .* points; expected at most"):
+        Path(Pose(0, 0, 0), [1], [1e12]).to_geojson()
+
+
+@given(arcs, st.lists(st.floats(-1, 50), max_size=4))
+def test_parts_of_a_path_make_the_whole(pieces, distances):
+    """Each part begins where the one before it ends; their lengths add up."""
+    path = path_of(pieces)
+    parts = path.cut(sorted(distances))
+
+    assert len(parts) == len(distances) + 1
+    assert sum(part.total_length for part in parts) == pytest.approx(path.total_length, abs=1e-12)
+    for before, after in pairwise(parts):
+        np.testing.assert_allclose(before.end, after.start, atol=1e-9)
+    np.testing.assert_allclose(parts[-1].end, path.end, atol=1e-9)
+
+
+@pytest.mark.parametrize("early", [0.0, 1e-6, -1e-6])
+def test_words_of_legs(early):
+    """The point is passed where L becomes R: an arc of 1e-6 belongs to neither leg's neighbour."""
+    path = path_of([(1, 1), (0, 2), (1, 0.5), (-1, 2), (0, 1), (-1, 1)])
+    point = path.at(3.5)[0, :2]
+
+    assert route_word(path, [point], [3.5 - early]) == "LSL RSR"
+    assert route_word(path, [], []) == "LSLRSR"
 
 
 @given(arcs)
