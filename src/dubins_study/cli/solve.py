@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 import math
+import os
 import sys
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,6 +15,7 @@ import typer
 
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
+from dubins_study.cli.terminal.points import read_points
 from dubins_study.study.words import Outcome
 
 if TYPE_CHECKING:
@@ -29,15 +32,22 @@ _JSON = (
     *("native_status", "message", "build_s", "solve_s", "wall_s"),
 )
 
+# Fields of an answer that the path in a GeoJSON file has beside its own.
+_GEOJSON = (
+    *("word", "travel_time", "solver", "claim", "verdict", "proof", "gap", "miss"),
+    *("reference_low", "reference_high"),
+)
+
 _LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 
 
 def solve(
-    x: arguments.TargetX,
-    y: arguments.TargetY,
+    x: arguments.MaybeX = None,
+    y: arguments.MaybeY = None,
     start: arguments.StartPose = ("0", "0", "0"),
     via: arguments.Via = [],  # noqa: B006  typer makes a new one
+    via_file: arguments.ViaFile = None,
     final_heading: arguments.FinalHeading = None,
     radius: arguments.Radius = 1,
     speed: arguments.Speed = 1,
@@ -54,6 +64,10 @@ def solve(
     plot: Annotated[
         FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
     ] = None,
+    geojson: Annotated[
+        FilePath | None,
+        typer.Option(metavar="FILE", help="write the path as GeoJSON, in the scenario's x and y"),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
     ] = False,
@@ -62,12 +76,16 @@ def solve(
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
 
-    scenario = arguments.scenario_of(x, y, start, radius, speed, via, final_heading)
+    target, via = _points(x, y, via, via_file)
+    scenario = arguments.scenario_of(*target, start, radius, speed, via, final_heading)
     check_request(branch, time_limit, "--time-limit")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
+    if geojson is not None and not geojson.parent.is_dir():  # before a solve that may take long
+        message = f"--geojson: cannot write {geojson}: {os.strerror(errno.ENOENT)}"
+        raise arguments.CommandError(message)
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
@@ -78,15 +96,55 @@ def solve(
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
     drawn = plot is None or _draw(answer, plot)
-    if not drawn or (strict and answer.verdict != "optimal"):
+    written = geojson is None or _write(answer, geojson)
+    if not (drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
 
 
-def _draw(answer: Answer, file: FilePath) -> bool:
-    """Draw the path of an answer into a file; False, with the reason on stderr, if none can be."""
+def _points(
+    x: float | None, y: float | None, via: list[arguments.Point], file: FilePath | None
+) -> tuple[arguments.Point, list[arguments.Point]]:
+    """Target and via points, of which a file may have all."""
+    if file is None:
+        if x is None or y is None:
+            raise arguments.CommandError("the target is missing; expected X Y, or --via-file")
+        return arguments.Point(x, y), via
+    if via:
+        raise arguments.CommandError("--via and --via-file are given; expected one of them")
+    points = read_points(file)
+    if x is None:
+        return points[-1], points[:-1]
+    if y is None:
+        raise arguments.CommandError("the target is a single number; expected X Y, or neither")
+    return arguments.Point(x, y), points
+
+
+def _has_path(answer: Answer, file: FilePath, done: str) -> bool:
+    """Whether there is a path to draw or write; if not, the reason is printed on stderr."""
     if answer.length is None or answer.curvatures is None:
         reason = "there is no path" if answer.path is None else "the path is not finite"
-        print(f"dubins-study: {file} is not drawn: {reason}", file=sys.stderr)
+        print(f"dubins-study: {file} is not {done}: {reason}", file=sys.stderr)
+        return False
+    return True
+
+
+def _write(answer: Answer, file: FilePath) -> bool:
+    """Write the path of an answer as GeoJSON; False if there is none."""
+    if not _has_path(answer, file, "written") or answer.path is None:
+        return False
+    properties = {name: getattr(answer, name) for name in _GEOJSON}
+    feature = answer.path.to_geojson(radius=answer.scenario.radius, **properties)
+    try:
+        file.write_text(json.dumps(feature, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        message = f"--geojson: cannot write {file}: {error.strerror}"
+        raise arguments.CommandError(message) from None
+    return True
+
+
+def _draw(answer: Answer, file: FilePath) -> bool:
+    """Draw the path of an answer into a file; False if there is none."""
+    if not _has_path(answer, file, "drawn"):
         return False
     from dubins_study.report.path_plot import plot_path
 
@@ -128,6 +186,7 @@ def answer_text(answer: Answer) -> str:
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),
+            *_optimum(answer),
             *lines,
             _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
             _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
@@ -149,6 +208,16 @@ def answer_text(answer: Answer) -> str:
     if answer.message:
         lines.append(_line("message", plain(answer.message)))
     return "\n".join(lines)
+
+
+def _optimum(answer: Answer) -> list[str]:
+    """The proven interval around the shortest length of a route, or of a leg to a pose."""
+    low, high = answer.reference_low, answer.reference_high
+    if answer.scenario.one_free_leg or low is None or high is None:
+        return []
+    width = (high - low) / max(high, answer.scenario.radius)
+    # as Python writes them: rounded further, they would be no bounds
+    return [_line("optimum", f"in [{low!r}, {high!r}], relative width {width:.2g}")]
 
 
 def _segments(answer: Answer) -> str:

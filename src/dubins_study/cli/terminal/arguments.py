@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -81,12 +82,23 @@ def complete_profiles(incomplete: str) -> list[str]:
 # the question of a solve
 TargetX = Annotated[float, typer.Argument(metavar="X", help="target position", parser=number)]
 TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position", parser=number)]
+_OR_LAST = "target position; default: the last point of --via-file"
+MaybeX = Annotated[
+    float | None, typer.Argument(metavar="X", help=_OR_LAST, parser=number, show_default=False)
+]
+MaybeY = Annotated[
+    float | None, typer.Argument(metavar="Y", help=_OR_LAST, parser=number, show_default=False)
+]
 StartPose = Annotated[
     tuple[str, str, str],
     typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
 ]
 _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
+ViaFile = Annotated[
+    FilePath | None,
+    typer.Option(metavar="CSV", help="points to pass on the way: columns x and y, in order"),
+]
 FinalHeading = Annotated[
     str | None,
     typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),

@@ -31,7 +31,7 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.topics.paper import word_paths
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Pose, Scenario
 
 _BY_RANK = ((BLUE, "-"), (VERMILION, LINES[1]))
 _BY_RADIUS = (BLUE, VERMILION, GREEN)
@@ -57,7 +57,8 @@ def plot_paths(
     first = paths.iloc[0]
     for side in (1, -1):
         _turning_circle(ax, first["path"], side * first["radius"], RULE)
-    _start_and_target(ax, paths)
+    target = (first["target_x"], first["target_y"])
+    plot_start_and_target(ax, first["path"].start, target)
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.07)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
@@ -81,7 +82,9 @@ def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
         _turning_circle(ax, path, radius * math.copysign(1.0, path.curvature[0]), colour)
     low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
     pad = 0.08 * float(np.max(high - low))
-    _start_and_target(ax, paths)
+    first = paths.iloc[0]
+    target = (first["target_x"], first["target_y"])
+    plot_start_and_target(ax, first["path"].start, target)
     ax.set_aspect("equal", adjustable="box", anchor="NW")  # as wide as the paths
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - 2 * pad, high[1] + pad))
 
@@ -113,15 +116,20 @@ def _turning_circle(ax: Axes, path: Path, side: float, colour: str) -> None:
     ax.add_patch(Circle(centre, abs(side), fill=False, **look))
 
 
-def _start_and_target(ax: Axes, paths: pd.DataFrame) -> None:
-    """The start with an arrow a ninth as long as what is drawn already; the target as a ring."""
-    first, reach = paths.iloc[0], max(ax.dataLim.size) / 9
-    x, y, heading = first["path"].start
-    tip = (x + reach * math.cos(heading), y + reach * math.sin(heading))
+def plot_start_and_target(
+    ax: Axes, start: Pose, target: tuple[float, float], final_heading: float | None = None
+) -> None:
+    """The start with an arrow a ninth as long as what is drawn already; the target as a ring.
+
+    The arrow of a final heading begins at the target.
+    """
+    reach = max(ax.dataLim.size) / 9
     head = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", xy=tip, xytext=(x, y), arrowprops=head, zorder=5)
-    ax.plot(x, y, marker="o", color=INK, markersize=3.5, zorder=5)
-    target = (first["target_x"], first["target_y"])
+    for (x, y), heading in ((start[:2], start.heading), (target, final_heading)):
+        if heading is not None:
+            tip = (x + reach * math.cos(heading), y + reach * math.sin(heading))
+            ax.annotate("", xy=tip, xytext=(x, y), arrowprops=head, zorder=5)
+    ax.plot(start.x, start.y, marker="o", color=INK, markersize=3.5, zorder=5)
     ax.plot(*target, **_TARGET_RING)
     ax.plot(*target, marker="o", color=INK, markersize=2.5, zorder=5)
     ax.set(xlabel="x", ylabel="y")
