@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import groupby
 from operator import itemgetter, mul
 from typing import TYPE_CHECKING, Any, overload
 
@@ -204,22 +204,6 @@ class Path:
             },
         }
 
-    def cut(self, distances: ArrayLike) -> tuple[Path, ...]:
-        """The parts of the path between distances along it: one more than there are distances.
-
-        Args:
-            distances: shape (m,), not decreasing; length unit, clipped to [0, total length].
-        """
-        ends = self._ends
-        inner = np.clip(np.asarray(distances, dtype=np.float64), 0.0, ends[-1])
-        parts = []
-        for begin, end in pairwise([0.0, *inner.tolist(), float(ends[-1])]):
-            lengths = np.minimum(ends[1:], end) - np.maximum(ends[:-1], begin)
-            driven = lengths > 0
-            start = Pose(*self.at(begin)[0].tolist())
-            parts.append(Path(start, self.curvature[driven], lengths[driven]))
-        return tuple(parts)
-
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
 
@@ -241,24 +225,6 @@ class Path:
         least = tolerance * self.total_length
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
-
-
-def route_word(path: Path, via: Sequence[Sequence[float]], visits: Sequence[float]) -> str:
-    """The words of a route's legs, separated by spaces, such as `LSR RSL`.
-
-    Args:
-        path: a path that visits the via points.
-        via: points (x, y) that are passed.
-        visits: for each, a distance along the path at which the path is beside it; the path is cut
-            at the nearest place there, so that an arc that ends at the point ends with its leg.
-    """
-    poses = path.at(np.array(visits, dtype=np.float64))
-    ahead = [
-        (x - pose[0]) * math.cos(pose[2]) + (y - pose[1]) * math.sin(pose[2])
-        for (x, y), pose in zip(via, poses.tolist(), strict=True)
-    ]
-    nearest = np.maximum.accumulate(np.add(visits, ahead)) if len(ahead) else visits
-    return " ".join(leg.word() or "-" for leg in path.cut(nearest))
 
 
 def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from brute_force import integrated
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.study.path import Path, route_word
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
@@ -129,29 +128,6 @@ def test_what_cannot_be_driven_is_not_handed_on():
         Path(Pose(0, 0, 0), [math.nan], [1]).to_geojson()
     with pytest.raises(ValueError, match=r"the path has .* points; expected at most"):
         Path(Pose(0, 0, 0), [1], [1e12]).to_geojson()
-
-
-@given(arcs, st.lists(st.floats(-1, 50), max_size=4))
-def test_parts_of_a_path_make_the_whole(pieces, distances):
-    """Each part begins where the one before it ends; their lengths add up."""
-    path = path_of(pieces)
-    parts = path.cut(sorted(distances))
-
-    assert len(parts) == len(distances) + 1
-    assert sum(part.total_length for part in parts) == pytest.approx(path.total_length, abs=1e-12)
-    for before, after in pairwise(parts):
-        np.testing.assert_allclose(before.end, after.start, atol=1e-9)
-    np.testing.assert_allclose(parts[-1].end, path.end, atol=1e-9)
-
-
-@pytest.mark.parametrize("early", [0.0, 1e-6, -1e-6])
-def test_words_of_legs(early):
-    """The point is passed where L becomes R: an arc of 1e-6 belongs to neither leg's neighbour."""
-    path = path_of([(1, 1), (0, 2), (1, 0.5), (-1, 2), (0, 1), (-1, 1)])
-    point = path.at(3.5)[0, :2]
-
-    assert route_word(path, [point], [3.5 - early]) == "LSL RSR"
-    assert route_word(path, [], []) == "LSLRSR"
 
 
 @given(arcs)
