@@ -75,6 +75,7 @@ dubins-study compare results/paper both --fail-on-regression
 dubins-study check-solver my_solver.py:MySolver
 dubins-study check-solver slsqp --check limits --check state
 dubins-study audit
+dubins-study audit kaya
 dubins-study export 10 5 --from 0 0 120deg --format mod
 dubins-study export 10 5 --model disjunctive --out model.nl
 """.splitlines()

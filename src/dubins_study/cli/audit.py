@@ -1,25 +1,68 @@
-"""`dubins-study audit`: the paper's tables, recomputed."""
+"""`dubins-study audit`: the paper's tables and other published lengths, recomputed."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any
 
 import typer
 
-from dubins_study.cli.terminal.arguments import Json
+from dubins_study.cli.terminal.arguments import CommandError, Json
 from dubins_study.cli.terminal.output import table
+from dubins_study.study.values import short
 
 Record = dict[str, Any]
 
 
-def audit(as_json: Json = False) -> None:
-    """Recompute the paper's printed tables.
+_SOURCE = "paper: its tables; kaya: four published routes"
+
+
+def audit(
+    source: Annotated[str, typer.Argument(metavar="SOURCE", help=_SOURCE)] = "paper",
+    as_json: Json = False,
+) -> None:
+    """Recompute the paper's printed tables, or the lengths of published routes.
 
     Exit code 1 if the code contradicts the committed audit.
     """
+    audits = {"paper": _audit_paper, "kaya": _audit_kaya}
+    if source not in audits:
+        raise CommandError(f"no audit of {short(source)}; choose one of: {', '.join(audits)}")
+    raise typer.Exit(1 if audits[source](as_json) else 0)
+
+
+def _audit_kaya(as_json: bool) -> bool:
+    """Print the audit of Kaya's routes; whether it is another than the committed one."""
+    from dubins_study.experiments.definition.experiment import read
+    from dubins_study.experiments.plan.scenario_columns import scenarios
+    from dubins_study.report.paper.routes import audit_routes
+
+    blocks = read("kaya").experiment.scenarios
+    routes = [scenario for block in blocks for scenario in scenarios(block, block.label)]
+    records = audit_routes(routes)
+    text = _table(_ROUTES, records) + "\n\n" + "\n".join(_route_lines(records))
+    print(json.dumps(records, indent=1, allow_nan=False) if as_json else text, flush=True)
+    contradicted = [record for record in records if record["verdict"] != record["expected"]]
+    for record in contradicted:
+        place = "contradiction: {source}, {label}: {verdict}, not {expected}".format(**record)
+        print(f"dubins-study: {place}", file=sys.stderr)
+    return bool(contradicted)
+
+
+def _route_lines(records: Sequence[Record]) -> Iterator[str]:
+    """The shortest path of each route, and what is wrong with a published length."""
+    for record in {record["label"]: record for record in records}.values():
+        yield "{label}: {word}".format(**record)
+    for record in records:
+        if record["verdict"] != "shortest":
+            line = "{source}, {label}: printed {printed}, {difference:+.3g} from a path that exists"
+            yield line.format(**record)
+
+
+def _audit_paper(as_json: bool) -> bool:
+    """Print the audit of the paper's tables; whether it contradicts the committed one."""
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.printed import committed
@@ -31,7 +74,7 @@ def audit(as_json: Json = False) -> None:
     lines = contradictions(record, committed())
     for line in lines:
         print(f"dubins-study: contradiction: {line}", file=sys.stderr)
-    raise typer.Exit(1 if lines else 0)
+    return bool(lines)
 
 
 # column titles and the format of a record's values below them
@@ -54,6 +97,11 @@ _ALGORITHM = (
 _OMITTED = (
     ("scenario", "{label}"),
     *((key, f"{{{key}}}") for key in ("path", "word", "z1", "z2", "z3", "f")),
+)
+_ROUTES = (
+    *(("source", "{source}"), ("route", "{label}"), ("legs", "{legs}"), ("printed", "{printed}")),
+    *(("ours", "{length!r}"), ("proven: at least", "{low!r}"), ("at most", "{high!r}")),
+    *(("printed - ours", "{difference:+.2g}"), ("verdict", "{verdict}")),
 )
 _TIMES = (
     *(("scenario", "{label}"), ("path", "{path}"), ("seconds", "{printed}")),

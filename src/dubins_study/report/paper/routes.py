@@ -1,0 +1,76 @@
+"""Published lengths of routes, held against the proven interval around the shortest length.
+
+The routes are the four examples of C. Y. Kaya, Markov-Dubins interpolating curves, Computational
+Optimization and Applications 73 (2019) 647-677, which the packaged experiment `kaya` holds. The
+lengths stand in the test programs of icosac/MPDP, a solver by dynamic programming: Kaya's as
+`KayaLengths` in `test/dubinsTest.cc`, and its own to thirty digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from dubins_study.study.check.reference import reference_of
+from dubins_study.study.check.verdict import words_of
+from dubins_study.study.scenario import Scenario
+
+SHORTEST, LONGER, TOO_SHORT = "shortest", "longer", "too short"
+
+
+class PrintedRoute(NamedTuple):
+    """A published length of a route, as printed, and the verdict that the audit expects."""
+
+    source: str
+    label: str  # in the experiment `kaya`
+    printed: str
+    expected: str = SHORTEST
+
+
+_KAYA, _MPDP = "Kaya", "MPDP"
+PRINTED_ROUTES = (
+    PrintedRoute(_KAYA, "example 1", "3.415578858075"),
+    PrintedRoute(_KAYA, "example 2", "6.2780346"),
+    PrintedRoute(_KAYA, "example 3", "11.916212654286"),
+    PrintedRoute(_KAYA, "example 4", "7.467562181965"),
+    PrintedRoute(_MPDP, "example 1", "3.41557885807514871601142658619"),
+    PrintedRoute(_MPDP, "example 2", "6.27803455030931356617429628386"),
+    PrintedRoute(_MPDP, "example 3", "11.9162126542854860389297755319"),
+    PrintedRoute(_MPDP, "example 4", "7.46756219733842652175326293218", LONGER),
+)
+
+
+def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
+    """A record for each published length: ours, the proven interval and the verdict.
+
+    A length is `longer` than the shortest if what could round to it lies above the interval, which
+    ends at the length of a path that was found; `too short` if it lies below, where no path is;
+    else `shortest`, up to the interval's relative width.
+    """
+    routes = {scenario.label: scenario for scenario in scenarios}
+    records = []
+    for source, label, printed, expected in PRINTED_ROUTES:
+        scenario = routes[label]
+        enclosure, path, at = reference_of(scenario)
+        low, high = enclosure.low, enclosure.high
+        assert path is not None
+        assert low is not None
+        assert high is not None
+        value, half_unit = Fraction(printed), Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))
+        verdict = SHORTEST
+        if value - half_unit > high:
+            verdict = LONGER
+        elif value + half_unit < low:
+            verdict = TOO_SHORT
+        records.append(
+            {
+                **{"source": source, "label": label, "legs": scenario.legs, "printed": printed},
+                **{"length": path.total_length, "low": float(low), "high": float(high)},
+                "width": (high - low) / max(high, scenario.radius),
+                "difference": float(value - Fraction(path.total_length)),
+                **{"verdict": verdict, "expected": expected},
+                "word": words_of(path, at, scenario.radius),
+            }
+        )
+    return records
