@@ -8,7 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from dubins_study.cli.app import app
-from dubins_study.report.paper import printed
+from dubins_study.cli.terminal.arguments import CommandError
+from dubins_study.report.paper import printed, routes
 
 
 @pytest.fixture
@@ -59,3 +60,24 @@ def test_a_contradiction_is_exit_code_1(asked, monkeypatch):
     assert "contradiction: cells[6.3, problem 3, optimal, z1].exact" in done.stderr
     assert "the closed form has 0.777354" in done.stderr
     assert json.loads(done.stdout)["cells"][12]["exact"].startswith("0.777354264")
+
+
+def test_published_routes(asked, monkeypatch):
+    """The published length that is not the shortest is named; another verdict is exit code 1."""
+    done = asked("kaya")
+    records = json.loads(asked("kaya", "--json").stdout)
+
+    assert done.exit_code == 0
+    assert "MPDP, example 4: printed 7.46756219733842652175326293218, +1.54e-08" in done.stdout
+    assert "example 1: RSL LSR RSR" in done.stdout
+    assert len(records) == 8
+    lines = (routes.PrintedRoute("here", "example 1", "3.5"),)
+    monkeypatch.setattr(routes, "PRINTED_ROUTES", lines)
+    done = asked("kaya")
+    assert done.exit_code == 1
+    assert "contradiction: here, example 1: longer, not shortest" in done.stderr
+
+
+def test_an_unknown_source_is_refused():
+    with pytest.raises(CommandError, match="no audit of 'nonesuch'; choose one of: paper, kaya"):
+        CliRunner().invoke(app, ["audit", "nonesuch"], catch_exceptions=False)

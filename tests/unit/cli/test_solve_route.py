@@ -1,0 +1,166 @@
+"""`dubins-study solve` of routes: the text, points from a file, the drawing, GeoJSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from dubins_study import Path, Scenario, plot_path, solve
+from dubins_study.cli.app import app
+from dubins_study.cli.terminal.arguments import CommandError
+
+START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
+ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
+
+
+def asked(*arguments):
+    return CliRunner().invoke(app, arguments, catch_exceptions=False)
+
+
+def line_of(name, text):
+    return next(line for line in text.splitlines() if line.startswith(name))[12:]
+
+
+@pytest.fixture
+def points(tmp_path):
+    """A file whose last point is the target, with a column and a line that are passed over."""
+    file = tmp_path / "points.csv"
+    file.write_text("name,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
+    return file
+
+
+def test_the_text_of_a_route():
+    """Words of legs, the length and, to the last digit, the interval that is proven."""
+    text = asked(*ROUTE).stdout
+    answer = json.loads(asked(*ROUTE, "--json").stdout)
+
+    assert line_of("word", text) == "RSR RSL LSL"
+    assert line_of("length", text) == f"{answer['length']:.12g}" == "16.3229767512"
+    low, high = answer["reference_low"], answer["reference_high"]
+    width = (high - low) / high
+    assert line_of("optimum", text) == f"in [{low!r}, {high!r}], relative width {width:.2g}"
+    assert 0 <= width < 1e-9
+    assert (line_of("verdict", text), line_of("proof", text)) == ("optimal", "proved")
+    assert "optimum" not in asked("solve", "10", "5").stdout
+
+
+def test_points_of_a_file(points, tmp_path):
+    """The last point is the target; where a target is given, all points are on the way."""
+    options = [
+        json.loads(asked(*q, "--json").stdout) for q in (ROUTE, (*START, "--via-file", str(points)))
+    ]
+    same = ("word", "length", "via", "final_heading")
+    assert [options[0][name] for name in same] == [options[1][name] for name in same]
+
+    points.write_text("x,y\n4,1\n6,-2\n")
+    with_target = json.loads(asked(*START, "10", "5", "--via-file", str(points), "--json").stdout)
+    assert with_target["length"] == options[0]["length"]
+
+
+REFUSED = {
+    "a;b\n": "line 1 has 0 columns called x; expected column names such as x,y",
+    "": "line 1 has 0 columns called x",
+    "x,y,x\n1,2,3\n": "line 1 has 2 columns called x",
+    "x,y\n": "no points; expected a line each",
+    "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
+    "x,y\n1\n": "line 2: y is empty; expected a number",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_a_file_of_points_that_cannot_be_read(text, points):
+    points.write_text(text)
+    with pytest.raises(CommandError) as refusal:
+        asked("solve", "--via-file", str(points))
+    assert str(refusal.value).startswith(f"{points}: {REFUSED[text]}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "the target is missing; expected X Y, or --via-file"),
+        (("3",), "the target is missing; expected X Y, or --via-file"),
+        (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
+        (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
+        (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),
+        (
+            ("3", "4", "--geojson", "no/where.json"),
+            "--geojson: cannot write no/where.json: No such",
+        ),
+    ],
+)
+def test_a_request_without_a_target(arguments, message, points):
+    words = [word.replace("FILE", str(points)) for word in arguments]
+    with pytest.raises(CommandError, match=message):
+        asked("solve", *words)
+
+
+def test_the_path_as_geojson(tmp_path):
+    """A line from the start to the target past every point, with what is proven of it."""
+    file = tmp_path / "route.json"
+    answer = json.loads(asked(*ROUTE, "--json", "--geojson", str(file)).stdout)
+    feature = json.loads(file.read_text())
+    line, properties = np.array(feature["geometry"]["coordinates"]), feature["properties"]
+
+    for point in [(0, 0), (4, 1), (6, -2), (10, 5)]:
+        assert np.hypot(*(line - point).T).min() < 0.1  # arcs have a point every 5 degrees
+    np.testing.assert_allclose(line[-1], (10, 5), atol=1e-9)
+    same = ("word", "length", "verdict", "proof", "reference_low", "reference_high", "miss")
+    assert {name: properties[name] for name in same} == {name: answer[name] for name in same}
+    assert properties["radius"] == 1.0
+
+
+def test_no_path_is_no_geojson(tmp_path):
+    file = tmp_path / "path.json"
+    done = asked("solve", "0", "1", "--branch", "LS", "--geojson", str(file))
+
+    assert done.exit_code == 1
+    assert done.stderr == f"dubins-study: {file} is not written: there is no path\n"
+    assert not file.exists()
+
+
+def test_a_drawn_route():
+    """Each kind of piece once in the legend, the points by their numbers, two arrows, circles."""
+    scenario = Scenario(
+        heading="30deg", target_x=10, target_y=5, via=[(4, 1), (6, -2)], final_heading="90deg"
+    )
+    answer = solve(scenario)
+    ax = plot_path(answer).axes[0]
+    legend = ax.get_legend()
+
+    assert [text.get_text() for text in legend.get_texts()] == ["left", "straight", "right"]
+    assert legend.get_title().get_text() == "analytic: length 16.3230"
+    looks = {
+        (line.get_color(), line.get_linestyle(), line.get_linewidth())
+        for line in legend.get_lines()
+    }
+    assert len(looks) == 3
+    assert [text.get_text() for text in ax.texts if text.get_text()] == ["1", "2"]
+    assert sum(text.arrow_patch is not None for text in ax.texts) == 2
+    assert {round(patch.radius, 12) for patch in ax.patches} == {1.0}
+    # the lines are the path: they pass its poses
+    drawn = np.vstack([line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 1])
+    for x, y, _ in answer.path.poses:
+        assert np.hypot(*(drawn - (x, y)).T).min() < 1e-9
+
+
+def test_a_drawn_route_with_a_free_final_heading():
+    """One arrow; a path of another solver, in many pieces of different curvature, is drawn too."""
+    scenario = Scenario(target_x=3, target_y=0, via=[(2, 0)])
+    steps = 0.3 * np.sin(np.arange(40))
+    answer = SimpleNamespace(
+        scenario=scenario, solver="some", path=Path(scenario.start, steps, np.full(40, 0.1))
+    )
+    ax = plot_path(answer).axes[0]
+
+    assert sum(text.arrow_patch is not None for text in ax.texts) == 1
+    assert not ax.patches
+    straight = SimpleNamespace(
+        scenario=scenario, solver="some", path=Path(scenario.start, [0.0], [math.pi])
+    )
+    assert plot_path(straight).axes[0].get_legend() is not None
