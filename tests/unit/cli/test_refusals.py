@@ -16,7 +16,7 @@ REFUSALS = {
     "run paper --job 2": "No such option: --job",
     "run -3": "No such option: -3; see dubins-study run --help",
     "solve 1 2 -x": "unexpected extra argument(s) (-x); see dubins-study solve --help",
-    "solve": "Missing argument 'X'; see dubins-study solve --help",
+    "solve": "the target is missing; expected X Y, or --via-file",
     "solve 1_0 5": "Invalid value for 'X': '1_0'; expected a number",
     "solve 1 2 --from 1_0 0 0": "--from is '1_0 0 0'; expected two numbers and a heading",
     "solve --bogus 1 2": "Invalid value for 'X': '--bogus'; expected a number",
