@@ -44,7 +44,7 @@ def test_the_text_of_a_route():
     low, high = answer["reference_low"], answer["reference_high"]
     width = (high - low) / high
     assert line_of("optimum", text) == f"in [{low!r}, {high!r}], relative width {width:.2g}"
-    assert 0 <= width < 1e-9
+    assert 0 <= width <= 1e-9
     assert (line_of("verdict", text), line_of("proof", text)) == ("optimal", "proved")
     assert "optimum" not in asked("solve", "10", "5").stdout
 
