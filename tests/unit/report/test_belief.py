@@ -128,6 +128,7 @@ def test_a_command_asks_a_route_again():
     assert solve_command(values | route | asked) == (
         "dubins-study solve --via 0.1 3 --via -2 1e-07 --final-heading -7.5rad --solver a -- -3 1"
     )
+    assert "--from 0 0 7.5rad" in solve_command(values | asked | {"heading": 7.5})
     plain = "dubins-study solve --solver a -- -3 1"
     assert solve_command(values | empty | asked) == solve_command(values | asked) == plain
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Hashable, Mapping
 from typing import Any
@@ -22,6 +23,8 @@ def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
     """
     x, y, heading, target_x, target_y, radius = (number_text(row[name]) for name in SCENARIO)
     parts = ["dubins-study solve"]
+    if abs(float(heading)) > 2 * math.pi:  # which needs a unit
+        heading += "rad"
     parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
     via = [numbers_of(name, row.get(name)) or () for name in VIA]
     parts += [f"--via {number_text(u)} {number_text(v)}" for u, v in zip(*via, strict=True)]

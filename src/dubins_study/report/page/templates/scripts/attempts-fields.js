@@ -87,7 +87,8 @@
       "--profile": [data.text("profile", i), "default"],
       "--time-limit": [limit ? String(limit) : "60", "60"],
     };
-    const words = ["dubins-study", "solve", "--from", x, y, heading];
+    const unit = Math.abs(heading) > 2 * Math.PI ? "rad" : ""; // more than a turn needs one
+    const words = ["dubins-study", "solve", "--from", x, y, heading + unit];
     const {via_x, via_y, final_heading} = data.route(i);
     via_x.forEach((via, place) => words.push("--via", String(via), String(via_y[place])));
     if (final_heading !== null) words.push("--final-heading", `${final_heading}rad`);
