@@ -17,8 +17,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import SCENARIO, names
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Scenario, scenario_of
 from dubins_study.study.words import Claim, Verdict
 
 # The gap that the engine's tolerance of 1e-9 leaves of free lengths; of free elements a few 1e-11
@@ -55,7 +54,7 @@ def test_hard_scenarios(spec):
     """Radii from 1e-6 to 1e6, targets on circles, next to them, at the start and 1e9 radii away."""
     right = {Verdict.OPTIMAL, *[Verdict.LONGER] * (spec not in TINY)}
     for row in hard_frame(24, seed=3).itertuples():
-        scenario = Scenario(**{name: getattr(row, name) for name in names(SCENARIO)})
+        scenario = scenario_of(row._asdict())
         for branch in RATES:
             answer = attempt(load(spec), Question(scenario, branch), 60.0)
             assert not answer.false_claim, (scenario, branch)
