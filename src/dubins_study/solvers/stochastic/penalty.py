@@ -32,7 +32,6 @@ from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
     PenaltyFunction,
-    SearchEndError,
     Task,
 )
 from dubins_study.study.path import FloatArray
@@ -154,18 +153,11 @@ class Penalty(EngineSolver):
         """The engine's own point z, shape (3,), and the run."""
         began = perf_counter()
         aim = target(question.scenario, case.mirrored)
-        function = CountedFunction(PenaltyFunction(case, aim, weight), self._budget, until)
-        begin = (
-            None if guess is None else np.clip(guess[list(case.free)], 0.0, function.function.upper)
-        )
-        claim = Claim.FEASIBLE
-        try:
-            message = ENGINES[self.engine].load()(Task(function, begin, random))
-        except SearchEndError as end:
-            claim, message = Claim.LIMIT, str(end)
-        if function.evaluations >= self._budget:  # the engine counts as well
-            claim = Claim.LIMIT
-        z = function.function.lengths(function.best)
+        penalised = PenaltyFunction(case, aim, weight)
+        function = CountedFunction(penalised, self._budget, until)
+        begin = None if guess is None else np.clip(guess[list(case.free)], 0.0, penalised.upper)
+        claim, message = Task(function, begin, random).search(self.engine)
+        z = penalised.lengths(function.best)
         corrected, missed = z, _miss(question, case, z)
         if self.polish and np.isfinite(z).all():
             corrected, missed = polish(case.name, z, *aim)

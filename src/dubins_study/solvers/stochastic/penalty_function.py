@@ -10,14 +10,28 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem, end_point
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import Claim
 
 _FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 2 to the second's
+
+
+class BoxFunction(Protocol):
+    """A function of n variables between 0 and upper bounds."""
+
+    upper: FloatArray  # shape (n,)
+
+    def at(self, free: FloatArray) -> float:
+        """The value at one point, shape (n,)."""
+
+    def at_each(self, free: FloatArray) -> FloatArray:
+        """The values at several points, shape (n, points) -> (points,)."""
 
 
 class PenaltyFunction:
@@ -60,14 +74,14 @@ class SearchEndError(Exception):
 
 
 class CountedFunction:
-    """A penalty function that counts its evaluations and keeps the best point.
+    """A function that counts its evaluations and keeps the best point.
 
     What ends the search, `budget` evaluations or the time `until` (s, on `perf_counter`), is raised
     out of the engine: every engine stops at the same budget, and none returns a worse point than it
     has seen.
     """
 
-    def __init__(self, function: PenaltyFunction, budget: int, until: float) -> None:
+    def __init__(self, function: BoxFunction, budget: int, until: float) -> None:
         self.function, self.budget, self._until = function, budget, until
         self.evaluations = 0
         self.value = math.inf
@@ -114,6 +128,17 @@ class Task(NamedTuple):
     def bounds(self) -> list[tuple[float, float]]:
         """The box, as SciPy takes it."""
         return [(0.0, float(high)) for high in self.upper]
+
+    def search(self, engine: str) -> tuple[Claim, str]:
+        """Let an engine minimise; how that ended, and the engine's message."""
+        claim = Claim.FEASIBLE
+        try:
+            message: str = ENGINES[engine].load()(self)
+        except SearchEndError as end:
+            claim, message = Claim.LIMIT, str(end)
+        if self.function.evaluations >= self.function.budget:  # the engine counts as well
+            claim = Claim.LIMIT
+        return claim, message
 
 
 # The engines: each minimises until it has enough, and returns its own message. An option that is

@@ -234,6 +234,33 @@ def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float,
     return d_first, -d_last if word_index in (1, 2, 4) else d_last
 
 
+def pose_curvatures(
+    word_index: int, t: float, p: float, q: float
+) -> tuple[float, float, float]:
+    """Second derivatives of a word's length (radii) by both headings: 11, 12 and 22.
+
+    Infinite or huge where a straight vanishes or a middle arc is pi; arguments as those of
+    `pose_gradient`, of which these are the derivatives while the end stays where it is.
+    """
+    if word_index < 4:
+        first, last = math.sin(t), math.sin(q)
+        inverse = 1.0 / p if p > 0.0 else math.inf
+        return (
+            first * (1.0 + first * inverse) if first != 0.0 else 0.0,
+            first * last * inverse if first * last != 0.0 else 0.0,
+            last * (1.0 + last * inverse) if last != 0.0 else 0.0,
+        )
+    half = 0.5 * p
+    sine, rho = math.sin(half), -1.0 / math.cos(half)
+    u, v = half - t, q - half
+    across, along = 0.25 * rho / sine, 0.25 * sine * rho**3
+    return (
+        rho * math.sin(u) - across * math.sin(u) ** 2 - along * math.cos(u) ** 2,
+        across * math.sin(u) * math.sin(v) + along * math.cos(u) * math.cos(v),
+        -rho * math.sin(v) - across * math.sin(v) ** 2 - along * math.cos(v) ** 2,
+    )
+
+
 # what a compiled caller has to know of, since the functions above call it by name
 CALLED = (
     *(_turn, _on_side, _principal, body_pose, word_in_body, shortest_in_body, pose_delta),

@@ -1,0 +1,1 @@
+"""Solvers of routes: several legs, with a final heading or without."""

@@ -1,0 +1,220 @@
+"""`headings`: one unknown a point, the heading there; the length is the sum of exact shortest legs.
+
+The sum has a kink where the shortest word of a leg changes, and jumps where points are less than 4
+radii apart. A path of any headings passes all points, so that every answer is one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, ClassVar
+
+import numpy as np
+
+from dubins_study.solvers.answers import Run, at_start, costs
+from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
+from dubins_study.solvers.nlp_engines.program import (
+    DeferredExpressions,
+    Expressions,
+    Functions,
+    Program,
+)
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.route.legs import WORD_TURNS, Route, path_of, route_of
+from dubins_study.solvers.setting_checks import one_of, positive, whole, within
+from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
+from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
+from dubins_study.study.path import FloatArray
+from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Claim
+
+# The engines of nonlinear programs that call functions. The others differentiate expressions, and
+# the shortest of six words is none.
+_CALLERS = (
+    *("slsqp", "trust-constr", "cobyqa", "conopt"),
+    *("nlopt-slsqp", "nlopt-auglag", "nlopt-cobyla", "uno-filtersqp"),
+)
+_ENGINES = (*names(DERIVATIVE_FREE, SAMPLING), *_CALLERS)
+_HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
+
+
+@dataclass(frozen=True)
+class Headings(EngineSolver):
+    """The headings at the points of a route, by engines that search or go downhill.
+
+    Args:
+        engine: a name in `solvers.engines` of a kind that searches, or of one of nonlinear programs
+            that calls functions.
+        initial_guess: where an engine that needs a guess begins: `bearing` (at each point toward
+            the next one) or `random`. Engines that search the whole box take none.
+        count: number of random guesses.
+        seed: of all random numbers, together with the question's repeat.
+        tol, max_iter: of engines of nonlinear programs, as those of `nlp`.
+        evaluations: of the length, at most, for each search; 0 for the engine's default
+            (`solvers.engines`) times the number of unknown headings.
+    """
+
+    engine: str = one_of("nelder-mead", _ENGINES)
+    initial_guess: str = one_of("bearing", ("bearing", "random"))
+    count: int = whole(10, 1, 10**9)
+    seed: int = whole(0, 0, 10**9)
+    tol: float = within(1e-9, 1e-14, 1e-2)
+    max_iter: int = positive(200)
+    # DIRECT takes memory for all of them at once, some seconds for more
+    evaluations: int = whole(0, 0, 10**6)
+
+    name: ClassVar[str] = "headings"
+    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
+    summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
+    variants: ClassVar[tuple[str, ...]] = tuple(f"headings[engine={name}]" for name in _ENGINES[1:])
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.initial_guess != "bearing" and not self._guided:
+            raise ValueError(
+                f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "
+                "the whole box and takes none; leave it out"
+            )
+
+    @property
+    def _guided(self) -> bool:
+        return ENGINES[self.engine].kind != SAMPLING
+
+    @property
+    def method(self) -> Method:
+        guess = self.initial_guess if self._guided else "none"
+        return Method("headings", ENGINES[self.engine].label, guess)
+
+    def solve(self, model: Question, limit: float) -> Solution:
+        scenario = model.scenario
+        if scenario.one_free_leg and (there := at_start(model)):
+            return there
+        route = route_of(scenario)
+        runs = list(self._runs(route, model.repeat, perf_counter() + limit))
+        begun = [run for run in runs if np.isfinite(run.length)]
+        if not begun:
+            messages = [run.message for run in runs]
+            return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+        best = min(begun, key=lambda run: run.length)
+        segments, words = route.legs(route.headings(best.point))
+        return Solution(
+            Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,
+            path=path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel()),
+            claimed_length=best.length * scenario.radius,
+            native_status=best.status,
+            message=best.message,
+            best_run=best.effort,
+            **costs(runs),
+        )
+
+    def _runs(self, route: Route, repeat: int, until: float) -> Iterator[Run[FloatArray]]:
+        """Runs of the engine; a point has the unknown headings, shape (k,)."""
+        random = np.random.default_rng(self.seed + repeat)
+        nothing_unknown = route.unknowns == 0
+        drawn = self.initial_guess == "random" and not nothing_unknown
+        for _ in range(self.count if drawn else 1):
+            began = perf_counter()
+            if began > until:
+                return
+            guess = route.toward_next()
+            if drawn:
+                guess = random.uniform(0.0, _FULL_TURN, route.unknowns)
+            if nothing_unknown:
+                length = route_length(route, guess)
+                answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
+                yield Run("headings", perf_counter() - began, guess, *answer, length)
+            elif ENGINES[self.engine].kind == NLP:
+                engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
+                result = engine(program(route), guess, until - began)
+                length = route_length(route, result.x)
+                yield Run("headings", perf_counter() - began, *result, length=length)
+            else:
+                yield self._search(route, guess, random, until)
+
+    def _search(
+        self, route: Route, guess: FloatArray, random: np.random.Generator, until: float
+    ) -> Run[FloatArray]:
+        """A search of the box of a full turn a heading, about the guess if the engine takes one."""
+        began, k = perf_counter(), route.unknowns
+        low = guess - _HALF_TURN if self._guided else np.full(k, route.first)
+        budget = self.evaluations or ENGINES[self.engine].evaluations * k
+        function = CountedFunction(LengthInBox(route, low), budget, until)
+        begin = np.full(k, _HALF_TURN) if self._guided else None
+        claim, message = Task(function, begin, random).search(self.engine)
+        seconds, counts = perf_counter() - began, (None, function.evaluations)
+        point = low + function.best
+        return Run(
+            *("headings", seconds, point, claim, None, *counts, claim.value, message),
+            length=function.value,
+        )
+
+
+class LengthInBox:
+    """The length of a route's headings `low` + x, with x in a box of a full turn each."""
+
+    def __init__(self, route: Route, low: FloatArray) -> None:
+        self._route, self._low = route, low
+        self.upper: FloatArray = np.full(low.size, _FULL_TURN)
+
+    def at(self, free: FloatArray) -> float:
+        """The length at one point, shape (k,)."""
+        return route_length(self._route, self._low + free)
+
+    def at_each(self, free: FloatArray) -> FloatArray:
+        """The lengths at several points, shape (k, points) -> (points,)."""
+        segments, _ = self._route.legs(self._route.headings(self._low[:, None] + free))
+        lengths: FloatArray = segments.sum(axis=(0, 1))
+        return lengths
+
+
+def route_length(route: Route, unknown: FloatArray) -> float:
+    """The sum of the shortest legs (radii) between headings that are unknown, shape (k,)."""
+    segments, _ = route.legs(route.headings(unknown))
+    return float(segments.sum())
+
+
+def program(route: Route) -> Program:
+    """The unknown headings, unbounded, as a program without equations."""
+    k = route.unknowns
+    free = np.full(k, np.inf)
+    return Program(DeferredExpressions(_no_expressions), free[:0], -free, free, _functions(route))
+
+
+def _no_expressions() -> Expressions:
+    raise NotImplementedError("the shortest of six words is no expression of casadi's")
+
+
+def _functions(route: Route) -> Functions:
+    k = route.unknowns
+
+    def derivatives(unknown: FloatArray, function: Any) -> FloatArray:
+        """What a function of a word and its segments says of each leg, shape (n, ...)."""
+        segments, words = route.legs(route.headings(unknown))
+        legs = zip(words.tolist(), *segments.tolist(), strict=True)
+        return np.array([function(*leg) for leg in legs])
+
+    def gradient(unknown: FloatArray) -> FloatArray:
+        slopes = derivatives(unknown, pose_gradient)
+        behind = np.append(slopes[1:, 0], 0.0)
+        return (slopes[:, 1] + behind)[:k]
+
+    def hessian(unknown: FloatArray, weights: FloatArray) -> FloatArray:
+        """Tridiagonal: a heading is in two legs."""
+        curved = derivatives(unknown, pose_curvatures)
+        diagonal = curved[:, 2] + np.append(curved[1:, 0], 0.0)
+        beside = np.diag(curved[1:, 1], 1)
+        return (np.diag(diagonal) + beside + beside.T)[:k, :k]
+
+    none = np.empty(0)
+    slope_of_none = np.empty((0, k))
+    return Functions(
+        lambda unknown: route_length(route, unknown),
+        gradient,
+        lambda unknown: none,
+        lambda unknown: slope_of_none,
+        hessian,
+    )
