@@ -84,6 +84,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("solvers.minlp_engines", "solvers.nlp_engines"),
     ),
     "solvers.stochastic": ("study.*", "solvers", "solvers.paper_nlp"),
+    "solvers.route": (
+        *("study.*", "solvers", "solvers.nlp_engines"),
+        "solvers.stochastic",  # its engines search any box
+    ),
     "solvers.heading_milp": (
         *("study.*", "solvers", "solvers.optimal_control", "solvers.minlp_engines"),
         "solvers.paper_nlp",  # whether a path of one-sided turning is a word

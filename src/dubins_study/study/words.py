@@ -43,6 +43,7 @@ _FORMULA = "a formula, which needs no engine"
 _SQUARE = "a square system of equations: there is nothing to minimise"
 _INTEGERS = "has integer variables"
 _KINK = "has a kink wherever a path arrives: made for engines without derivatives"
+_SIX_WORDS = "the shortest of six words: a function that is called, no expression"
 _EQUATIONS = "the same as the joint NLP, with equations that these engines take as they are"
 
 # In the order of tables. The joint NLP is the paper's model (4.12) with its turns in one order, in
@@ -89,6 +90,13 @@ FORMULATION_LIST = (
         *("penalty", "penalty"),
         dict.fromkeys((SAMPLING, DERIVATIVE_FREE), "penalty[engine={}]"),
         {NLP: _KINK, PROVEN: _EQUATIONS},
+    ),
+    # of routes, and of one leg too
+    Formulation("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}),
+    Formulation(
+        *("headings", "headings"),
+        dict.fromkeys((NLP, SAMPLING, DERIVATIVE_FREE), "headings[engine={}]"),
+        {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS},
     ),
 )
 FORMULATIONS = tuple(formulation.name for formulation in FORMULATION_LIST)

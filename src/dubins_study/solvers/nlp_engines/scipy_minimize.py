@@ -195,30 +195,34 @@ def trust_constr(tol: float, max_iter: int) -> NlpCall:
         functions = program.functions
         tolerance = max(tol, _TRUST_CONSTR_ROUNDINGS * program.magnitude)
         watch = _Watch(program, perf_counter() + seconds, tolerance)
-        zeros = np.zeros((guess.size, guess.size))
+        none, zeros = np.zeros(0), np.zeros((guess.size, guess.size))
+        constrained = functions.equations(guess).size > 0  # SciPy refuses an empty constraint
+        equations = NonlinearConstraint(
+            functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
+        )
         result = minimize(
             functions.objective,
             guess,
             method="trust-constr",
             jac=functions.gradient,
-            hess=lambda x: zeros,  # that of the equations has the objective's curvature in it
+            # that of the equations has the objective's curvature in it
+            hess=lambda x: zeros if constrained else functions.hessian(x, none),
             bounds=Bounds(program.lower, program.upper),
-            constraints=NonlinearConstraint(
-                functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
-            ),
+            constraints=equations if constrained else (),
             callback=watch,
             options={
                 "gtol": tolerance,
                 "barrier_tol": tolerance,
                 "xtol": 1e-12,  # so that gtol decides
                 "maxiter": max_iter,
-                # the default, QR, warns at every singular Jacobian and then does the same
-                "factorization_method": "SVDFactorization",
+                # the default, QR, warns at every singular Jacobian and then does the same; it
+                # does not take the sparse one that SciPy makes of no equations
+                "factorization_method": "SVDFactorization" if constrained else None,
             },
         )
         if watch.claim is not None:
             result.message = watch.message
         claim = watch.claim or _TRUST_CONSTR_CLAIMS.get(result.status, Claim.FAILED)
-        return _ended(result, claim, np.asarray(result.v[0]))
+        return _ended(result, claim, np.asarray(result.v[0]) if constrained else None)
 
     return run

@@ -51,7 +51,7 @@ def filtersqp(tol: float, max_iter: int) -> NlpCall:
             claim,
             np.array(result.constraint_dual_solution),
             int(result.number_iterations),
-            int(result.number_constraint_evaluations),
+            int(result.number_constraint_evaluations or result.number_objective_evaluations),
             status,
             status.replace("_", " ").lower(),
         )

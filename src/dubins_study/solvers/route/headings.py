@@ -20,6 +20,7 @@ from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Expressions,
     Functions,
+    NlpCall,
     Program,
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
@@ -89,12 +90,17 @@ class Headings(EngineSolver):
         guess = self.initial_guess if self._guided else "none"
         return Method("headings", ENGINES[self.engine].label, guess)
 
-    def solve(self, model: Question, limit: float) -> Solution:
-        scenario = model.scenario
-        if scenario.one_free_leg and (there := at_start(model)):
+    def build(self, question: Question) -> tuple[Question, Route]:
+        route = route_of(question.scenario)
+        route_length(route, route.toward_next())  # loads the compiled loops, for a second
+        return question, route
+
+    def solve(self, model: tuple[Question, Route], limit: float) -> Solution:
+        question, route = model
+        scenario = question.scenario
+        if scenario.one_free_leg and (there := at_start(question)):
             return there
-        route = route_of(scenario)
-        runs = list(self._runs(route, model.repeat, perf_counter() + limit))
+        runs = list(self._runs(route, question.repeat, perf_counter() + limit))
         begun = [run for run in runs if np.isfinite(run.length)]
         if not begun:
             messages = [run.message for run in runs]
@@ -128,7 +134,7 @@ class Headings(EngineSolver):
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
                 yield Run("headings", perf_counter() - began, guess, *answer, length)
             elif ENGINES[self.engine].kind == NLP:
-                engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
+                engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter)
                 result = engine(program(route), guess, until - began)
                 length = route_length(route, result.x)
                 yield Run("headings", perf_counter() - began, *result, length=length)
@@ -200,14 +206,16 @@ def _functions(route: Route) -> Functions:
     def gradient(unknown: FloatArray) -> FloatArray:
         slopes = derivatives(unknown, pose_gradient)
         behind = np.append(slopes[1:, 0], 0.0)
-        return (slopes[:, 1] + behind)[:k]
+        total: FloatArray = slopes[:, 1] + behind
+        return total[:k]
 
     def hessian(unknown: FloatArray, weights: FloatArray) -> FloatArray:
         """Tridiagonal: a heading is in two legs."""
         curved = derivatives(unknown, pose_curvatures)
         diagonal = curved[:, 2] + np.append(curved[1:, 0], 0.0)
         beside = np.diag(curved[1:, 1], 1)
-        return (np.diag(diagonal) + beside + beside.T)[:k, :k]
+        total: FloatArray = np.diag(diagonal) + beside + beside.T
+        return total[:k, :k]
 
     none = np.empty(0)
     slope_of_none = np.empty((0, k))

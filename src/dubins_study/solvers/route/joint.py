@@ -8,9 +8,9 @@ of all legs before it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -18,9 +18,14 @@ import numpy as np
 
 from dubins_study.solvers.answers import Attempts, Run, at_start, best_of, costs, tried
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.nlp_engines.program import DeferredExpressions, Expressions, Program
+from dubins_study.solvers.nlp_engines.program import (
+    DeferredExpressions,
+    Expressions,
+    NlpCall,
+    Program,
+)
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.route.legs import WORD_TURNS, Route, path_of, route_of
+from dubins_study.solvers.route.legs import Route, path_of, route_of
 from dubins_study.solvers.setting_checks import one_of, positive, whole, within
 from dubins_study.study.path import FloatArray
 from dubins_study.study.tolerances import ARRIVES
@@ -92,17 +97,16 @@ class RouteNlp(EngineSolver):
         # at zero no constraint qualification holds, as in (4.12)
         if question.scenario.one_free_leg and (there := at_start(question)):
             return there
-        engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
+        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter)
 
         def run(guess: FloatArray, until: float) -> Run[FloatArray]:
             began = perf_counter()
             result = engine(program, guess, until - began)
-            ends = perf_counter() - began, *result
-            return Run(_LETTERS, *ends, length=float(_arcs(result.x).sum()))
+            seconds, length = perf_counter() - began, float(_arcs(result.x).sum())
+            return Run(_LETTERS, seconds, *result, length=length)
 
         guesses = self._guesses(route, question.repeat)
-        enough = partial(_always, self.initial_guess != "random")
-        attempts = Attempts(guesses, run, enough)
+        attempts = Attempts(guesses, run, lambda run: False)  # every guess is tried
         return _answer(model, tried([attempts], perf_counter() + limit))
 
     def _guesses(self, route: Route, repeat: int) -> Iterator[FloatArray]:
@@ -115,10 +119,6 @@ class RouteNlp(EngineSolver):
             random = np.random.default_rng(self.seed + repeat)
             for _ in range(self.count):
                 yield random_guess(route, random)
-
-
-def _always(enough: bool, run: Run[FloatArray]) -> bool:
-    return enough
 
 
 def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
@@ -142,7 +142,7 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     n = len(route.steps)
     path = None
     if not pathless:
-        path = path_of(scenario, _TURNS * n, _arcs(best.point).ravel().tolist())
+        path = path_of(scenario, _TURNS * n, _driven(_arcs(best.point)).ravel().tolist())
     return Solution(
         claim,
         path=path,
@@ -178,7 +178,7 @@ def expressions(legs: int, final_heading: bool) -> Expressions:
         sin, cos = casadi.sin, casadi.cos
         x = casadi.SX.sym("x", _PER_LEG * legs)
         p = casadi.SX.sym("p", 2 * legs + 1 + final_heading)
-        heading, equations, length = p[2 * legs], [], 0
+        heading, equations, length = p[2 * legs], [], casadi.SX(0)
         for leg in range(legs):
             *arcs, end = casadi.vertsplit(x[_PER_LEG * leg : _PER_LEG * (leg + 1)])
             a, b, straight, c, d = arcs
@@ -242,6 +242,17 @@ def _point(route: Route, arcs: FloatArray) -> FloatArray:
 def _arcs(point: FloatArray) -> FloatArray:
     """The arcs of a point x, shape (n, 5)."""
     return point.reshape(-1, _PER_LEG)[:, :-1]
+
+
+def _driven(arcs: FloatArray) -> FloatArray:
+    """Arcs that a path can have, shape (n, 5), where an engine left some below zero.
+
+    Such a turn is given to its neighbour the other way: cut off, it would turn all legs after it.
+    """
+    turns, others = [0, 1, 3, 4], [1, 0, 4, 3]
+    driven = np.maximum(arcs, 0.0)
+    driven[:, others] -= np.minimum(arcs[:, turns], 0.0)
+    return driven
 
 
 def _wrapped(angle: Any) -> Any:

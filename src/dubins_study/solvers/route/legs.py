@@ -55,9 +55,9 @@ class Route(NamedTuple):
         return segments, rows.word.reshape(shape)
 
     def toward_next(self) -> FloatArray:
-        """The guess `bearing`: at each point toward the next one, at a free end as on the way there.
+        """The guess `bearing`: at each point toward the next one, at a free end as on the leg to it.
 
-        Of shape (k,).
+        Shape (k,).
         """
         bearings = np.arctan2(self.steps[:, 1], self.steps[:, 0])
         return np.append(bearings[1:], bearings[-1])[: self.unknowns]

@@ -213,12 +213,15 @@ def cma_es(task: Task) -> str:
     """CMA-ES of the package `cma`, with restarts from uniform points and doubled populations."""
     import cma
 
+    n = task.upper.size
+    upper = np.resize(task.upper, max(n, 2))  # cma refuses a single variable: a second is idle
+
     def begin() -> FloatArray:
-        return task.upper * task.random.uniform(size=task.upper.size)
+        return upper * task.random.uniform(size=upper.size)
 
     options: dict[str, Any] = {
-        "bounds": [0.0, task.upper.tolist()],
-        "CMA_stds": task.upper,
+        "bounds": [0.0, upper.tolist()],
+        "CMA_stds": upper,
         "maxfevals": task.function.budget,
         # numbers from `task.random`; with a seed cma would seed NumPy's own generator
         "randn": lambda *shape: task.random.standard_normal(shape),
@@ -226,5 +229,7 @@ def cma_es(task: Task) -> str:
         "verbose": -9,
         "verb_log": 0,
     }
-    _, strategy = cma.fmin2(task.function, begin, _STEP, options, restarts=_RESTARTS)
+    _, strategy = cma.fmin2(
+        lambda free: task.function(free[:n]), begin, _STEP, options, restarts=_RESTARTS
+    )
     return ", ".join(strategy.stop())

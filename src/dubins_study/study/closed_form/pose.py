@@ -234,9 +234,7 @@ def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float,
     return d_first, -d_last if word_index in (1, 2, 4) else d_last
 
 
-def pose_curvatures(
-    word_index: int, t: float, p: float, q: float
-) -> tuple[float, float, float]:
+def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[float, float, float]:
     """Second derivatives of a word's length (radii) by both headings: 11, 12 and 22.
 
     Infinite or huge where a straight vanishes or a middle arc is pi; arguments as those of
