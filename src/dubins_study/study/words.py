@@ -44,6 +44,7 @@ _SQUARE = "a square system of equations: there is nothing to minimise"
 _INTEGERS = "has integer variables"
 _KINK = "has a kink wherever a path arrives: made for engines without derivatives"
 _SIX_WORDS = "the shortest of six words: a function that is called, no expression"
+_CORNERS = "begins with every corner of the box, of which a route has too many"
 _EQUATIONS = "the same as the joint NLP, with equations that these engines take as they are"
 
 # In the order of tables. The joint NLP is the paper's model (4.12) with its turns in one order, in
@@ -96,7 +97,7 @@ FORMULATION_LIST = (
     Formulation(
         *("headings", "headings"),
         dict.fromkeys((NLP, SAMPLING, DERIVATIVE_FREE), "headings[engine={}]"),
-        {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS},
+        {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS, SAMPLING: _CORNERS},
     ),
 )
 FORMULATIONS = tuple(formulation.name for formulation in FORMULATION_LIST)

@@ -42,7 +42,9 @@ def test_a_wrong_setting_is_refused_by_name(name, setting, value):
 @pytest.mark.parametrize(
     "setting", ["seed=-1", "seed=4294967297", "seed=1.5", "count=0", "count=10000000000"]
 )
-@pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlp", "multiple-shooting", "penalty"])
+@pytest.mark.parametrize(
+    "name", ["slsqp", "ipopt", "nlp", "multiple-shooting", "penalty", "route-nlp"]
+)
 def test_a_seed_or_count_out_of_range_is_refused(name, setting):
     key = setting.partition("=")[0]
     with pytest.raises(SolverError, match=key):
@@ -69,6 +71,8 @@ def test_an_executable_is_a_name_and_no_path(name):
         "shooting[initial_guess=random,count=2]",
         "multiple-shooting[initial_guess=random,count=1]",
         "penalty[evaluations=300,rounds=1,polish=false]",
+        "headings[engine=cma-es,evaluations=300]",
+        "route-nlp[initial_guess=random,count=2]",
     ],
 )
 def test_each_repeat_has_a_seed_of_its_own(spec):

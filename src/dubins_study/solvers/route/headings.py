@@ -37,7 +37,13 @@ _CALLERS = (
     *("slsqp", "trust-constr", "cobyqa", "conopt"),
     *("nlopt-slsqp", "nlopt-auglag", "nlopt-cobyla", "uno-filtersqp"),
 )
-_ENGINES = (*names(DERIVATIVE_FREE, SAMPLING), *_CALLERS)
+# SHGO begins with all corners of the box: 2^k, which for 50 legs fills the memory
+_ENGINES = (
+    *(name for name in names(DERIVATIVE_FREE, SAMPLING) if name != "shgo"),
+    *_CALLERS,
+)
+_DEFAULT = "powell"
+_MOST_EVALUATIONS = 10**5  # of one search, if none are given: DIRECT takes memory for all at once
 _HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
 
 
@@ -54,16 +60,15 @@ class Headings(EngineSolver):
         seed: of all random numbers, together with the question's repeat.
         tol, max_iter: of engines of nonlinear programs, as those of `nlp`.
         evaluations: of the length, at most, for each search; 0 for the engine's default
-            (`solvers.engines`) times the number of unknown headings.
+            (`solvers.engines`) times the number of unknown headings, at most 100 000.
     """
 
-    engine: str = one_of("nelder-mead", _ENGINES)
+    engine: str = one_of(_DEFAULT, _ENGINES)
     initial_guess: str = one_of("bearing", ("bearing", "random"))
     count: int = whole(10, 1, 10**9)
     seed: int = whole(0, 0, 10**9)
     tol: float = within(1e-9, 1e-14, 1e-2)
     max_iter: int = positive(200)
-    # DIRECT takes memory for all of them at once, some seconds for more
     evaluations: int = whole(0, 0, 10**6)
 
     name: ClassVar[str] = "headings"
@@ -71,7 +76,9 @@ class Headings(EngineSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
-    variants: ClassVar[tuple[str, ...]] = tuple(f"headings[engine={name}]" for name in _ENGINES[1:])
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"headings[engine={name}]" for name in _ENGINES if name != _DEFAULT
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -89,6 +96,11 @@ class Headings(EngineSolver):
     def method(self) -> Method:
         guess = self.initial_guess if self._guided else "none"
         return Method("headings", ENGINES[self.engine].label, guess)
+
+    @property
+    def keeps_limit(self) -> bool:
+        # of an NLP engine an iteration on hundreds of headings may take seconds
+        return super().keeps_limit and ENGINES[self.engine].kind != NLP
 
     def build(self, question: Question) -> tuple[Question, Route]:
         route = route_of(question.scenario)
@@ -147,7 +159,7 @@ class Headings(EngineSolver):
         """A search of the box of a full turn a heading, about the guess if the engine takes one."""
         began, k = perf_counter(), route.unknowns
         low = guess - _HALF_TURN if self._guided else np.full(k, route.first)
-        budget = self.evaluations or ENGINES[self.engine].evaluations * k
+        budget = self.evaluations or min(ENGINES[self.engine].evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until)
         begin = np.full(k, _HALF_TURN) if self._guided else None
         claim, message = Task(function, begin, random).search(self.engine)

@@ -88,6 +88,11 @@ class RouteNlp(EngineSolver):
         tol = engine.fixed_tol or self.tol
         return Method("joint NLP, LRSLR a leg", engine.label, self.initial_guess, tol)
 
+    @property
+    def keeps_limit(self) -> bool:
+        # at 50 legs a dense engine's iteration takes up to 5 s, and so does compiling
+        return False
+
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
         return PosedRoute(question, route, program(route))

@@ -55,7 +55,7 @@ class Route(NamedTuple):
         return segments, rows.word.reshape(shape)
 
     def toward_next(self) -> FloatArray:
-        """The guess `bearing`: at each point toward the next one, at a free end as on the leg to it.
+        """The guess `bearing`: at each point toward the next one, at a free end as on the last leg.
 
         Shape (k,).
         """
