@@ -289,13 +289,15 @@ def _packages(name: str) -> Iterator[str]:
     return (".".join(parts[:n]) for n in range(1, len(parts) + 1))
 
 
-def way_to_the_answers(graph: dict[str, set[str]], start: str) -> list[str]:
-    """The modules on the shortest way of imports to a module of `ANSWERS`; none without a way."""
+def way_to_the_answers(
+    graph: dict[str, set[str]], start: str, rooms: tuple[str, ...] = ANSWERS
+) -> list[str]:
+    """The modules on the shortest way of imports to a module of the rooms; none without a way."""
     before: dict[str, str | None] = {start: None}
     waiting = deque([start])
     while waiting:
         name = waiting.popleft()
-        if any(_covers(f"{room}.*", name) for room in ANSWERS):
+        if any(_covers(f"{room}.*", name) for room in rooms):
             way = [name]
             while (importer := before[way[0]]) is not None:
                 way.insert(0, importer)
@@ -306,17 +308,27 @@ def way_to_the_answers(graph: dict[str, set[str]], start: str) -> list[str]:
     return []
 
 
+# Their formulation, or a guess of theirs, is made of the shortest legs between given headings: the
+# closed form of one leg, but no answer to a question with an unknown heading.
+OF_LEGS = ("solvers.route.headings", "solvers.route.joint")
+
+
 def solver_modules() -> list[str]:
-    """The modules of the package's registered solvers, but for the closed form's."""
+    """The modules of the package's registered solvers, but for the closed form's and `OF_LEGS`."""
     points = [p for p in entry_points(group="dubins_study.solvers") if _within(p.module)]
     ours = {_within(p.module) for p in points if p.module.split(".")[0] == PACKAGE.name}
-    return sorted(ours - {"solvers.analytic"})
+    return sorted(ours - {"solvers.analytic", *OF_LEGS})
 
 
 @pytest.mark.parametrize("name", solver_modules())
 def test_no_solver_but_the_closed_form_imports_the_answer_or_the_check(name):
     """Neither directly nor by way of other modules of the package."""
     assert way_to_the_answers(imports(), name) == []
+
+
+@pytest.mark.parametrize("name", OF_LEGS)
+def test_solvers_of_legs_import_neither_the_search_of_routes_nor_the_check(name):
+    assert way_to_the_answers(imports(), name, ("study.route", "study.check")) == []
 
 
 def test_the_closed_form_and_what_asks_do_import_them():
