@@ -18,7 +18,14 @@ from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.closed_form.shortest import margin, shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import BRANCHES, EVERY_BRANCH, FORMULATIONS, Claim, Outcome, Verdict
+from dubins_study.study.words import (
+    BRANCHES,
+    EVERY_BRANCH,
+    FORMULATIONS,
+    Claim,
+    Outcome,
+    Verdict,
+)
 
 # A gap that the method's kind may leave: rounding; the solver's tolerance of 1e-8 on lengths; the
 # coarseness of 50 steps, which falls like 1/n^2.

@@ -27,7 +27,10 @@ from dubins_study.study.words import TURN, Claim, Outcome, Verdict
 
 # they look for LS and RS among all paths that turn one way
 TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation", "heading-milp"]
-ENGINES = [name for name in available_solvers() if name != "analytic"]
+# of solvers that answer words
+ENGINES = [
+    name for name in available_solvers() if name != "analytic" and "LS" in load(name).branches
+]
 # branch -> targets (radii) that no path of the branch ends at: inside, and out of reach
 WITHOUT_A_PATH = {
     "LS": [(0.3, 0.8), (-0.6, 1.3)],
