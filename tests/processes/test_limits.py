@@ -95,7 +95,7 @@ def test_a_loud_solve_does_not_hang(scenario):
 @pytest.mark.parametrize(
     "spec",
     [
-        *available_solvers(),
+        *(name for name in available_solvers() if name != "route-nlp"),
         *(f"turn-rate-qp[n=640,engine={engine}]" for engine in ("clarabel", "osqp", "highs")),
         *("turn-rate-qp[n=1000]", "turn-rate-qp[n=640,mesh=graded]"),
         *("heading-milp[headings=144]", "heading-milp[headings=1000,legs=1]"),
@@ -129,6 +129,7 @@ def test_every_promise_is_kept(spec, limit, hard):
         *("turn-rate-qp[n=2000]", "heading-milp[headings=1000]", "collocation[n=1000]"),
         *("multiple-shooting[n=100]", "turn-rates[n=200]", "collocation[engine=slsqp]"),
         *("ipopt[via=executable]", "collocation[via=executable]"),
+        *("route-nlp", "headings[engine=cobyqa]"),  # of any number of legs
     ],
 )
 def test_large_settings_and_executables_promise_nothing(spec):

@@ -42,7 +42,7 @@ _ENGINES = (
     *(name for name in names(DERIVATIVE_FREE, SAMPLING) if name != "shgo"),
     *_CALLERS,
 )
-_DEFAULT = "powell"
+_DEFAULT = "differential-evolution"
 _MOST_EVALUATIONS = 10**5  # of one search, if none are given: DIRECT takes memory for all at once
 _HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
 
@@ -72,7 +72,7 @@ class Headings(EngineSolver):
     evaluations: int = whole(0, 0, 10**6)
 
     name: ClassVar[str] = "headings"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "headings at the points of a route, exact legs between them"

@@ -141,12 +141,13 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     best = best_of(solved, map(with_miss, runs))
     claims = {run.claim for run in runs}
     claim = Claim.LOCAL if solved else claims.pop() if len(claims) == 1 else Claim.FAILED
-    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
-        claim = Claim.FAILED  # feasible to the engine's tolerance, but no path through the points
-    pathless = claim is Claim.INFEASIBLE or not np.isfinite(best.point).all()
+    if claim is Claim.INFEASIBLE or (claim is Claim.FEASIBLE and not best.miss <= ARRIVES):
+        # A path always exists: infeasible is the engine's word of its own neighbourhood. What is
+        # feasible to its tolerance may pass the points by.
+        claim = Claim.FAILED
     n = len(route.steps)
     path = None
-    if not pathless:
+    if np.isfinite(best.point).all():
         path = path_of(scenario, _TURNS * n, _driven(_arcs(best.point)).ravel().tolist())
     return Solution(
         claim,
