@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
@@ -23,7 +24,7 @@ from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim, Outcome
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 # Its library breaks others in the same process.
 ALONE = ("sleqp",)
@@ -33,6 +34,7 @@ SPECS = [
     *(f"route-nlp[engine={name}]" for name in NLP_ENGINES if name not in ALONE),
 ]
 AVAILABLE = [spec for spec in SPECS if load(spec).unavailable() is None]
+SOLVED = (Claim.LOCAL, Claim.FEASIBLE)
 FAR = Scenario(1, 2, "30deg", 22, 9, 2, via=[(12, 4), (14, -8)])  # all legs above 4 radii
 SCENARIOS = {
     "free": FAR,
@@ -218,6 +220,17 @@ def test_a_route_is_found_and_nothing_false_is_claimed(spec, name):
     # the grid's route is longer than the shortest by about the square of its step, where D is
     # smooth; the paths found are local minima at the grid's or longer
     assert path.total_length > least - 0.02 * radius
+
+
+@pytest.mark.parametrize("spec", AVAILABLE)
+def test_the_check_finds_no_false_claim(spec):
+    """Against the proven interval of the certified search."""
+    answer = attempt(load(spec), Question(SCENARIOS["free"]), 10.0)
+
+    assert not answer.false_claim
+    assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER) or answer.claim not in SOLVED
+    if answer.claim in SOLVED:
+        assert answer.length >= answer.reference_low * (1 - 1e-6)  # what a miss may save
 
 
 GOOD = ("powell", "differential-evolution", "trust-constr", "uno-filtersqp", "nlopt-auglag")
