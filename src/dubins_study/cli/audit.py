@@ -23,7 +23,7 @@ def audit(
     source: Annotated[str, typer.Argument(metavar="SOURCE", help=_SOURCE)] = "paper",
     as_json: Json = False,
 ) -> None:
-    """Recompute the paper's printed tables, or the lengths of published routes.
+    """Recompute printed lengths: the paper's tables or published routes.
 
     Exit code 1 if the code contradicts the committed audit.
     """
