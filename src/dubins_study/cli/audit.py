@@ -23,7 +23,7 @@ def audit(
     source: Annotated[str, typer.Argument(metavar="SOURCE", help=_SOURCE)] = "paper",
     as_json: Json = False,
 ) -> None:
-    """Recompute printed lengths: the paper's tables or published routes.
+    """Recompute the paper's tables, or the lengths of routes.
 
     Exit code 1 if the code contradicts the committed audit.
     """
