@@ -92,8 +92,8 @@ def _share_table(methods: pd.DataFrame) -> str:
 
 def formulations() -> str:
     """Of each formulation the method that is most surely right, and the spread of its engines."""
-    rows = []
-    for name in FORMULATIONS:
+    rows, measured = [], set(_methods()["formulation"])
+    for name in filter(measured.__contains__, FORMULATIONS):
         engines = best_methods(_of("formulation", name), ["engine"])
         best = best_methods(engines, ["formulation"]).to_dict("records")[0]
         low, high = engines["right_share"].min(), engines["right_share"].max()

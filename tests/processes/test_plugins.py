@@ -70,7 +70,7 @@ HABITS = {
     "Keeps": ("symmetries", "its answer to an earlier question, all at once: does it keep answers"),
     "Gambles": ("determinism", "its answer differs by .*a generator of the solver's own"),
     "Unsure": ("loading", r"no licence server.*unavailable\(\) does not raise"),
-    "Breaks": ("loading", "branches names 'LSR'.*expected some of: best, LS"),
+    "Breaks": ("loading", "branches names 'LSLS'.*expected some of: best, LS"),
 }
 
 

@@ -106,7 +106,7 @@ class Scenario:
 
     @property
     def extent(self) -> float:
-        """The size that coordinates are rounded against: the largest over the legs.
+        """What coordinates are rounded against, the largest size over the legs.
 
         Of a leg from (x1, y1) to (x2, y2) it is `|x1| + |y1| + |x2| + |y2|`. A sum over all points
         would grow with their number, and rounding does not.
@@ -123,7 +123,7 @@ class Scenario:
 
     @property
     def legs(self) -> int:
-        """The number of legs: parts of the path from one point to the next."""
+        """How many parts the path has from one point to the next."""
         return len(self.via) + 1
 
     @property

@@ -162,5 +162,5 @@ class Breaks(Habit):
     """Declares a word and a guarantee that there are not."""
 
     name = "breaks"
-    branches = ("best", "LSR")
+    branches = ("best", "LSLS")
     guarantee = "perfect"
