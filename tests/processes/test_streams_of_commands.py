@@ -97,7 +97,7 @@ def test_a_shell_completes_names(tmp_path):
     for words, expected in (
         ("solve 1 2 --solver turn", {"turn-rate-qp", "turn-rates"}),
         ("run rad", {"radius-sweep", "radius-sweep-full"}),
-        ("solve 1 2 --branch R", {"RS", "RL"}),
+        ("solve 1 2 --branch R", {"RS", "RL", "RSR", "RSL", "RLR"}),
         ("experi", {"experiments"}),
     ):
         line = f"dubins-study {words}"

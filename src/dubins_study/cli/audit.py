@@ -11,7 +11,6 @@ import typer
 
 from dubins_study.cli.terminal.arguments import CommandError, Json
 from dubins_study.cli.terminal.output import table
-from dubins_study.study.values import short
 
 Record = dict[str, Any]
 
@@ -29,6 +28,8 @@ def audit(
     """
     audits = {"paper": _audit_paper, "kaya": _audit_kaya}
     if source not in audits:
+        from dubins_study.study.values import short  # numpy, which no help waits for
+
         raise CommandError(f"no audit of {short(source)}; choose one of: {', '.join(audits)}")
     raise typer.Exit(1 if audits[source](as_json) else 0)
 

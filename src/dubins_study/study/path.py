@@ -176,7 +176,8 @@ class Path:
         driven = self.length > 0
         bend, lengths = np.abs(self.curvature[driven]), self.length[driven]
         sharpest = float(bend.max(initial=0.0))
-        radius = 1 / sharpest if sharpest > 0 else None
+        # what is bent by less has a radius that overflows
+        radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
         angle = 4 * np.arcsin(np.sqrt(np.minimum(share * bend * (radius or 0.0), 1.0) / 2))
         chords = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)

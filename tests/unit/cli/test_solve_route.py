@@ -69,6 +69,7 @@ REFUSED = {
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is empty; expected a number",
+    "x,y\n4,5,2\n": "line 2 has 3 cells; expected 2, as in the first line",
 }
 
 

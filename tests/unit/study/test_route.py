@@ -227,3 +227,12 @@ def test_a_hundred_long_legs_close_to_twelve_digits(seed):
 
     assert route.closed
     assert route.high - route.low <= 1e-12 * route.high
+
+
+def test_a_search_without_time_proves_the_straight_lines():
+    """No path is shorter than the straight lines from point to point."""
+    points = [(0.0, 0.0), (1e-7, 1e-7), (3e-7, 3e-7)]
+    found = search(points, 0.0, limit=1e-9)
+
+    assert found.low == pytest.approx(math.hypot(3e-7, 3e-7), rel=1e-14)
+    assert not found.closed

@@ -8,7 +8,6 @@ from pathlib import Path as FilePath
 import typer
 
 from dubins_study.cli.terminal.arguments import CommandError, Point, number
-from dubins_study.study.values import short
 
 
 def read_points(file: FilePath) -> list[Point]:
@@ -26,11 +25,15 @@ def read_points(file: FilePath) -> list[Point]:
                     expected = "expected column names such as x,y in the first line"
                     raise CommandError(f"{file}: line 1 {found}; {expected}")
             places = [(name, head.index(name)) for name in ("x", "y")]
-            points = [
-                Point(*(_coordinate(file, reader.line_num, name, row[i:]) for name, i in places))
-                for row in reader
-                if any(cell.strip() for cell in row)
-            ]
+            points = []
+            for row in reader:
+                line = reader.line_num
+                if len(row) > len(head):  # as of numbers with a decimal comma
+                    cells = f"{len(row)} cells; expected {len(head)}, as in the first line"
+                    raise CommandError(f"{file}: line {line} has {cells}")
+                if any(cell.strip() for cell in row):
+                    x, y = (_coordinate(file, line, name, row[i:]) for name, i in places)
+                    points.append(Point(x, y))
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:
@@ -47,5 +50,7 @@ def _coordinate(file: FilePath, line: int, name: str, cells: list[str]) -> float
     try:
         return number(text)
     except typer.BadParameter:
+        from dubins_study.study.values import short  # numpy, which no help waits for
+
         found = f"{name} is {short(text)}" if text else f"{name} is empty"
         raise CommandError(f"{file}: line {line}: {found}; expected a number") from None

@@ -149,7 +149,9 @@ class _Search:
         ]
         self.length, self.headings = math.inf, np.zeros(self.n + 1)
         self.slopes = np.full(self.n + 1, math.nan)  # of the potential, at the best route
-        self.low, self.discarded = 0.0, math.inf
+        # no path is shorter than the legs' straight lines; each is rounded, and so is their sum
+        straight = float(np.hypot(self.legs[:, 0], self.legs[:, 1]).sum())
+        self.low, self.discarded = straight * (1.0 - (self.n + 4) * EPS), math.inf
         self.boxes = self.rounds = 0
         self.tried: set[tuple[int, ...]] = set()
 
