@@ -221,3 +221,27 @@ class EngineSolver(Solver):
     @property
     def keeps_limit(self) -> bool:
         return ENGINES[self.engine].keeps_limit
+
+
+class SearchSolver(EngineSolver):
+    """A solver whose engines begin at a guess, but for those that search a whole box."""
+
+    initial_guess: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.initial_guess != "bearing" and not self.guided:
+            raise ValueError(
+                f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "
+                "the whole box and takes none; leave it out"
+            )
+
+    @property
+    def guided(self) -> bool:
+        """Whether the engine begins at a guess."""
+        return ENGINES[self.engine].kind != SAMPLING
+
+    @property
+    def guess(self) -> str:
+        """The column `guess`."""
+        return self.initial_guess if self.guided else "none"

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
+from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Expressions,
@@ -48,7 +48,7 @@ _HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
 
 
 @dataclass(frozen=True)
-class Headings(EngineSolver):
+class Headings(SearchSolver):
     """The headings at the points of a route, by engines that search or go downhill.
 
     Args:
@@ -80,22 +80,9 @@ class Headings(EngineSolver):
         f"headings[engine={name}]" for name in _ENGINES if name != _DEFAULT
     )
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.initial_guess != "bearing" and not self._guided:
-            raise ValueError(
-                f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "
-                "the whole box and takes none; leave it out"
-            )
-
-    @property
-    def _guided(self) -> bool:
-        return ENGINES[self.engine].kind != SAMPLING
-
     @property
     def method(self) -> Method:
-        guess = self.initial_guess if self._guided else "none"
-        return Method("headings", ENGINES[self.engine].label, guess)
+        return Method("headings", ENGINES[self.engine].label, self.guess)
 
     @property
     def keeps_limit(self) -> bool:
@@ -158,10 +145,10 @@ class Headings(EngineSolver):
     ) -> Run[FloatArray]:
         """A search of the box of a full turn a heading, about the guess if the engine takes one."""
         began, k = perf_counter(), route.unknowns
-        low = guess - _HALF_TURN if self._guided else np.full(k, route.first)
+        low = guess - _HALF_TURN if self.guided else np.full(k, route.first)
         budget = self.evaluations or min(ENGINES[self.engine].evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until)
-        begin = np.full(k, _HALF_TURN) if self._guided else None
+        begin = np.full(k, _HALF_TURN) if self.guided else None
         claim, message = Task(function, begin, random).search(self.engine)
         seconds, counts = perf_counter() - began, (None, function.evaluations)
         point = low + function.best

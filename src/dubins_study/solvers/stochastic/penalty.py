@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
-from dubins_study.solvers.engines import ENGINES, EngineSolver, names, packages
+from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
@@ -46,7 +46,7 @@ _SHORT = 1e-2
 
 
 @dataclass(frozen=True)
-class Penalty(EngineSolver):
+class Penalty(SearchSolver):
     """An exact penalty function of (4.12), minimised by sampling.
 
     Args:
@@ -88,26 +88,13 @@ class Penalty(EngineSolver):
         "accurate": {"evaluations": 20000},
     }
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.initial_guess != "bearing" and not self._guided:
-            raise ValueError(
-                f"initial_guess is {self.initial_guess!r}, but the engine {self.engine} searches "
-                "the whole box and takes none; leave it out"
-            )
-
-    @property
-    def _guided(self) -> bool:
-        return ENGINES[self.engine].kind == DERIVATIVE_FREE
-
     @property
     def _budget(self) -> int:
         return self.evaluations or ENGINES[self.engine].evaluations
 
     @property
     def method(self) -> Method:
-        guess = self.initial_guess if self._guided else "none"
-        return Method("penalty", ENGINES[self.engine].label, guess)
+        return Method("penalty", ENGINES[self.engine].label, self.guess)
 
     def solve(self, model: Question, limit: float) -> Solution:
         if there := at_start(model):
@@ -126,7 +113,7 @@ class Penalty(EngineSolver):
         """The searches of a subproblem; a run's point is z, shape (3,), after the correction."""
         random = np.random.default_rng((self.seed + question.repeat, number))
         guesses: list[FloatArray | None] = [None]
-        if self._guided:
+        if self.guided:
             kind, seed = self.initial_guess, self.seed + question.repeat
             guesses = list(initial_guesses(question, case, kind, seed, self.count))
         for guess in guesses:
@@ -139,7 +126,7 @@ class Penalty(EngineSolver):
                 if _miss(question, case, z) <= _SHORT:
                     break
                 weight *= _GROWTH
-                at = z if self._guided else None
+                at = z if self.guided else None
 
     def _search(
         self,
