@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import logging
 import math
-import os
 import sys
+import textwrap
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -40,6 +39,7 @@ _GEOJSON = (
 
 _LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
+_ANY_WIDTH = 1_000_000  # without a terminal, a value is one line
 
 
 def solve(
@@ -75,6 +75,7 @@ def solve(
     """Solve one scenario and judge the answer."""
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.solvers.attempt import check_request
+    from dubins_study.study.values import unwritable
 
     target, via = _points(x, y, via, via_file)
     scenario = arguments.scenario_of(*target, start, radius, speed, via, final_heading)
@@ -83,9 +84,8 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    if geojson is not None and not geojson.parent.is_dir():  # before a solve that may take long
-        message = f"--geojson: cannot write {geojson}: {os.strerror(errno.ENOENT)}"
-        raise arguments.CommandError(message)
+    if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
+        raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
@@ -211,13 +211,22 @@ def answer_text(answer: Answer) -> str:
 
 
 def _optimum(answer: Answer) -> list[str]:
-    """The proven interval around the shortest length of a route, or of a leg to a pose."""
+    """The proven interval around the shortest length of a route, or of a leg to a pose.
+
+    Of a leg these are several intervals where the length jumps within the rounding of the data.
+    """
     low, high = answer.reference_low, answer.reference_high
     if answer.scenario.one_free_leg or low is None or high is None:
         return []
-    width = (high - low) / max(high, answer.scenario.radius)
+    parts: tuple[tuple[float, float], ...] = ((low, high),)
+    if not answer.scenario.via:
+        from dubins_study.study.check.reference import reference_of
+
+        parts = reference_of(answer.scenario, answer.branch).enclosure.parts
     # as Python writes them: rounded further, they would be no bounds
-    return [_line("optimum", f"in [{low!r}, {high!r}], relative width {width:.2g}")]
+    text = " or ".join(f"[{begin!r}, {end!r}]" for begin, end in parts)
+    widest = max(end - begin for begin, end in parts) / max(high, answer.scenario.radius)
+    return [_line("optimum", f"in {text}, relative width {widest:.2g}")]
 
 
 def _segments(answer: Answer) -> str:
@@ -238,7 +247,10 @@ def _milliseconds(seconds: float) -> str:
 
 
 def _line(name: str, value: str) -> str:
-    return f"{name:<12}{value}"
+    """A name and its value, which goes on below itself where the terminal ends."""
+    width = max(output.terminal_width() or _ANY_WIDTH, 40)
+    indent = " " * 12
+    return textwrap.fill(f"{name:<12}{value}", width, subsequent_indent=indent, tabsize=1)
 
 
 def _verdict(answer: Answer) -> str:

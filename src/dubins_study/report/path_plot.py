@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import errno
 import math
-import os
 import textwrap
 from collections.abc import Callable
 from functools import partial
@@ -33,7 +31,7 @@ from dubins_study.report.topics.paper_figures import plot_paths, plot_start_and_
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import RIPPLE, FloatArray, Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.values import short
+from dubins_study.study.values import short, unwritable
 from dubins_study.study.words import BRANCHES, Verdict
 
 if TYPE_CHECKING:
@@ -185,13 +183,13 @@ def check_format(file: str | FilePath) -> FilePath:
     """The file as a path.
 
     Raises:
-        PlotError: if its suffix is not .svg, .pdf or .png, or its folder does not exist.
+        PlotError: if its suffix is not .svg, .pdf or .png, or it cannot be written.
     """
     place = FilePath(file)
     if place.suffix not in _FORMATS:
         raise PlotError(f"file is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
-    if not place.parent.is_dir():  # before a solve that may take long
-        raise PlotError(f"cannot write {place}: {os.strerror(errno.ENOENT)}")
+    if reason := unwritable(place):  # before a solve that may take long
+        raise PlotError(f"cannot write {place}: {reason}")
     return place
 
 

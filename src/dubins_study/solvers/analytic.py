@@ -98,5 +98,5 @@ def _searched(scenario: Scenario, limit: float) -> Solution:
         path,
         claimed_length=path.total_length,
         lower_bound=low,
-        message=f"the shortest length is proven to be between {low!r} and {high!r}",
+        message="" if closed else "the search ended before it had proved the path to be shortest",
     )

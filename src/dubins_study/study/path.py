@@ -137,7 +137,11 @@ class Path:
             return self.at(np.linspace(0.0, self.total_length, n))
         import pandas as pd
 
-        size, total = real_number(step), self.total_length
+        total = self.total_length
+        try:
+            size = real_number(step)
+        except TypeError:
+            size = math.nan
         if not 0 < size < math.inf or not total / size <= _MOST_POINTS:
             most = f"at most {_MOST_POINTS} poses of a finite path"
             raise ValueError(f"step is {short(step)}; expected a number above 0 and {most}")
@@ -149,7 +153,7 @@ class Path:
         return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
 
     def to_geojson(self, chord_error: float = 1e-3, **properties: Any) -> dict[str, Any]:
-        """The path as a GeoJSON Feature, a LineString, for `json.dump`.
+        """The path as a GeoJSON Feature for `json.dump`: a LineString; a Point if it has no length.
 
         The coordinates are the path's own x and y in its length unit: not longitude and latitude,
         which RFC 7946 takes for granted where nothing else is agreed.
@@ -189,11 +193,11 @@ class Path:
         s = np.repeat(np.cumsum(lengths) - lengths, counts) + place * np.repeat(
             lengths / counts, counts
         )
-        # a LineString has at least two points, also that of a path of no length
-        points = self.at(np.append(s if s.size else 0.0, self._ends[-1]))[:, :2]
+        line = self.at(np.append(s, self._ends[-1]))[:, :2].tolist()
+        kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
         return {
             "type": "Feature",
-            "geometry": {"type": "LineString", "coordinates": points.tolist()},
+            "geometry": {"type": kind, "coordinates": coordinates},
             "properties": {
                 "length": self.total_length,
                 "word": self.word(),

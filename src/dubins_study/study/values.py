@@ -6,7 +6,10 @@ written out here. Escaping for HTML, Markdown or TeX is up to the templates of t
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -69,6 +72,16 @@ def plain(text: str, kept: str = "") -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in kept else repr(c)[1:-1] for c in text)
+
+
+def unwritable(file: Path) -> str | None:
+    """Why a file cannot be written, as far as that shows before the work whose result it is for."""
+    if file.is_dir():
+        return os.strerror(errno.EISDIR)
+    if not file.parent.is_dir():
+        return os.strerror(errno.ENOENT)
+    allowed = os.access(file if file.exists() else file.parent, os.W_OK)
+    return None if allowed else os.strerror(errno.EACCES)
 
 
 _SHORT = 60  # characters

@@ -190,9 +190,9 @@ def test_the_shortest_path_is_drawn_beside_a_longer_one():
 
 @pytest.mark.parametrize("form", [(), ("--json",)])
 def test_the_answer_is_printed_if_its_drawing_fails(form, tmp_path):
-    """A folder has the file's name: the answer, then the refusal."""
-    (tmp_path / "path.svg").mkdir()
+    """There is no room for the file: the answer, then the refusal."""
+    (tmp_path / "path.svg").symlink_to("/dev/full")
     request = ("solve", "10", "5", *form, "--plot", str(tmp_path / "path.svg"))
-    with pytest.raises(PlotError, match=r"cannot write .*path.svg: Is a directory"):
+    with pytest.raises(PlotError, match=r"cannot write .*path.svg: No space left"):
         CliRunner().invoke(app, request, catch_exceptions=False)
     assert "11.197" in CliRunner().invoke(app, request).stdout

@@ -63,8 +63,9 @@ def test_points_of_a_file(points, tmp_path):
 
 
 REFUSED = {
-    "a;b\n": "line 1 has 0 columns called x; expected column names such as x,y",
-    "": "line 1 has 0 columns called x",
+    "x;y\n": "line 1 has 0 columns called x (it is 'x;y'); expected column names such as x,y, with",
+    "X,Y\n": "line 1 has 0 columns called x (it is 'X,Y'); expected column names such as x,y",
+    "": "line 1 has 0 columns called x (it is empty)",
     "x,y,x\n1,2,3\n": "line 1 has 2 columns called x",
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
@@ -93,6 +94,8 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
             ("3", "4", "--geojson", "no/where.json"),
             "--geojson: cannot write no/where.json: No such",
         ),
+        (("3", "4", "--geojson", "."), "--geojson: cannot write .: Is a directory"),
+        (("3", "4", "--plot", "no/where.svg"), "cannot write no/where.svg: No such"),
     ],
 )
 def test_a_request_without_a_target(arguments, message, points):
@@ -165,3 +168,26 @@ def test_a_drawn_route_with_a_free_final_heading():
         scenario=scenario, solver="some", path=Path(scenario.start, [0.0], [math.pi])
     )
     assert plot_path(straight).axes[0].get_legend() is not None
+
+
+def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
+    """On a terminal alone; its continuation begins below the value."""
+    many = [word for i in range(1, 13) for word in ("--via", str(5 * i), "1")]
+    monkeypatch.delenv("COLUMNS", raising=False)
+    unbroken = asked("solve", "70", "0", *many).stdout
+    monkeypatch.setenv("COLUMNS", "60")
+    broken = asked("solve", "70", "0", *many).stdout
+
+    assert len(line_of("word", unbroken).split()) == 13
+    assert max(map(len, broken.splitlines())) <= 60
+    assert broken.replace("\n" + " " * 12, " ").splitlines()[0] == unbroken.splitlines()[0]
+
+
+def test_a_jump_of_the_length_is_no_wide_interval():
+    """At the target already, heading as asked: nothing, or a turn within the data's rounding."""
+    shown = line_of("optimum", asked("solve", "0", "0", "--final-heading", "0").stdout)
+
+    parts = [eval(part) for part in shown.removeprefix("in ").split(", relative")[0].split(" or ")]
+    for (low, high), turns in zip(parts, range(3), strict=True):
+        assert low <= 2 * math.pi * turns <= high
+        assert high - low < 1e-13

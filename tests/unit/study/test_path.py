@@ -76,7 +76,7 @@ def test_a_step_that_divides_the_path_adds_no_pose():
     assert len(Path(Pose(0, 0, 0), [], []).sample(step=0.1)) == 1
 
 
-@pytest.mark.parametrize("step", [0, -1, math.nan, math.inf, 1e-9, None])
+@pytest.mark.parametrize("step", [0, -1, math.nan, math.inf, 1e-9, None, "1", True])
 def test_a_step_that_is_none(step):
     with pytest.raises(ValueError, match=r"step is .*; expected"):
         Path(Pose(0, 0, 0), [1], [1]).sample(step=step)
@@ -114,7 +114,7 @@ def test_a_circle_has_as_few_chords_as_its_error_allows():
     assert len(coordinates) - 1 == math.ceil(2 * math.pi / (2 * math.acos(1 - 1e-3)))
     assert circle.to_geojson()["properties"]["radius"] == 2.0
     for path in (Path(Pose(1, 2, 0), [], []), Path(Pose(1, 2, 0), [9], [0])):  # of no length
-        assert path.to_geojson()["geometry"]["coordinates"] == [[1, 2], [1, 2]]
+        assert path.to_geojson()["geometry"] == {"type": "Point", "coordinates": [1, 2]}
 
 
 @pytest.mark.parametrize("share", [0, -1, 1.5, math.nan])

@@ -21,8 +21,8 @@ def read_points(file: FilePath) -> list[Point]:
             head = [name.strip() for name in next(reader, [])]
             for name in ("x", "y"):
                 if head.count(name) != 1:
-                    found = f"has {head.count(name)} columns called {name}"
-                    expected = "expected column names such as x,y in the first line"
+                    found = f"has {head.count(name)} columns called {name} ({_shown(head)})"
+                    expected = "expected column names such as x,y, with a comma between them"
                     raise CommandError(f"{file}: line 1 {found}; {expected}")
             places = [(name, head.index(name)) for name in ("x", "y")]
             points = []
@@ -42,6 +42,13 @@ def read_points(file: FilePath) -> list[Point]:
     if not points:
         raise CommandError(f"{file}: no points; expected a line each")
     return points
+
+
+def _shown(head: list[str]) -> str:
+    """The names of columns in a message."""
+    from dubins_study.study.values import short  # numpy, which no help waits for
+
+    return f"it is {short(','.join(head))}" if head else "it is empty"
 
 
 def _coordinate(file: FilePath, line: int, name: str, cells: list[str]) -> float:
