@@ -1,11 +1,13 @@
 """Run the benchmarks named on the command line, or all, and print one table.
 
-`python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`. Exit code 1 if a
-target is missed or a benchmark fails, 2 if there is no benchmark of a name.
+`python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`; with `--peers
+FOLDER`, `route` builds its peers from their sources. Exit code 1 if a target is missed or a
+benchmark fails, 2 if there is no benchmark of a name or no such folder.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Iterator
 from importlib import import_module
@@ -14,6 +16,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks import harness
 from benchmarks.harness import Measurement
 
 HERE = Path(__file__).parent
@@ -56,12 +59,18 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     """Exit code."""
-    if unknown := [name for name in names if name not in known()]:
-        print(f"no benchmark {unknown[0]!r}; there are: {', '.join(known())}", file=sys.stderr)
-        return 2
-    rows = [row for name in names or known() for row in run(name)]
+    parser = argparse.ArgumentParser(prog="benchmarks", description="Measure speed beside peers.")
+    parser.add_argument("name", nargs="*", help=f"of {', '.join(known())}; all if none is given")
+    parser.add_argument("--peers", type=Path, metavar="FOLDER", help="clones of gdip and MPDP")
+    asked = parser.parse_args(arguments)
+    if unknown := [name for name in asked.name if name not in known()]:
+        parser.error(f"no benchmark {unknown[0]!r}; there are: {', '.join(known())}")
+    if asked.peers is not None and not asked.peers.is_dir():
+        parser.error(f"--peers {asked.peers}: no such folder")
+    harness.peer_sources = asked.peers
+    rows = [row for name in asked.name or known() for row in run(name)]
     # wide enough for every column where the output is a file
     Console(width=None if sys.stdout.isatty() else 170).print(table(rows))
     return 1 if any(row.ok is False for row in rows) else 0

@@ -13,9 +13,11 @@ from statistics import median
 
 import numpy as np
 
-from benchmarks.harness import Measurement, sized
+from benchmarks import harness
+from benchmarks.harness import Measurement, absent, sized
+from benchmarks.route_peers import NO_SOURCES, peer_rows
 from dubins_study.study.path import FloatArray
-from dubins_study.study.route.search import search
+from dubins_study.study.route.search import Route, search
 
 SEED = 18
 START = 0.3  # rad, the heading at the first point
@@ -57,18 +59,23 @@ def measure() -> Iterable[Measurement]:
         rng = np.random.default_rng([SEED, legs, int(most)])
         points = [random_route(rng, legs, least, most) for _ in range(sized(routes, 1))]
         run = partial(search, first=START, limit=sized(limit, 1), tolerance=tolerance)
-        yield _row(f"route of {legs} legs of {least:g}R to {most:g}R", points, run, aim)
+        yield from _rows(f"{legs} legs of {least:g}R to {most:g}R", points, run, aim)
     points = [circuit(sized(700, 20))] * sized(3, 1)
     run = partial(search, first=0.0, limit=30.0, tolerance=1e-12)
-    yield _row("smooth circuit of 700 legs of 5R to 30R", points, run, 5.0)
+    yield from _rows("smooth circuit of 700 legs of 5R to 30R", points, run, 5.0)
+    if harness.peer_sources is None:
+        yield absent("routes against gdip and MPDP", NO_SOURCES)
 
 
-def _row(what: str, points: list[FloatArray], run: partial, aim: float) -> Measurement:
+def _rows(
+    what: str, points: list[FloatArray], run: partial[Route], aim: float
+) -> Iterable[Measurement]:
+    """Our search, then its peers on the same routes."""
     found = [run(some) for some in points]
     seconds = median(route.seconds for route in found)
     gaps = [(route.high - route.low) / route.high for route in found]
     closed = sum(route.closed for route in found)
-    return Measurement(
+    yield Measurement(
         what,
         ours=seconds,
         peer=aim,
@@ -78,3 +85,4 @@ def _row(what: str, points: list[FloatArray], run: partial, aim: float) -> Measu
         note=f"median; {closed} of {len(found)} closed to {run.keywords['tolerance']:g}, "
         f"gap {median(gaps):.0e}, at most {max(gaps):.0e}",
     )
+    yield from peer_rows(points, found, **run.keywords)

@@ -17,10 +17,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import NamedTuple
 
+peer_sources: Path | None = None  # the folder of the clones that `route_peers` builds
 smallest = False  # whether the benchmarks imported from now on have their smallest size
 
 
