@@ -35,7 +35,7 @@ EDGES = {
     "far": Scenario(0, 0, 0.4, 700, -300, 1),
     "tiny radius": Scenario(1, 2, 3, 1 + 4e-6, 2 - 3e-6, 1e-6),
     "huge radius": Scenario(-1e6, 2e6, -2, 3e6, 4e6, 1e6),
-    "many turns of heading": Scenario(0, 0, 40 * math.pi + 0.3, -3, 2, 1),
+    "many turns of heading": Scenario(0, 0, f"{40 * math.pi + 0.3}rad", -3, 2, 1),
 }
 
 

@@ -13,7 +13,7 @@ _WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")
 _PI = re.compile(rf"([+-]?)({_NUMBER})?\s*\*?\s*pi(?:\s*/\s*({_NUMBER}))?")
 _NO_UNIT = re.compile(rf"[+-]?{_NUMBER}")
 # rad; a full turn written with few digits, such as 6.2832, is still one
-_FULL_TURN = 2 * math.pi * (1 + 1e-4)
+FULL_TURN = 2 * math.pi * (1 + 1e-4)
 
 
 class AngleError(DubinsStudyError, ValueError):
@@ -23,13 +23,10 @@ class AngleError(DubinsStudyError, ValueError):
 def parse_angle(text: str | float) -> float:
     """Angle in radians, counter-clockwise, from a number (radians) or a text.
 
-    A text is like `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3` or `0.5*pi`; without a unit it is in
-    radians, up to a full turn. Anything else is an `AngleError`.
+    A text is like `120deg`, `2.0944`, `7rad`, `-pi/2`, `2pi/3` or `0.5*pi`; without a unit, and as
+    a number, it is in radians, up to a full turn. Anything else is an `AngleError`.
     """
-    if not isinstance(text, str):
-        value: float | None = float(text)
-    else:
-        value = _evaluate(text.strip())
+    value = _evaluate(str(text).strip())
     if value is None or not math.isfinite(value):
         raise AngleError(f"{short(text)} is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3")
     return value
@@ -48,7 +45,7 @@ def _evaluate(text: str) -> float | None:
     if not _NO_UNIT.fullmatch(text):
         return None
     value = float(text)
-    if _FULL_TURN < abs(value) < math.inf:
+    if FULL_TURN < abs(value) < math.inf:
         wanted = (
             f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"
         )

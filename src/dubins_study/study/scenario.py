@@ -6,16 +6,17 @@ One at a time, or as a frame.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+import sys
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.angle import AngleError, parse_angle
+from dubins_study.study.angle import FULL_TURN, AngleError, parse_angle
 from dubins_study.study.values import real_number, short
 from dubins_study.study.words import (
     BRANCHES,
@@ -51,7 +52,8 @@ class Scenario:
 
     Args:
         x, y: start position; any length unit, the same for all lengths.
-        heading: start heading, counter-clockwise from +x: rad, or a text such as `120deg`.
+        heading: start heading, counter-clockwise from +x: rad, or a text such as `120deg`. A number
+            beyond a full turn gives a warning, since it may be one of degrees.
         target_x, target_y: target position.
         radius: minimum turning radius.
         speed: length units per time unit; travel time = length / speed.
@@ -95,10 +97,16 @@ class Scenario:
             object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
         object.__setattr__(self, "label", _label(label))
         object.__setattr__(self, "via", _via(via))
+        angle = None
         if final_heading is not None:
-            angle = _heading("final_heading", final_heading)
-            final_heading = _number("final_heading", angle)
-        object.__setattr__(self, "final_heading", final_heading)
+            angle = _number("final_heading", _heading("final_heading", final_heading))
+        object.__setattr__(self, "final_heading", angle)
+        # within the package, and of a scenario with `replace`d fields, numbers are in radians
+        caller = sys._getframe(1).f_globals.get("__name__", "")
+        if not caller.startswith(("dubins_study.", "dataclasses")):
+            for name, written in (("heading", heading), ("final_heading", final_heading)):
+                if not isinstance(written, str) and abs(getattr(self, name) or 0.0) > FULL_TURN:
+                    warnings.warn(f"{name} {_DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:
@@ -181,6 +189,12 @@ DEFAULTS: dict[str, Any] = {
     **dict.fromkeys((*VIA, "final_heading")),
 }
 _POSITIVE = ("radius", "speed")
+_HEADINGS = ("heading", "final_heading")
+# the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
+_DEGREES = (
+    "is a number of more than a full turn, taken as radians; of degrees write the unit, such as "
+    "'90deg'"
+)
 LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
@@ -192,8 +206,7 @@ def _heading(name: str, text: float | str) -> float:
     try:
         return parse_angle(text)
     except AngleError as error:
-        expected = "expected a number, in radians, or an angle such as 120deg"
-        raise ScenarioError(f"{name} is {short(text)}; {expected} ({error})") from None
+        raise ScenarioError(f"{name}: {error}") from None
 
 
 _PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)]"
@@ -284,48 +297,109 @@ def missing_columns(names: Sequence[str]) -> str:
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
 
-    Columns of `DEFAULTS` may be left out or lack values: a label is then empty, there are no via
-    points, and the final heading is free. The caller's frame is not changed; its index is kept.
-    Columns of any type are read if each value is a number as `Scenario` takes it (a heading may be
-    a text such as `120deg`), of `label` a text, or of `via_x` and `via_y` a list of numbers or a
-    text of numbers and spaces, such as `4 6`; a column `via` of lists of pairs stands for both. A
-    `ScenarioError` names columns, or the first row that no scenario may have.
+    Columns of `DEFAULTS` may be left out; a cell without a label, via points or a final heading may
+    be empty. The caller's frame is not changed; its index is kept. Each value is read as `Scenario`
+    takes it, or in `via_x` and `via_y` as `numbers_of` does; a column `via` of lists of pairs
+    stands for both. A `ScenarioError` names columns, or the first row that no scenario may have. A
+    heading beyond a full turn that is no text gives a warning, as a scenario's does.
     """
     import pandas as pd
 
     if not isinstance(frame, pd.DataFrame):
         raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
-    if "via" in frame and not {*VIA} & {*frame}:  # as of a list of Scenarios
-        frame = _with_via_columns(frame)
     names = list(frame.columns)
     expected = f"expected columns {', '.join(COLUMNS)}"
     if missing := [name for name in COLUMNS if name not in names and name not in DEFAULTS]:
         raise ScenarioError(f"{missing_columns(missing)}; {expected}")
-    if unknown := [name for name in names if name not in COLUMNS]:
+    if unknown := [name for name in names if name not in (*COLUMNS, "via")]:
         raise ScenarioError(f"unknown column {unknown[0]!r}; {expected}")
     if len(set(names)) < len(names):
         raise ScenarioError(f"a column appears twice; {expected}")
-    checked: dict[str, Any] = {}
+    if "via" in names and {*VIA} & {*names}:
+        raise ScenarioError("via points are given twice; expected via, or via_x and via_y")
+    columns = _columns_of_numbers(frame) or _columns_row_by_row(frame)
+    for name in {*_HEADINGS} & {*names}:
+        beyond = np.abs(columns[name]) > FULL_TURN
+        if beyond.any() and not all(isinstance(angle, str) for angle in frame[name][beyond]):
+            warnings.warn(f"{name} {_DEGREES}", stacklevel=4)  # at the call of `solve_frame`
+    return pd.DataFrame(columns, index=frame.index, copy=False)
+
+
+def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
+    """The columns of one leg a row, each checked as a whole; None if rows are to be looked at."""
+    n = len(frame)
+    if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
+        return None
+    columns: dict[str, Any] = {}
     for name in NUMBERS:
-        checked[name] = (
-            _column(frame, name) if name in names else np.full(len(frame), DEFAULTS[name])
-        )
-    via = _via_lists(frame)
-    _check_extent(frame, checked, via)
-    checked["label"] = _labels(frame) if "label" in names else ""
-    for row, lists in via.items():
+        columns[name] = _doubles(frame, name) if name in frame else np.full(n, DEFAULTS[name])
+    columns["label"] = _labels(frame) if "label" in frame else ""
+    columns |= dict.fromkeys(VIA, list_column(n, {}))
+    columns["final_heading"] = (
+        _doubles(frame, "final_heading")
+        if "final_heading" in frame
+        else np.broadcast_to(np.nan, n)  # takes no memory
+    )
+    if any(column is None for column in columns.values()):
+        return None
+    places, radius = (
+        [columns[name] for name in ("x", "y", "target_x", "target_y")],
+        columns["radius"],
+    )
+    # no row can be worse than the worst of every column together
+    worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
+    fits = worst <= LARGEST_EXTENT * radius.min()
+    if not fits and np.any(sum(map(np.abs, places)) > LARGEST_EXTENT * radius):
+        return None
+    return columns
+
+
+def _doubles(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+    """A column of numbers as doubles, read-only; None if one of them is refused, or is a text."""
+    if frame[name].dtype.kind not in "iuf":
+        return None
+    with np.errstate(over="ignore"):
+        values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan).view()
+    values.flags.writeable = False  # whoever gets the frame may read it
+    # min and max see NaN and both infinities without a temporary array of the frame's length
+    low, high = values.min(), values.max()
+    if name == "final_heading":  # free where it is NaN
+        low, high = np.fmin.reduce(values, initial=1.0), np.fmax.reduce(values, initial=1.0)
+    least = SMALLEST if name in _POSITIVE else -LARGEST
+    return values if least <= low and high <= LARGEST else None  # neither holds for NaN
+
+
+def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
+    """The labels, if each is a text that a row can hold."""
+    from pandas.api.types import infer_dtype
+
+    labels = frame["label"]
+    if infer_dtype(labels, skipna=False) != "string" or labels.isna().any():
+        return None
+    storable = (text == text.encode("utf-8", "ignore").decode() for text in labels.unique())
+    return labels if all(storable) else None
+
+
+def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
+    """The columns of any frame; the first row that no scenario may have is refused."""
+    import pandas as pd
+
+    n, names = len(frame), (*NUMBERS, "final_heading")
+    numbers, labels = np.empty((len(names), n)), []
+    via: dict[str, dict[int, list[float] | None]] = {name: {} for name in VIA}
+    for row, values in enumerate(frame.itertuples(index=False, name=None)):
         try:
-            Scenario(**{name: checked[name][row] for name in NUMBERS}, via=_pairs(*lists))
+            scenario = scenario_of(dict(zip(frame.columns, values, strict=True)))
         except ScenarioError as error:
             raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
-    for place, name in enumerate(VIA):
-        checked[name] = list_column(len(frame), {row: lists[place] for row, lists in via.items()})
-    checked["final_heading"] = (
-        _column(frame, "final_heading", optional=True)
-        if "final_heading" in names
-        else np.broadcast_to(np.nan, len(frame))  # takes no memory
-    )
-    return pd.DataFrame(checked, index=frame.index, copy=False)
+        numbers[:, row] = [getattr(scenario, name) for name in names]  # NaN for None
+        labels.append(scenario.label)
+        if scenario.via:
+            via["via_x"][row], via["via_y"][row] = scenario.via_x, scenario.via_y
+    columns: dict[str, Any] = dict(zip(names, numbers, strict=True))
+    columns["label"] = pd.array(labels, "str")
+    columns |= {name: list_column(n, lists) for name, lists in via.items()}
+    return {name: columns[name] for name in COLUMNS}
 
 
 def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
@@ -340,30 +414,32 @@ def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
     return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
 
 
-def _with_via_columns(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with its column `via` written as `via_x` and `via_y`."""
-    points = [*_each(frame, frame["via"], lambda via: () if is_missing(via) else _via(via))]
-    via = {
-        name: list_column(
-            len(frame), {row: [p[axis] for p in via] for row, via in enumerate(points)}
-        )
-        for axis, name in enumerate(VIA)
-    }
-    return frame.drop(columns="via").assign(**via)
+def row_name(frame: pd.DataFrame, row: int) -> str:
+    """A row of a frame in messages, by its label."""
+    label = frame.index[row]
+    return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
 
 
-def _via_lists(frame: pd.DataFrame) -> dict[int, list[list[float] | None]]:
-    """x and y of the via points by row, of the rows that have any."""
-    columns = [frame.get(name) for name in VIA]
-    if all(column is None or column.isna().all() for column in columns):
-        return {}
-    cells = [
-        [None] * len(frame)
-        if column is None
-        else [*_each(frame, column, partial(numbers_of, name))]
-        for name, column in zip(VIA, columns, strict=True)
-    ]
-    return {row: [*lists] for row, lists in enumerate(zip(*cells, strict=True)) if any(lists)}
+def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
+    """The rows of a checked frame, one `Scenario` each."""
+    for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
+        yield scenario_of(dict(zip(COLUMNS, row, strict=True)))
+
+
+def scenario_of(row: Mapping[Any, Any]) -> Scenario:
+    """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
+    fields = {name: row[name] for name in NUMBERS if name in row}
+    for name in ("label", "final_heading"):
+        if not is_missing(row.get(name)):
+            fields[name] = row[name]
+    via: Any = row.get("via")
+    if is_missing(via):
+        xs, ys = (numbers_of(name, row.get(name)) or [] for name in VIA)
+        if len(xs) != len(ys):
+            counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
+            raise ScenarioError(f"{counts}; expected as many")
+        via = zip(xs, ys, strict=True)
+    return Scenario(**fields, via=via)
 
 
 def numbers_of(name: str, value: Any) -> list[float] | None:
@@ -390,113 +466,8 @@ def numbers_of(name: str, value: Any) -> list[float] | None:
 
 def is_missing(value: Any) -> bool:
     """Whether a cell is empty: None, NaN, or pandas' NA."""
-    return value is None or (isinstance(value, float) and math.isnan(value)) or _is_na(value)
-
-
-def _is_na(value: Any) -> bool:
-    return type(value).__name__ in ("NAType", "NaTType")
-
-
-def _pairs(xs: list[float] | None, ys: list[float] | None) -> list[tuple[float, float]]:
-    """Via points from the cells of both columns."""
-    xs, ys = xs or [], ys or []
-    if len(xs) != len(ys):
-        counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
-        raise ScenarioError(f"{counts}; expected as many")
-    return list(zip(xs, ys, strict=True))
-
-
-def scenario_of(row: Mapping[Any, Any]) -> Scenario:
-    """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
-    fields = {name: row[name] for name in (*NUMBERS, "label") if name in row}
-    via = _pairs(*(numbers_of(name, row.get(name)) for name in VIA))
-    final = row.get("final_heading")
-    return Scenario(**fields, via=via, final_heading=None if is_missing(final) else final)
-
-
-def _column(
-    frame: pd.DataFrame, name: str, *, optional: bool = False
-) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """One column of numbers as doubles, read-only; NaN is a number of an optional one."""
-    if frame[name].dtype.kind in "iuf":
-        with np.errstate(over="ignore"):
-            values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan)
-    else:
-        given = _each(frame, frame[name], lambda value: _cell(name, value))
-        values = np.fromiter(given, np.float64, len(frame))
-    # min and max see NaN and both infinities without a temporary array of the frame's length
-    low, high = (values.min(), values.max()) if values.size else (1.0, 1.0)
-    if optional:
-        low, high = np.fmin.reduce(values, initial=1.0), np.fmax.reduce(values, initial=1.0)
-    values = values.view()
-    values.flags.writeable = False  # whoever gets the frame may read it
-    least = SMALLEST if name in _POSITIVE else -LARGEST
-    if least <= low and high <= LARGEST:  # neither holds for NaN
-        return values
-    fits = (least <= values) & (values <= LARGEST)
-    row = int(np.argmin(fits | np.isnan(values) if optional else fits))
-    raise ScenarioError(f"{row_name(frame, row)}: {_problem(name, float(values[row]))}")
-
-
-def _cell(name: str, value: Any) -> float:
-    """A number of a frame's row; NaN, which is refused with the column, where it is missing."""
-    if value is None or (name == "final_heading" and is_missing(value)):
-        return math.nan
-    return _number(name, _heading(name, value) if name.endswith("heading") else value)
-
-
-def _labels(frame: pd.DataFrame) -> pd.Series[Any]:
-    """The labels, empty where they are missing."""
-    import pandas as pd
-    from pandas.api.types import infer_dtype
-
-    labels = frame["label"]
-    if labels.dtype == "category":
-        labels = labels.astype(object)
-    missing = labels.isna()
-    plain = infer_dtype(labels, skipna=False) in ("string", "empty") and not missing.any()
-    if plain and all(map(str.isascii, labels.unique())):
-        return frame["label"]
-    texts = ["" if none else text for text, none in zip(labels, missing, strict=True)]
-    return pd.Series(list(_each(frame, texts, _label)), frame.index, "str")
-
-
-def _each(
-    frame: pd.DataFrame, values: Iterable[Any], convert: Callable[[Any], Any]
-) -> Iterator[Any]:
-    """The values converted; an error names its row of the frame."""
-    for row, value in enumerate(values):
-        try:
-            yield convert(value)
-        except ScenarioError as error:
-            raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
-
-
-def row_name(frame: pd.DataFrame, row: int) -> str:
-    """A row of a frame in messages, by its label."""
-    label = frame.index[row]
-    return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
-
-
-def _check_extent(frame: pd.DataFrame, numbers: dict[str, Any], routes: Iterable[int]) -> None:
-    """Refuse a row of one leg whose turning circles are lost in rounding."""
-    if not len(frame):
-        return
-    largest = sum(
-        max(abs(numbers[name].min()), abs(numbers[name].max()))
-        for name in ("x", "y", "target_x", "target_y")
+    return (
+        value is None
+        or (isinstance(value, float) and math.isnan(value))
+        or type(value).__name__ in ("NAType", "NaTType")
     )
-    if largest <= LARGEST_EXTENT * numbers["radius"].min():
-        return  # no row can be worse than the worst of every column together
-    extent = sum(np.abs(numbers[name]) for name in ("x", "y", "target_x", "target_y"))
-    lost = extent > LARGEST_EXTENT * numbers["radius"]
-    lost[list(routes)] = False
-    for row in np.flatnonzero(lost)[:1]:
-        problem = _lost_in_rounding(float(extent[row]), float(numbers["radius"][row]))
-        raise ScenarioError(f"{row_name(frame, int(row))}: {problem}")
-
-
-def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
-    """The rows of a checked frame, one `Scenario` each."""
-    for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
-        yield scenario_of(dict(zip(COLUMNS, row, strict=True)))

@@ -98,10 +98,12 @@ def test_every_wrong_row_is_named(tmp_path):
 
 
 def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
-    frame = frame_of(EXPECTED).assign(radius=[1, 0, None])
+    """A heading that is a number is read as a text would be."""
+    frame = frame_of(EXPECTED).assign(radius=[1, 0, None], heading=[6.28, 90, 1])
     frame.to_parquet(tmp_path / "a.parquet")
 
     assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
+        "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad",
         "  row 2: radius is 0.0; expected a number above 0",
         "  row 3: radius is empty; expected a number",
     ]

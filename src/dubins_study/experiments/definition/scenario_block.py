@@ -30,6 +30,7 @@ from dubins_study.experiments.definition.axes import (
     ViaLists,
 )
 from dubins_study.experiments.definition.messages import Problem
+from dubins_study.study.angle import FULL_TURN, parse_angle
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import EVERY_BRANCH
 
@@ -84,13 +85,15 @@ class _Fields(StrictModel):
         cls, written: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
     ) -> Any:
         name = str(info.field_name)
-        if name in FIELDS and name not in _ANGLES:
-            items = next(iter(written.values()), None) if isinstance(written, dict) else written
-            if any(isinstance(i, str) for i in (items if isinstance(items, list) else [items])):
-                raise ValueError(
-                    "expected a number; texts such as '120deg' are for angles: "
-                    f"{', '.join(_ANGLES)}"
-                )
+        items = next(iter(written.values()), None) if isinstance(written, dict) else written
+        items = items if isinstance(items, list) else [items]
+        if name in _ANGLES:
+            for number in items[:2] if isinstance(written, dict) else items:
+                if isinstance(number, int | float) and abs(number) > FULL_TURN:
+                    parse_angle(number)  # refuses it, and says what to write
+        elif name in FIELDS and any(isinstance(item, str) for item in items):
+            angles = ", ".join(_ANGLES)
+            raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
         axis = validate(written)
         holds, rule = _RULES.get(name, (None, ""))
         wrong = [] if holds is None else [str(v) for v in _values(axis) if not holds(v)]
