@@ -87,7 +87,7 @@ def solve(
     if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
         raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
-    with output.solvers_to_stderr():
+    with output.solvers_to_stderr(), output.search_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail

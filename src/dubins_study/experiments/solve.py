@@ -40,7 +40,8 @@ def solve(
             `LSR`, `RSL`, `RLR`, `LRL`; of a route only `best`.
         profile: `default`, `fast` or `accurate`.
         initial_guess: a path to begin the search from; cold if None.
-        limit: seconds that the solver is asked to keep to, once its libraries are loaded.
+        limit: seconds that the solver is asked to keep to, once its libraries are loaded. The
+            check's own search for the shortest route ends after as many, or 20.
         isolated: whether the solver is asked in a worker process, which is killed a tenth of a
             second after the limit, or above 4 GiB; that, a crash and a hang are then outcomes, as
             in a run. With False it is asked in this process, and this returns when the solver
@@ -62,7 +63,7 @@ def solve(
     if initial_guess is not None and not isinstance(initial_guess, Path):
         raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
     check_branch(scenario, branch)
-    allowed = tolerances(profile)
+    allowed = tolerances(profile, limit)
     question = Question(scenario, branch, initial_guess)
     if _in_worker(solver, profile, isolated):
         from dubins_study.experiments.executors.local import ask_isolated

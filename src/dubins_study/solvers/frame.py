@@ -48,7 +48,7 @@ def solve_frame(
 ) -> pd.DataFrame:
     """Solve and judge every scenario of a frame in this process."""
     check_request(branch, limit)
-    allowed = tolerances(profile)
+    allowed = tolerances(profile, limit)
     backend = load(solver, profile)
     frame = check_frame(scenarios)
     check_branches(frame, branch)

@@ -13,15 +13,19 @@ ARRIVES = 1e-6
 HEADED = ARRIVES
 # of the coordinates' size and a path's length: what driving in floating point loses
 DRIVEN = 32.0 * EPS
+# Seconds after which the search for a route's reference ends; most take less than one. On a slower
+# machine an interval may be wider, and an answer undecided there, but never wrong.
+SEARCH_S = 20.0
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """When a path counts as arriving, as drivable and as optimal."""
+    """When a path counts as arriving, as drivable and as optimal, and the effort to find out."""
 
     miss: float = ARRIVES  # largest distance to the target, in turning radii
     curvature: float = 1e-9  # largest curvature beyond what the branch allows, times the radius
     gap: float = 1e-4  # largest gap of an answer that is called optimal
+    search_s: float = SEARCH_S
 
 
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Path, Scenario, plot_path, solve
 from dubins_study.cli.app import app
-from dubins_study.cli.terminal.arguments import CommandError
+from dubins_study.errors import DubinsStudyError
 
 START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
 ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
@@ -77,7 +77,7 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_a_file_of_points_that_cannot_be_read(text, points):
     points.write_text(text)
-    with pytest.raises(CommandError) as refusal:
+    with pytest.raises(DubinsStudyError) as refusal:
         asked("solve", "--via-file", str(points))
     assert str(refusal.value).startswith(f"{points}: {REFUSED[text]}")
 
@@ -98,9 +98,9 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
         (("3", "4", "--plot", "no/where.svg"), "cannot write no/where.svg: No such"),
     ],
 )
-def test_a_request_without_a_target(arguments, message, points):
+def test_a_request_that_is_refused(arguments, message, points):
     words = [word.replace("FILE", str(points)) for word in arguments]
-    with pytest.raises(CommandError, match=message):
+    with pytest.raises(DubinsStudyError, match=message):
         asked("solve", *words)
 
 

@@ -87,20 +87,22 @@ def test_chords_of_geojson_are_near_their_arcs(pieces, share):
     """No pose of the path is further from the line than the chord error; ends and length agree."""
     path = path_of(pieces)
     feature = json.loads(json.dumps(path.to_geojson(share, verdict="optimal"), allow_nan=False))
-    line = np.array(feature["geometry"]["coordinates"])
+    line = np.array(feature["geometry"]["coordinates"]).reshape(-1, 2)
     properties = feature["properties"]
 
-    assert (feature["type"], feature["geometry"]["type"]) == ("Feature", "LineString")
+    kind = "LineString" if path.length.any() else "Point"
+    assert (feature["type"], feature["geometry"]["type"]) == ("Feature", kind)
     assert (properties["length"], properties["verdict"]) == (path.total_length, "optimal")
     np.testing.assert_allclose(line[0], path.start[:2])
     np.testing.assert_allclose(line[-1], path.end[:2], atol=1e-12)
     allowed = properties["chord_error"] + 1e-9
     for point in path.sample(300)[:, :2]:
-        assert _distance(point, line) <= allowed
+        assert _distance(point, line if len(line) > 1 else [*line, *line]) <= allowed
 
 
 def _distance(point, line):
     """From a point to a chain of segments."""
+    line = np.asarray(line)
     begin, along = line[:-1], np.diff(line, axis=0)
     share = np.sum((point - begin) * along, axis=1) / np.maximum(np.sum(along**2, axis=1), 1e-300)
     return np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - point).T).min()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +18,10 @@ from dubins_study.study.check.verdict import curvature_excess, judge, miss_reaso
 from dubins_study.study.check.visits import visits
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.path import Path
+from dubins_study.study.route import shortest
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import POSE_BRANCHES, Claim, Outcome, Proof, Verdict
 
 ROUTE = Scenario(
@@ -30,14 +31,7 @@ FREE = replace(ROUTE, final_heading=None)
 POSE = Scenario(heading="30deg", target_x=1, target_y=0.5, final_heading="90deg")
 
 
-@pytest.fixture
-def no_time() -> Iterator[None]:
-    """The search for references is cut short."""
-    reference.reference_of.cache_clear()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reference, "SEARCH_S", 1e-9)
-        yield
-    reference.reference_of.cache_clear()
+NO_TIME = Tolerances(search_s=1e-9)
 
 
 def shifted(path: Path, legs: int, by: float) -> Path:
@@ -178,23 +172,47 @@ def _judgement(answer):
     return judge(answer.scenario, answer.path, answer.claim)
 
 
-@pytest.mark.usefixtures("no_time")
 def test_what_the_interval_leaves_open_is_undecided():
     """Neither right nor wrong, whatever is claimed; a path that is surely longer is longer."""
     path = solve(FREE).path
+    shortest._last_search.cache_clear()  # which closed the gap
 
     for claim in (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE):
-        found = judge(FREE, path, claim)
+        found = judge(FREE, path, claim, tolerances=NO_TIME)
         assert (found.verdict, found.false_claim) == (Verdict.UNDECIDED, False)
-    assert judge(FREE, path, Claim.INFEASIBLE).false_claim
-    certificate = certify(FREE, path, found)
+    assert judge(FREE, path, Claim.INFEASIBLE, tolerances=NO_TIME).false_claim
+    certificate = certify(FREE, path, found, tolerances=NO_TIME)
     assert certificate.proof is Proof.NONE
     assert certificate.reference_low < 0.999 * path.total_length
-    bounded = certify(FREE, path, found, lower_bound=path.total_length)
+    bounded = certify(FREE, path, found, lower_bound=path.total_length, tolerances=NO_TIME)
     assert bounded.proof is Proof.BOUNDED
 
     circles = Path(path.start, [1.0, *path.curvature], [20 * math.pi, *path.length])
-    assert judge(FREE, circles).verdict is Verdict.LONGER
+    assert judge(FREE, circles, tolerances=NO_TIME).verdict is Verdict.LONGER
+
+
+def test_the_check_repeats_no_search(monkeypatch):
+    """A search is the solver's own each time; the check takes the last one if it suffices."""
+    limits = []
+
+    def search(*question, limit, tolerance):
+        limits.append(limit)
+        return search_routes(*question, limit=limit, tolerance=tolerance)
+
+    search_routes = shortest.search
+    monkeypatch.setattr(shortest, "search", search)
+    shortest._last_search.cache_clear()
+
+    for _ in range(2):
+        solve(FREE, limit=30)
+    assert limits == [30, 30]
+    judge(FREE, solve(ROUTE).path)  # of another question
+    assert limits[2:] == [60]
+
+    solve(FREE, limit=1e-9)
+    assert limits[3:] == [1e-9]
+    judge(FREE, solve(FREE, limit=1e-9).path)  # in its own time
+    assert limits[4:] == [1e-9, 20]
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():
@@ -325,15 +343,6 @@ def test_a_via_point_on_the_way_changes_nothing(seed):
     assert judge(more, path).verdict is Verdict.OPTIMAL
 
 
-@pytest.fixture
-def little_time() -> Iterator[None]:
-    """Searches end early: a bound has to hold whenever they do."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reference, "SEARCH_S", 0.2)
-        yield
-    reference.reference_of.cache_clear()
-
-
 def attacked(seed: int) -> None:
     """A random path is an answer to the question of its own points, and never beats the bound."""
     rng = np.random.default_rng(seed)
@@ -349,21 +358,20 @@ def attacked(seed: int) -> None:
     final = heading if given else None
     scenario = Scenario(*path.start, x, y, via=via, final_heading=final)
 
-    found = judge(scenario, path)
-    interval = reference.reference_of(scenario).enclosure
+    # searches end early: a bound has to hold whenever they do
+    found = judge(scenario, path, tolerances=Tolerances(search_s=0.2))
+    interval = reference.reference_of(scenario, search_s=0.2).enclosure
 
     assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.UNDECIDED)
     assert path.total_length >= interval.low * (1 - 1e-12)
 
 
-@pytest.mark.usefixtures("little_time")
 def test_random_paths_never_beat_the_reference():
     for seed in range(25):
         attacked(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("little_time")
 def test_many_random_paths_never_beat_the_reference():
     for seed in range(25, 1_000):
         attacked(seed)

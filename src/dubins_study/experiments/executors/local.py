@@ -129,14 +129,14 @@ def ask_isolated(
         place = 0
         for results in pool.solve(jobs, Interruption()):
             for job, worker_reply in results:
-                waiting[job.tag] = _judged(solver, profile, job.question, worker_reply.reply)
+                waiting[job.tag] = _judged(solver, profile, job.question, worker_reply.reply, limit)
             while place in waiting:
                 yield waiting.pop(place)
                 place += 1
 
 
-def _judged(solver: str, profile: str, question: Question, reply: Reply) -> Answer:
-    known = tolerances(profile), describe_solver(solver, profile).method
+def _judged(solver: str, profile: str, question: Question, reply: Reply, limit: float) -> Answer:
+    known = tolerances(profile, limit), describe_solver(solver, profile).method
     try:
         return judged(solver, question, reply, *known)
     except Exception as error:  # the check cannot drive the path: an answer too, as in a run

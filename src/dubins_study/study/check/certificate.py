@@ -145,7 +145,7 @@ def _certify_reference(
     """
     if scenario.via and judged.gap is None and lower_bound is None:
         return Certificate(proof=Proof.NONE)
-    interval = reference_of(scenario, branch).enclosure
+    interval = reference_of(scenario, branch, tolerances.search_s).enclosure
     scale = max(interval.low, scenario.radius)
     allowed = tolerances.gap * scale
     arriving = None if judged.gap is None else judged.length

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
 from itertools import groupby
 from typing import NamedTuple
 
@@ -13,11 +12,7 @@ from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-
-# The search for the reference of a route ends after so many seconds if it does not close before;
-# most close in less than one. On a slower machine an interval may be left wider, so that an answer
-# is undecided there, but never wrong.
-SEARCH_S = 20.0
+from dubins_study.study.tolerances import SEARCH_S
 
 
 class Reference(NamedTuple):
@@ -32,14 +27,16 @@ class Reference(NamedTuple):
     at: tuple[float, ...]  # the arc lengths of its via points
 
 
-@lru_cache(maxsize=4096)  # the cells of a run ask each question often, in shuffled order
-def reference_of(scenario: Scenario, branch: str = "best") -> Reference:
-    """The reference of a scenario's branch, found anew: nothing that a solver says enters."""
+def reference_of(scenario: Scenario, branch: str = "best", search_s: float = SEARCH_S) -> Reference:
+    """The reference of a scenario's branch; nothing that a solver says enters.
+
+    A search of the same route in this process, by whomever it was called, is not repeated.
+    """
     if scenario.via:
         # routes alone need compiled code
-        from dubins_study.study.route.shortest import shortest_route
+        from dubins_study.study.route.shortest import known_route
 
-        found = shortest_route(scenario, SEARCH_S)
+        found = known_route(scenario, search_s)
         part = (found.low, found.high)
         return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
     if scenario.final_heading is None:

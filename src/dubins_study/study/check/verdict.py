@@ -326,10 +326,11 @@ def judge_visits(
     known: dict[str, Any] = {}
     verdict = Verdict.MISSES
     if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
-        best = reference_of(scenario, branch)
+        best = reference_of(scenario, branch, tolerances.search_s)
         moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
         if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
-            best = reference_of(visited(scenario, seen.visits.points, seen.end), branch)
+            there = visited(scenario, seen.visits.points, seen.end)
+            best = reference_of(there, branch, tolerances.search_s)
         if best.path is not None and best.enclosure.exists:
             verdict, known = _compared(scenario, length, best.enclosure, tolerances.gap)
             known["reference_word"] = words_of(best.path, best.at, radius)

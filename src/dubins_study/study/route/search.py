@@ -10,6 +10,7 @@ section 16).
 
 from __future__ import annotations
 
+import logging
 import math
 from itertools import pairwise
 from time import perf_counter
@@ -32,6 +33,7 @@ from dubins_study.study.route.leg_bound import (
 )
 
 IndexArray = NDArray[np.intp]
+_LOG = logging.getLogger(__name__)
 
 _TWO_PI = 2 * math.pi
 _COARSE = 16  # intervals at each point to begin with
@@ -157,6 +159,7 @@ class _Search:
 
     def run(self) -> Route:
         """Bound, go downhill and split by turns until the gap is closed or the time is over."""
+        _LOG.info("searching for the shortest route of %d legs", self.n)
         chains = self._middles()
         self._improve(chains)
         self.intervals = self._aimed(chains)
@@ -167,6 +170,8 @@ class _Search:
             self.rounds += 1
             least = float(bounded.ahead[-1].min()) * (1.0 - (self.n + 2) * EPS)
             self.low = max(self.low, min(least, self.discarded, self.high))
+            open_part = 1.0 - self.low / self.high
+            _LOG.info("round %d: proven to within %.2g of the length", self.rounds, open_part)
             # a chain of other words, but not in every round of a long search
             if not self.closed and (self.rounds <= _EAGER or self.rounds % _EAGER == 0):
                 self._improve(bounded)

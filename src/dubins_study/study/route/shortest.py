@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ class ShortestRoute(NamedTuple):
 
 
 def shortest_route(scenario: Scenario, limit: float) -> ShortestRoute:
-    """Search for the shortest path through a scenario's points.
+    """Search for the shortest path through a scenario's points, anew whatever is known.
 
     Args:
         scenario: its via points, and its final heading if that is given.
@@ -40,9 +41,25 @@ def shortest_route(scenario: Scenario, limit: float) -> ShortestRoute:
     rates = np.array([TURN[letter] for word in found.words for letter in word])
     segments = found.segments * radius
     driven = segments.ravel() > 0.0
-    return ShortestRoute(
+    route = ShortestRoute(
         Path(scenario.start, rates[driven] / radius, segments.ravel()[driven]),
         tuple(np.cumsum(segments.sum(axis=1))[:-1].tolist()),
         math.nextafter(found.low * radius, -math.inf),
         math.nextafter(found.high * radius, math.inf),
     )
+    _last_search(scenario)[:] = [(math.inf if found.closed else limit, route)]
+    return route
+
+
+def known_route(scenario: Scenario, limit: float) -> ShortestRoute:
+    """What the last search of this process found, if more time would not change it; or a search."""
+    for searched, route in _last_search(scenario):
+        if searched >= limit:
+            return route
+    return shortest_route(scenario, limit)
+
+
+@lru_cache(maxsize=4096)  # the cells of a run ask each question often, in shuffled order
+def _last_search(scenario: Scenario) -> list[tuple[float, ShortestRoute]]:
+    """Its limit, infinite if it closed the gap, and its result; empty before the first search."""
+    return []
