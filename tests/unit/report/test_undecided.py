@@ -1,18 +1,21 @@
-"""Attempts at routes whose interval is too wide to tell: neither right nor wrong, but shown."""
+"""What enters no share: attempts that are undecided, and questions that a solver does not take."""
 
 from __future__ import annotations
 
 import pytest
 
+from dubins_study import load_results
 from dubins_study.report.data import verdicts
 from dubins_study.report.data.failures import failures
 from dubins_study.report.page.render import render
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.existence import engine_times
+from dubins_study.report.topics.failures import failures_section
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.two_runs.changes import pairs
 from dubins_study.study.words import Claim, Verdict
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 
 
 def rows_with(undecided: int) -> list[dict[str, object]]:
@@ -61,3 +64,36 @@ def test_they_stand_on_the_page(results):
     text = page.read_text(encoding="utf-8")
     assert "undecided" in text
     assert (page.parent / "tables" / "summary.csv").exists()
+
+
+def not_taken(scenario, solver="ipopt"):
+    """The row of a solver that was not called."""
+    return lost(scenario, solver, outcome="unsupported", label="route", via_x=[9.0], via_y=[9.0])
+
+
+def test_a_question_that_a_solver_does_not_take_is_no_failure(load_rows, results):
+    """All numbers are those of the run in which it was not asked, and a sentence tells them."""
+    scenarios = paper_scenarios()
+    asked = [attempt(s, "ipopt", claim=Claim.LOCAL) for s in scenarios[:3]]
+    asked.append(lost(scenarios[3], "ipopt", outcome="timeout"))
+    more = [*asked, *map(not_taken, scenarios[4:])]
+    fewer, every = load_rows("fewer", asked), load_rows("every", more)
+
+    for found in (fewer, every):
+        line = solver_summary(found.attempts).iloc[0]
+        assert (line["attempts"], line["questions"], line["right"]) == (4, 4, 3)
+        assert (line["not_returned"], line["right_share"]) == (1, 0.75)
+        assert failures(found.attempts)["attempts"].sum() == 1
+        assert found.attempts.gap_quantiles()["attempts"].max() == 4
+        assert success(found.rows).mean() == compared(found).rows["right"].mean() == 0.75
+        counts = verdicts.existence(found.attempts).iloc[0]
+        assert [counts[kind] for kind in verdicts.KINDS] == [0] * len(verdicts.KINDS)
+    assert "3 more questions" not in failures_section(fewer).text
+    assert "3 more questions" in failures_section(every).text
+    assert len(load_results(results("read", more))) == 7
+
+
+def test_a_run_of_which_no_question_was_taken_makes_a_page(results):
+    page = render([results("run", [not_taken(s) for s in paper_scenarios()])])
+
+    assert "7 more questions" in page.read_text(encoding="utf-8")

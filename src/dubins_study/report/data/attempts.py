@@ -19,6 +19,8 @@ VERDICTS = ("optimal", "none exists", PRESOLVED, "longer", "misses", "none")
 # Neither right nor wrong: the proven interval around the shortest length is too wide to tell. Such
 # an attempt is counted by itself and enters no share.
 UNDECIDED = "undecided"
+# The outcome of a question that a solver does not take. It was not called, and no share counts it.
+UNTAKEN = "unsupported"
 # What an interval counts as one trial of a solver: repeats of it, cold and warm starts, and the
 # same attempt in another experiment all depend on each other.
 TRIAL = ("scenario_id", "branch")
@@ -52,7 +54,10 @@ class Database:
 
 
 class Attempts:
-    """The attempts of some experiments, without duplicates, in a database."""
+    """The attempts of some experiments, without duplicates, in a database.
+
+    A question that a solver does not take is no attempt (`untaken` counts them).
+    """
 
     def __init__(self, database: Database, experiments: Collection[str]) -> None:
         self._database = database
@@ -149,8 +154,19 @@ class Attempts:
 
     def frame(self, query: str) -> pd.DataFrame:
         """The result of a query; in the query, `chosen` is the table of these attempts."""
-        chosen = f"SELECT {_ENGINES_OWN} FROM attempts WHERE list_contains(?, experiment)"
-        return self._database.frame(f"WITH chosen AS ({chosen}) {query}", [self.experiments])
+        return self._database.frame(
+            f"""WITH asked AS (SELECT * FROM attempts WHERE list_contains(?, experiment)),
+            chosen AS (SELECT {_ENGINES_OWN} FROM asked WHERE outcome IS DISTINCT FROM '{UNTAKEN}')
+            {query}""",
+            [self.experiments],
+        )
+
+    def untaken(self) -> pd.DataFrame:
+        """The solvers that do not take some of the questions: solver, questions."""
+        return self.frame(
+            f"""SELECT solver, count(*) AS questions FROM asked WHERE outcome = '{UNTAKEN}'
+            GROUP BY solver ORDER BY questions DESC, solver"""
+        )
 
 
 # What the presolve answered correctly is no success of an engine.

@@ -11,7 +11,7 @@ from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
 from dubins_study.report.data.command import ROUTE
 
 # Outcomes other than `returned`: what may happen to the process that is asked.
-OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unsupported", "unavailable")
+OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unavailable")
 # What a failure is, the first that holds.
 KINDS = ("no return", "no path", "misses", "longer")
 # Reach of maps of the plane, in radii from the start.

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.report.data.attempts import Attempts, Database
+from dubins_study.report.data.attempts import UNTAKEN, Attempts, Database
 from dubins_study.report.data.selection import RowCounts, select_attempts
 from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
@@ -59,9 +59,10 @@ class Folder:
 class Results:
     """The attempts of one or more folders.
 
-    `rows` has one row per attempt, index 0, 1, ...: the scalar columns of `study.rows.schema` that
-    a report needs, `experiment`, and `answerable` (the question has an answer, so that a gap can be
-    measured). In a selection (`only`) the other fields but `folders` and `attempts` are unchanged.
+    `rows` has one row per attempt, with the scalar columns of `study.rows.schema`, `experiment`,
+    and `answerable` (the question has an answer, so that a gap can be measured); its index is that
+    of `controls`, which holds the questions that solvers do not take too. In a selection (`only`)
+    the other fields but `folders` and `attempts` are unchanged.
     """
 
     folders: tuple[Folder, ...]  # in the order of the arguments
@@ -117,9 +118,9 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
     Raises:
         ResultsError: naming the folder and what is wrong with it.
     """
-    results = load(folders)
-    controls = {name: pd.arrays.ArrowExtensionArray(results.controls[name]) for name in _CONTROLS}
-    return results.rows.drop(columns="answerable").assign(**controls)
+    rows, _ = _selected(_read_full(folders))
+    controls = {name: pd.arrays.ArrowExtensionArray(rows[name]) for name in _CONTROLS}
+    return rows.select(["experiment", *_SCALARS]).to_pandas().assign(**controls)
 
 
 def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
@@ -127,11 +128,7 @@ def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
 
     A `ResultsError` names the folder that cannot be read, or has no rows.
     """
-    stored = _read(folders)
-    for each in stored:
-        if not len(each.rows):
-            raise ResultsError(f"{each.folder} has no rows: expected Parquet files in {PARTS}")
-    return _joined(stored)
+    return _joined(_read_full(folders))
 
 
 def load_with_rows(
@@ -160,23 +157,38 @@ def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
     return [_Stored(p, m, _rows(p)) for p, m in zip(paths, manifests, strict=True)]
 
 
+def _read_full(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
+    stored = _read(folders)
+    for each in stored:
+        if not len(each.rows):
+            raise ResultsError(f"{each.folder} has no rows: expected Parquet files in {PARTS}")
+    return stored
+
+
 def _rows(folder: FilePath) -> pa.Table:
     files = part_files(folder)
     batches = [batch for file in files for batch in printable_batches(file, _COLUMNS)]
     return pa.concat_tables([_NO_ROWS, *batches])
 
 
-def _joined(stored: Sequence[_Stored]) -> Results:
+def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
     manifests = [each.manifest for each in stored]
     rows, counts = select_attempts([each.rows for each in stored], manifests)
     for each, count in zip(stored, counts, strict=True):
         if not count.current:
             raise ResultsError(f"{each.folder} has no rows but of earlier code: run it again")
+    return rows, counts
+
+
+def _joined(stored: Sequence[_Stored]) -> Results:
+    manifests = [each.manifest for each in stored]
+    rows, counts = _selected(stored)
     attempts = Attempts(Database(rows), {m.experiment.name for m in manifests})
+    every = rows.select(["experiment", "answerable", *_SCALARS]).to_pandas()
     return Results(
         folders=tuple(map(Folder, manifests, counts)),
         attempts=attempts,
-        rows=rows.select(["experiment", "answerable", *_SCALARS]).to_pandas(),
+        rows=every[every["outcome"] != UNTAKEN],
         controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
         solvers=tuple(attempts.values("solver")),
         methods=methods(attempts),

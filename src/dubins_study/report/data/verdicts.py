@@ -91,8 +91,8 @@ KINDS = ("presolved", "unasked", "right", "wrong", "silent")
 def existence(attempts: Attempts) -> pd.DataFrame:
     """Questions without a path, and paths that are denied: one row per solver.
 
-    Columns: solver; of the questions without a path: presolved, unasked (the solver does not answer
-    such a branch, or is not installed), right, wrong (a false claim), silent (no claim); wall_s
+    Columns: solver; of the questions without a path: presolved, unasked (the solver is not
+    installed), right, wrong (a false claim), silent (no claim); wall_s
     (median of the attempts that reached the engine, s), presolve_s (median of the presolved ones,
     s); of those that have a path: questions, denied (claimed infeasible).
     """
@@ -112,7 +112,7 @@ _RIGHT = f"verdict IN {SUCCESSES}"
 _UNDECIDED = f"count(*) FILTER (verdict = '{UNDECIDED}')"
 _KIND = f"""CASE WHEN answerable OR verdict = '{UNDECIDED}' THEN NULL
     WHEN verdict = '{PRESOLVED}' THEN 'presolved'
-    WHEN outcome IN ('unsupported', 'unavailable') THEN 'unasked'
+    WHEN outcome = 'unavailable' THEN 'unasked'
     WHEN {_RIGHT} THEN 'right' WHEN false_claim THEN 'wrong' ELSE 'silent' END"""
 # Columns that tell attempts of one solver at one trial apart.
 _VARIED = ("repeat", "initial_guess", "profile", "experiment")

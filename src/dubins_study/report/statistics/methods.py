@@ -192,9 +192,6 @@ def _places(values: pd.Series[str], order: Sequence[str]) -> pd.Series[int]:
     return values.map(places).fillna(len(order)).astype(int)
 
 
-_NEVER_SOLVED = ("unavailable", "unsupported")
-
-
 Rows = TypeVar("Rows")
 T = TypeVar("T")
 
@@ -257,11 +254,10 @@ _UNREAD = [column.name for column in ROW if column.detail]
 def compared(results: Results) -> Compared | None:
     """The attempts by which solvers are compared; None if there are none.
 
-    Left out: attempts from another solver's path, and those of engines that are not installed or
-    cannot read the question.
+    Left out: attempts from another solver's path, and those of engines that are not installed.
     """
     rows = results.rows.drop(columns=_UNREAD)
-    kept = rows[(rows["initial_guess"] == "cold") & ~rows["outcome"].isin(_NEVER_SOLVED)]
+    kept = rows[(rows["initial_guess"] == "cold") & rows["outcome"].ne("unavailable")]
     if kept.empty:
         return None
     methods = methods_of(kept)

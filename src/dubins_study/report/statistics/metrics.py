@@ -1,7 +1,7 @@
 """Pure functions that compute numbers from rows, or from the counts of `report.data.attempts`.
 
-A failed attempt stays in every denominator: shares are shares of all attempts, and in a quantile of
-gaps an attempt without a gap counts as infinite.
+Shares are of the questions that a method takes. A failed attempt stays in every denominator, and in
+a quantile of gaps an attempt without a gap counts as infinite.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
     Columns solver, estimate, low, high (s), of the medians over repeats.
     """
     reached = ~rows["answerable"] & ~presolved(rows) & rows["verdict"].ne("undecided")
-    reached &= ~rows["outcome"].isin(["unsupported", "unavailable"])
+    reached &= rows["outcome"].ne("unavailable")
     chosen = rows[reached]
     if chosen.empty:
         return pd.DataFrame(columns=["solver", "estimate", "low", "high"])

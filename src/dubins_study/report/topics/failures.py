@@ -97,9 +97,10 @@ _KIND_TEXT = {
 
 def failures_section(results: Results | None) -> Section:
     """Outcomes by solver, messages with commands, and where; results are None of an empty run."""
-    if results is None:
+    untaken = "" if results is None else _untaken_text(results.attempts.untaken())
+    if results is None or not results.attempts.count:
         lead = "No attempt was recorded, so nothing is known to have failed."
-        return Section("failures", _TITLE, "", (), lead)
+        return Section("failures", _TITLE, untaken, (), lead)
     attempts = results.attempts
     stopped = unreturned(counts.outcomes(attempts))
     frame = counts.regions(attempts)
@@ -114,7 +115,7 @@ def failures_section(results: Results | None) -> Section:
         blocks.append(_message_table(with_commands(messages, limits)))
         blocks.append(_region_table(by_region(frame)))
     lead = _lead(attempts.count, stopped, failed, int(kinds["no return"]))
-    text = _text(kinds, asked, failed) if blocks else ""
+    text = sentences(_text(kinds, asked, failed) if blocks else "", untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
@@ -156,12 +157,23 @@ def _text(kinds: pd.Series[int], asked: int, failed: int) -> str:
     )
 
 
+def _untaken_text(untaken: pd.DataFrame) -> str:
+    """How many questions solvers do not take, which are no attempts."""
+    if untaken.empty:
+        return ""
+    return (
+        f"{some(int(untaken['questions'].sum()), 'more question')} met a solver that does not take "
+        f"them (unsupported), most often {untaken['solver'].iloc[0]}: it was not called, and no "
+        "share counts them."
+    )
+
+
 def _outcome_table(stopped: pd.DataFrame) -> Table:
     present = {name: title for name, title in _NAMES.items() if stopped[name].any()}
     caption = (
         "Attempts whose process did not return an answer, by solver, at all questions. Timeout: "
-        "stopped at the time limit, because the solver did not stop by itself. Unsupported: the "
-        "solver cannot read such a question. Unavailable: it is not installed, or has no licence. "
+        "stopped at the time limit, because the solver did not stop by itself. Unavailable: the "
+        "solver is not installed, or has no licence. "
         "Solvers of which every attempt returned are left out. The command repeats one such "
         f"attempt, that of the nearest target, under the time limit of its run.{_cold(stopped)}"
     )

@@ -85,8 +85,8 @@ def summary_section(results: Results) -> Section | None:
     frame = solver_summary(attempts)
     solvers = len(attempts.values("solver"))
     caption = sentences(
-        "Questions that have a path. Right: the check finds the answer optimal; shares are of all "
-        f"questions, those that failed included. {INTERVAL_TEXT} The other columns count attempts.",
+        "Questions that have a path and that the solver takes. Right: the check finds the answer "
+        f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts.",
         "By presolve: the setting presolve answered that no path exists, and no engine was asked."
         if frame[PRESOLVED].any()
         else "",
@@ -94,7 +94,7 @@ def summary_section(results: Results) -> Section | None:
         if frame[UNDECIDED].any()
         else "",
         "A false claim says more than the check finds; a wrong basin is a longer path that turns "
-        "by another angle. Not returned: timed out, crashed, raised, unsupported or unavailable.",
+        "by another angle. Not returned: timed out, crashed, raised or unavailable.",
     )
     experiments = list(
         dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
