@@ -12,10 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from dubins_study.experiments.definition.axes import Log
 from dubins_study.experiments.definition.scenario_block import SPACINGS, Block
 from dubins_study.experiments.plan.scenario_columns import (
-    axis_values,
     block_size,
     columns,
     scenario_id,
@@ -88,9 +86,9 @@ def test_targets_are_those_of_the_scalar_formulas():
 
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
 def test_logarithmic_axes_are_numpys(first, last, count):
-    axis = Log(log=(first, last, count))
+    found = Block.model_validate({"radius": {"log": [first, last, count]}}).radius
 
-    assert axis_values(axis) == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
+    assert found == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
 
 
 def test_sobol_points_are_scipys():

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+import math
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -44,6 +47,8 @@ Number = Annotated[
 ]
 _WHOLE = _no_text("expected a whole number")
 Count = Annotated[int, _WHOLE, Field(ge=1, le=10**9)]
+# Of the values of an axis, which are written out where it is read: no experiment has more cells.
+_AxisCount = Annotated[int, _WHOLE, Field(ge=1, le=2_000_000)]
 # Of a sampled route.
 LegCount = Annotated[int, _WHOLE, Field(ge=1, le=10**4)]
 Seed = Annotated[int, _WHOLE, Field(ge=0, lt=2**63)]
@@ -56,7 +61,9 @@ SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 class StrictModel(BaseModel):
     """A table of the TOML file; unknown keys are refused. A key's docstring follows it."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, use_attribute_docstrings=True, validate_default=True
+    )
 
 
 def _items(names: str, *, above_zero: bool = False) -> BeforeValidator:
@@ -80,14 +87,14 @@ _AXIS_ITEMS, _RANGE_ITEMS = "[first, last, count]", "[low, high]"
 class Linear(StrictModel):
     """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
 
-    linear: Annotated[tuple[Number, Number, Count], _items(_AXIS_ITEMS)]
+    linear: Annotated[tuple[Number, Number, _AxisCount], _items(_AXIS_ITEMS)]
     """First value, last value, and how many."""
 
 
 class Log(StrictModel):
     """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
 
-    log: Annotated[tuple[Number, Number, Count], _items(_AXIS_ITEMS, above_zero=True)]
+    log: Annotated[tuple[Number, Number, _AxisCount], _items(_AXIS_ITEMS, above_zero=True)]
     """First value, last value, and how many; both values are above 0."""
 
 
@@ -123,26 +130,44 @@ def _written_as(expected: str) -> Discriminator:
     return Discriminator(_way, custom_error_type="way", custom_error_message=expected)
 
 
-# The values of one field: a number, a list of numbers, or evenly spaced numbers.
-Axis = Annotated[
-    Annotated[Number, Tag(f"{WAY}number")]
-    | Annotated[list[Number], Field(min_length=1), Tag(f"{WAY}list")]
-    | Annotated[Linear, Tag(f"{WAY}linear")]
-    | Annotated[Log, Tag(f"{WAY}log")],
-    _written_as(
-        "expected a number, a list of numbers, { linear = [first, last, count] } "
-        "or { log = [first, last, count] }"
-    ),
-]
+def _written_out(axis: Any) -> tuple[Any, ...]:
+    """All values of an axis."""
+    if isinstance(axis, Linear):
+        return tuple(np.linspace(*axis.linear).tolist())
+    if isinstance(axis, Log):
+        first, last, count = axis.log
+        values = 10.0 ** np.linspace(math.log10(first), math.log10(last), count)
+        values[-1], values[0] = last, first
+        return tuple(values.tolist())
+    return tuple(axis) if isinstance(axis, list) else (axis,)
+
+
+if TYPE_CHECKING:
+    Axis = tuple[float, ...]
+    LegCounts = tuple[int, ...]
+else:
+    # The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
+    Axis = Annotated[
+        Annotated[Number, Tag(f"{WAY}number")]
+        | Annotated[list[Number], Field(min_length=1), Tag(f"{WAY}list")]
+        | Annotated[Linear, Tag(f"{WAY}linear")]
+        | Annotated[Log, Tag(f"{WAY}log")],
+        _written_as(
+            "expected a number, a list of numbers, { linear = [first, last, count] } "
+            "or { log = [first, last, count] }"
+        ),
+        AfterValidator(_written_out),
+    ]
+    # Numbers of legs, written as one or several.
+    LegCounts = Annotated[
+        Annotated[LegCount, Tag(f"{WAY}number")]
+        | Annotated[list[LegCount], Field(min_length=1), Tag(f"{WAY}list")],
+        _written_as("expected a whole number or a list of whole numbers"),
+        AfterValidator(_written_out),
+    ]
 Range = Annotated[
     Annotated[LinearRange, Tag(f"{WAY}linear")] | Annotated[LogRange, Tag(f"{WAY}log")],
     _written_as("expected { linear = [low, high] } or { log = [low, high] }"),
-]
-# Numbers of legs: one or several.
-LegCounts = Annotated[
-    Annotated[LegCount, Tag(f"{WAY}number")]
-    | Annotated[list[LegCount], Field(min_length=1), Tag(f"{WAY}list")],
-    _written_as("expected a whole number or a list of whole numbers"),
 ]
 
 

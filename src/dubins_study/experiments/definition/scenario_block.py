@@ -20,10 +20,6 @@ from dubins_study.experiments.definition.axes import (
     Axis,
     Count,
     LegCounts,
-    Linear,
-    LinearRange,
-    Log,
-    LogRange,
     Range,
     Seed,
     StrictModel,
@@ -67,15 +63,6 @@ _RULES: dict[str, tuple[Callable[[float], bool], str]] = {
 _MOST_VALUES = 5  # that a sentence lists
 
 
-def _values(axis: Axis | Range) -> list[float]:
-    """The values of an axis or a range; of an evenly spaced one, those at its ends."""
-    if isinstance(axis, Linear | LinearRange):
-        return list(axis.linear[:2])
-    if isinstance(axis, Log | LogRange):
-        return list(axis.log[:2])
-    return axis if isinstance(axis, list) else [axis]
-
-
 class _Fields(StrictModel):
     """A table with fields of scenarios or of guesses, whose values keep the rules of the field."""
 
@@ -96,7 +83,10 @@ class _Fields(StrictModel):
             raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
         axis = validate(written)
         holds, rule = _RULES.get(name, (None, ""))
-        wrong = [] if holds is None else [str(v) for v in _values(axis) if not holds(v)]
+        if axis is None or holds is None:
+            return axis
+        [values] = [axis] if isinstance(axis, tuple) else vars(axis).values()  # a range's ends
+        wrong = [str(value) for value in values if not holds(value)]
         if wrong:
             more = len(wrong) - _MOST_VALUES
             listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
@@ -148,14 +138,9 @@ class Route(StrictModel):
     final_heading: Literal["free", "sampled"] = "free"
     """Whether the final heading is `free`, or `sampled` from all headings."""
 
-    @property
-    def leg_counts(self) -> list[int]:
-        """The numbers of legs."""
-        return self.legs if isinstance(self.legs, list) else [self.legs]
-
     @model_validator(mode="after")
     def _check_size(self) -> Route:
-        if (legs := self.count * sum(self.leg_counts)) > _MOST_LEGS:
+        if (legs := self.count * sum(self.legs)) > _MOST_LEGS:
             raise ValueError(f"{legs} legs in all; expected at most {_MOST_LEGS}")
         return self
 
@@ -191,6 +176,10 @@ def _known_branches(branches: list[str]) -> list[str]:
 Branches = Annotated[list[str], Field(min_length=1), AfterValidator(_known_branches)]
 
 
+_ZERO: Any = 0.0  # as a file writes it
+_ONE: Any = 1.0
+
+
 class Block(_Fields):
     """Scenarios: all combinations of the fields' values, or a sample.
 
@@ -209,11 +198,11 @@ class Block(_Fields):
 
     label: str = ""
     """Name of the scenarios; the report calls scenarios of one label a stratum."""
-    x: Axis = 0.0
+    x: Axis = _ZERO
     """Start position."""
-    y: Axis = 0.0
+    y: Axis = _ZERO
     """Start position."""
-    heading: Axis = 0.0
+    heading: Axis = _ZERO
     """Start heading, counter-clockwise from +x: radians, or a text such as "120deg" or "2pi/3"."""
     target_x: Axis | None = None
     """Target position."""
@@ -231,9 +220,9 @@ class Block(_Fields):
     """Heading at the target: radians, or a text; free where it is not given."""
     via: ViaLists | None = None
     """Points to pass on the way, such as `[[1, 2], [3, 4]]`; a list of such lists is an axis."""
-    radius: Axis = 1.0
+    radius: Axis = _ONE
     """Minimum turning radius."""
-    speed: Axis = 1.0
+    speed: Axis = _ONE
     """Constant speed; it changes the travel time only."""
     sample: Sample | None = None
     """Scenarios drawn over ranges instead of combined from axes."""

@@ -17,8 +17,6 @@ from dubins_study.experiments.definition.experiment import (
 from dubins_study.experiments.definition.messages import KeyPath, Problem, refusal
 from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenario_columns import (
-    axis_size,
-    axis_values,
     block_size,
     scenario_id,
     scenarios,
@@ -65,7 +63,7 @@ class BlockPlan(NamedTuple):
         lengths = self.block.guess_lengths
         if lengths is None:
             return sum(solver.warm or guess == "cold" for guess in self.initial_guesses)
-        return solver.warm * math.prod(map(axis_size, lengths.axes))
+        return solver.warm * math.prod(map(len, lengths.axes))
 
     def guesses(self, solver: SolverDescription) -> Iterator[str]:
         """The initial guesses as the column `initial_guess` holds them.
@@ -78,8 +76,7 @@ class BlockPlan(NamedTuple):
             return
         if not solver.warm:
             return
-        values = (axis_values(axis).tolist() for axis in lengths.axes)
-        for point in itertools.product(*values):
+        for point in itertools.product(*lengths.axes):
             yield " ".join(repr(length) for length in point)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.experiments.definition.axes import Axis, Linear, LinearRange, Log, Points
+from dubins_study.experiments.definition.axes import LinearRange, Points
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     CIRCULAR,
@@ -83,26 +83,17 @@ def block_size(block: Block) -> int:
         return len(block.listed)
     drawn = 1 if block.sample is None else block.sample.count
     if block.route is not None:
-        drawn = block.route.count * len(block.route.leg_counts)
+        drawn = block.route.count * len(block.route.legs)
     return _combinations(block) * drawn
 
 
 def _combinations(block: Block) -> int:
     """Number of combinations of the block's own fields, without the sample or the routes."""
-    return _via_size(block) * math.prod(axis_size(block.axis(field)) for field in FIELDS)
+    return _via_size(block) * math.prod(len(block.axis(field) or [None]) for field in FIELDS)
 
 
 def _via_size(block: Block) -> int:
     return 1 if block.via is None else len(block.via)
-
-
-def axis_size(axis: Axis | None) -> int:
-    """Number of values of an axis; 1 for a field that the block does not give."""
-    if isinstance(axis, Linear):
-        return axis.linear[2]
-    if isinstance(axis, Log):
-        return axis.log[2]
-    return len(axis) if isinstance(axis, list) else 1
 
 
 def columns(block: Block) -> Columns:
@@ -116,8 +107,8 @@ def columns(block: Block) -> Columns:
     for field in reversed(FIELDS):
         axis = block.axis(field)
         if axis is not None:
-            combination, index = np.divmod(combination, axis_size(axis))
-            fields[field] = axis_values(axis)[index]
+            combination, index = np.divmod(combination, len(axis))
+            fields[field] = np.array(axis)[index]
     if block.sample is not None:
         fields |= {
             name: values[row // combinations] for name, values in sampled(block.sample).items()
@@ -144,7 +135,7 @@ def sampled_routes(route: Route) -> tuple[list[FloatArray], FloatArray]:
     """
     low, high = SPACINGS[route.spacing]
     walks, finals = [], []
-    for legs in route.leg_counts:
+    for legs in route.legs:
         rng = np.random.default_rng([route.seed, legs])
         for _ in range(route.count):
             length, turn = rng.random((2, legs))
@@ -182,18 +173,6 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {i}: {error}") from None
         yield scenario
-
-
-def axis_values(axis: Axis) -> FloatArray:
-    """All values of an axis."""
-    if isinstance(axis, Linear):
-        return np.linspace(*axis.linear)
-    if isinstance(axis, Log):
-        first, last, count = axis.log
-        values: FloatArray = 10.0 ** np.linspace(math.log10(first), math.log10(last), count)
-        values[-1], values[0] = last, first
-        return values
-    return np.asarray(axis if isinstance(axis, list) else [axis], np.float64)
 
 
 def _from_bearing(fields: Columns) -> Columns:
