@@ -19,7 +19,7 @@ from live_run import wait_for
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.executors import dask_worker
-from dubins_study.experiments.executors.dask_cluster import local_cluster, mismatch
+from dubins_study.experiments.executors.dask_cluster import local_cluster
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import chains
@@ -219,24 +219,3 @@ def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
 
     assert len(reply.rows) == 0
     assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")
-
-
-def node_versions(python: str, distributed: str) -> dict:
-    return {"packages": {"python": python, "distributed": distributed, "numpy": "2"}}
-
-
-def test_other_versions_of_python_and_dask_are_told():
-    """The last digit of Python's does not matter; a worker that does not say is not judged."""
-    here_versions = node_versions("3.11.7.final.0", "2026.8.0")
-    same = {
-        "client": here_versions,
-        "scheduler": node_versions("3.11.9.final.0", "2026.8.0"),
-        "workers": {"a": {}},
-    }
-    assert mismatch(same) is None
-    older = same | {"workers": {"tcp://a:1": node_versions("3.11.7.final.0", "2026.1.0")}}
-    assert mismatch(older) == (
-        "the Dask worker tcp://a:1 has distributed 2026.1.0; expected 2026.8.0, as here"
-    )
-    other = same | {"scheduler": node_versions("3.12.1.final.0", "2026.8.0")}
-    assert mismatch(other) == "the Dask scheduler has Python 3.12; expected 3.11, as here"
