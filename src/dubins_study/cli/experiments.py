@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 import typer
 
 from dubins_study.cli.terminal.arguments import complete_experiments
 from dubins_study.cli.terminal.output import listing, plain, table
-
-if TYPE_CHECKING:
-    from dubins_study.experiments.plan.cells import Overview
 
 _HELP = "one of them, or a .toml file: what it asks; default: a list of all"
 _OF_YOUR_OWN = """\
@@ -37,31 +35,32 @@ def experiments(
     else:
         overviews = [overview(read_checked(experiment, trust_plugins=False))]
     if as_json:
-        print(json.dumps([each._asdict() for each in overviews], indent=2))
+        print(json.dumps(overviews, indent=2))
     elif experiment is None:
         head = ("experiment", "cells", "solvers", "title")
         rows = [
-            (each.name, str(each.cells), str(len(each.solvers)), each.title) for each in overviews
+            (each["name"], str(each["cells"]), str(len(each["solvers"])), each["title"])
+            for each in overviews
         ]
         print(f"{table(head, rows)}\n\n{_OF_YOUR_OWN}")
     else:
         print(experiment_text(overviews[0]))
 
 
-def experiment_text(asked: Overview) -> str:
+def experiment_text(asked: Mapping[str, Any]) -> str:
     """One experiment: its question, its numbers, and its solvers, one a line."""
     lines = listing(
         {
-            "experiment": plain(asked.name),
-            "title": plain(asked.title),
-            "question": plain(asked.question),
-            "scenarios": str(asked.scenarios),
-            "branches": ", ".join(asked.branches),
-            "repeats": str(asked.repeats),
-            "cells": str(asked.cells),
-            "limits": f"{asked.time_limit_s:g} s and {asked.memory_limit_gib:g} GiB a solve",
-            "profile": asked.profile,
-            "solvers": str(len(asked.solvers)),
+            "experiment": plain(asked["name"]),
+            "title": plain(asked["title"]),
+            "question": plain(asked["question"]),
+            "scenarios": str(asked["scenarios"]),
+            "branches": ", ".join(asked["branches"]),
+            "repeats": str(asked["repeats"]),
+            "cells": str(asked["cells"]),
+            "limits": f"{asked['time_limit_s']:g} s and {asked['memory_limit_gib']:g} GiB a solve",
+            "profile": asked["profile"],
+            "solvers": str(len(asked["solvers"])),
         }
     )
-    return "\n".join([lines, *(f"  {plain(spec)}" for spec in asked.solvers)])
+    return "\n".join([lines, *(f"  {plain(spec)}" for spec in asked["solvers"])])

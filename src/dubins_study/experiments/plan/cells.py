@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -109,42 +109,24 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
     return plans, problems
 
 
-class Overview(NamedTuple):
-    """An experiment in numbers; its scenarios count once for every block that asks about them."""
+def overview(file: ExperimentFile) -> dict[str, Any]:
+    """An experiment in numbers; its scenarios count once for every block that asks about them.
 
-    name: str
-    title: str
-    question: str
-    scenarios: int
-    cells: int
-    solvers: tuple[str, ...]
-    branches: tuple[str, ...]
-    repeats: int
-    time_limit_s: float
-    memory_limit_gib: float
-    profile: str
-
-
-def overview(file: ExperimentFile) -> Overview:
-    """An experiment in numbers; refused if it is too large or a solver does not exist."""
+    It is refused if it is too large or a solver does not exist.
+    """
     experiment = file.experiment
     plans, problems = block_plans(experiment)
     if problems:
         raise ExperimentError(refusal(file.path, problems, file.text))
-    specs = (solver.spec for p in plans for solver in p.solvers)
-    return Overview(
-        name=file.name,
-        title=experiment.title,
-        question=experiment.question,
-        scenarios=sum(block_size(block) for block in experiment.scenarios),
-        cells=sum(plan.cells for plan in plans),
-        solvers=tuple(dict.fromkeys(specs)),
-        branches=tuple(dict.fromkeys(branch for p in plans for branch in p.branches)),
-        repeats=experiment.repeats,
-        time_limit_s=experiment.time_limit_s,
-        memory_limit_gib=experiment.memory_limit_gib,
-        profile=experiment.profile,
-    )
+    keys = {"title", "question", "repeats", "time_limit_s", "memory_limit_gib", "profile"}
+    return {
+        "name": file.name,
+        **experiment.model_dump(include=keys),
+        "scenarios": sum(block_size(block) for block in experiment.scenarios),
+        "cells": sum(plan.cells for plan in plans),
+        "solvers": [*dict.fromkeys(solver.spec for p in plans for solver in p.solvers)],
+        "branches": [*dict.fromkeys(branch for p in plans for branch in p.branches)],
+    }
 
 
 class Cell(NamedTuple):
