@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pandas as pd
-from cases import placed, scenario_frame
 
 from dubins_study.study.scenario import Scenario
+from tests.cases import placed, scenario_frame
 
 
 def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from time import perf_counter
 
@@ -17,7 +18,7 @@ import numpy as np
 from flint import ctx
 
 from dubins_study.study.path import CLAIMS
-from tests.adversary import checks, frames
+from tests.adversary import checks, frames, routes_judged
 from tests.adversary.generators import case, wrong_answer
 from tests.adversary.oracle import bits
 from tests.adversary.table import Table
@@ -25,10 +26,12 @@ from tests.adversary.truth import Truth
 
 BLOCK = 500  # cases; what a frame holds, and what a worker does before it reports
 _SELF_CHECKED = 50  # one case in so many is sampled densely, and used against the oracle itself
+_WITH_POINTS = 25  # one case in so many is followed by a route or a leg with a final heading
 
 
 def run(seed: int, low: int, high: int) -> Table:
     """The cases `low` to `high` - 1 of a seed."""
+    warnings.filterwarnings("ignore", ".* more than a full turn", UserWarning)  # which is meant
     table = Table()
     cases = [case(seed, number) for number in range(low, high)]
     answers: list[frames.Judged] = []
@@ -51,6 +54,8 @@ def run(seed: int, low: int, high: int) -> Table:
         bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
         answers.append(frames.judged(table.generator, *asked, claim, bound))
         answers.append(frames.judged("no path", scenario, "LS", None, claim))
+        if number % _WITH_POINTS == 0:
+            routes_judged.attacked(table, seed, number // _WITH_POINTS)
     frames.closed_forms(table, cases)
     frames.checks_of_frames(table, answers)
     return table

@@ -45,6 +45,12 @@ CHECKS = {
     "verdict": Check(0, "wrong", "optimal if and only if the gap to the truth allows it"),
     "proved": Check(0, "wrong", "only what arrives and is as short as the truth"),
     "certificate": Check(1, "gap", "clear of its cut: shortest to its own end"),
+    "route claim": Check(0, "wrong", "optimal or undecided, no false claim or bound"),
+    "route arrival": Check(0, "wrong", "misses if and only if a dense sample does, in order"),
+    "route verdict": Check(0, "wrong", "optimal, longer: never against a path that is known"),
+    "route bound": Check(1e-11, "relative", "no path that arrives is below it"),
+    "route false bound": Check(0, "wrong", "false above the interval, never at its lower end"),
+    "leg length": Check(1, "1e-9", "with a final heading: by circles and tangents"),
     "oracle by steps": Check(0, "wrong", "no first step leads to a shorter way"),
     "oracle by scan": Check(1, "1e-9", "no first arc leads to a shorter path of the word"),
 }
@@ -108,8 +114,10 @@ class Table:
 def paste(scenario: Scenario, branch: str = "") -> str:
     """The scenario and the branch as arguments of a call, with `S = Scenario`."""
     s = scenario
-    numbers = (s.x, s.y, s.heading, s.target_x, s.target_y, s.radius)
-    text = f"S({', '.join(map(repr, numbers))})"
+    numbers = [*map(repr, (s.x, s.y, s.heading, s.target_x, s.target_y, s.radius))]
+    if s.via or s.final_heading is not None:
+        numbers.append(f"via={s.via!r}, final_heading={s.final_heading!r}")
+    text = f"S({', '.join(numbers)})"
     return f"{text}, branch={branch!r}" if branch else text
 
 

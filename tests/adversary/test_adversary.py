@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import pandas as pd
 import pytest
 
 from dubins_study.study.path import Path
 from dubins_study.study.words import Proof, Verdict
-from tests.adversary import checks, frames
+from tests.adversary import checks, frames, routes, routes_judged
 from tests.adversary.campaign import run
 from tests.adversary.table import CHECKS, Table
 
@@ -40,6 +41,29 @@ def test_no_counterexample(part: int) -> None:
     assert table.wrong == 0, str(table)
 
 
+def _attack_on_routes(low: int, high: int) -> pd.DataFrame:
+    return pd.DataFrame([routes.row(number, SEED) for number in range(low, high)])
+
+
+def test_no_small_route_beats_its_bound() -> None:
+    """By fine grids of headings and downhill; a bound that is too high by 1e-8 is seen."""
+    rows = _attack_on_routes(1, 5)
+    raised = rows.assign(low=rows["low"].where(~rows["closed"], rows["low"] * (1.0 + 1e-8)))
+
+    assert routes.beaten(rows).empty, routes.summary(rows)
+    assert len(routes.beaten(raised)) > 1
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("part", range(PARTS))
+def test_no_route_beats_its_bound(part: int) -> None:
+    """160 routes in all; `make adversary` tries 2 000."""
+    rows = _attack_on_routes(16 * part + 5, 16 * part + 21)
+
+    assert routes.beaten(rows).empty, routes.summary(rows)
+
+
 def _longer(path: Path | None) -> Path | None:
     """The path, longer by a share of 1e-13."""
     return path and Path(path.start, path.curvature, path.length * (1 + 1e-13))
@@ -62,6 +86,12 @@ SPOILT: dict[str, tuple[Any, str, Spoil]] = {
     "arrival": (checks, "judge", lambda j: replace(j, verdict=Verdict.MISSES)),
     "broken path": (checks, "judge", lambda j: replace(j, verdict=Verdict.OPTIMAL)),
     "proved": (checks, "certify", lambda c: replace(c, proof=Proof.PROVED)),
+    "route claim": (routes_judged, "judge", lambda j: _swapped(j)),
+    "route verdict": (routes_judged, "judge", lambda j: _swapped(j)),
+    "route arrival": (routes_judged, "judge", lambda j: replace(j, verdict=Verdict.MISSES)),
+    "route bound": (routes_judged, "certify", lambda c: replace(c, reference_low=1e9)),
+    "route false bound": (routes_judged, "certify", lambda c: replace(c, false_bound=True)),
+    "leg length": (routes_judged, "leg_length", lambda length: length * (1 + 1e-8)),
     "certificate": (checks, "certify", lambda c: replace(c, pmp_residual=0.0, cut_margin=1.0)),
 }
 

@@ -262,7 +262,7 @@ def test_missing_by_a_little_buys_no_turn(via):
 # Symmetries of the question, through the whole of `solve`.
 
 
-def random_route(seed: int, near: float = 2.0, far: float = 6.0) -> Scenario:
+def random_route(seed: int, near: float = 1.0, far: float = 6.0) -> Scenario:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 5))
     length, way = rng.uniform(near, far, n), rng.uniform(-math.pi, math.pi, n)
@@ -341,37 +341,3 @@ def test_a_via_point_on_the_way_changes_nothing(seed):
 
     assert answer.length == pytest.approx(path.total_length, rel=1e-8)
     assert judge(more, path).verdict is Verdict.OPTIMAL
-
-
-def attacked(seed: int) -> None:
-    """A random path is an answer to the question of its own points, and never beats the bound."""
-    rng = np.random.default_rng(seed)
-    n = int(rng.integers(2, 7))
-    rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
-    lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
-    path = Path(Pose(*rng.uniform(-3, 3, 3)), rates, lengths)
-    at = np.sort(rng.uniform(0, path.total_length, int(rng.integers(0, 3))))
-    at = at[np.diff(at, prepend=0.0, append=path.total_length)[:-1] > 0.05]
-    given = not at.size or rng.random() < 0.5
-    x, y, heading = path.end
-    via = path.at(at)[:, :2] if at.size else []
-    final = heading if given else None
-    scenario = Scenario(*path.start, x, y, via=via, final_heading=final)
-
-    # searches end early: a bound has to hold whenever they do
-    found = judge(scenario, path, tolerances=Tolerances(search_s=0.2))
-    interval = reference.reference_of(scenario, search_s=0.2).enclosure
-
-    assert found.verdict in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.UNDECIDED)
-    assert path.total_length >= interval.low * (1 - 1e-12)
-
-
-def test_random_paths_never_beat_the_reference():
-    for seed in range(25):
-        attacked(seed)
-
-
-@pytest.mark.slow
-def test_many_random_paths_never_beat_the_reference():
-    for seed in range(25, 1_000):
-        attacked(seed)

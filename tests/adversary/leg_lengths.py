@@ -1,0 +1,153 @@
+"""The six words of a leg by circles and tangents, compiled, and dynamic programs over headings.
+
+No formula is shared with the package. Radius 1; headings in rad.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+Array = Any  # numpy arrays, in compiled code
+_TWO_PI = 2 * math.pi
+
+
+@numba.njit(cache=True)
+def _turned(angle: float, gap: float) -> float:
+    """An arc's angle in [0, 2 pi); one that lacks less than `gap` of a full turn is none."""
+    angle -= _TWO_PI * math.floor(angle / _TWO_PI)
+    return angle if angle < _TWO_PI - gap else 0.0
+
+
+@numba.njit(cache=True)
+def _leg(x: float, y: float, a: float, b: float, rates: Array, gap: float) -> float:
+    """`leg_length` for sines and cosines that are known."""
+    least = math.inf
+    sin_a, cos_a, sin_b, cos_b = rates
+    for s in (1.0, -1.0):
+        for t in (s, -s):
+            dx, dy = x - t * sin_b + s * sin_a, y + t * cos_b - s * cos_a
+            apart = math.hypot(dx, dy)
+            off = straight = math.inf
+            if t == s:
+                straight = apart
+                if apart <= 4.0 + 0.01 * gap:
+                    off = math.acos(min(1.0, apart / 4.0))
+            elif apart >= 2.0 - 0.01 * gap:
+                straight = math.sqrt(max(0.0, (apart - 2.0) * (apart + 2.0)))
+            middle = math.pi + 2.0 * off  # of s -s s
+            if straight >= least and middle >= least:
+                continue
+            way = math.atan2(dy, dx)
+            if middle < least:
+                after = way + s * (off + math.pi / 2)  # heading where the middle arc begins
+                before = way + s * (1.5 * math.pi - off)  # and where it ends
+                arcs = _turned(s * (after - a), gap) + _turned(s * (b - before), gap)
+                least = min(least, arcs + middle)
+            if straight < least:
+                if t != s:
+                    way += s * math.atan2(2.0, straight)
+                arcs = _turned(s * (way - a), gap) + _turned(t * (b - way), gap)
+                least = min(least, straight + arcs)
+    return least
+
+
+@numba.njit(cache=True)
+def leg_length(x: float, y: float, a: float, b: float, gap: float) -> float:
+    """The shortest path from the origin, heading a, to (x, y), heading b.
+
+    An arc that lacks less than `gap` (rad) of a full turn counts as none, and circles that miss
+    each other by less than a hundredth of it as touching: what rounding may hide.
+    """
+    return _leg(x, y, a, b, (math.sin(a), math.cos(a), math.sin(b), math.cos(b)), gap)
+
+
+@numba.njit(cache=True)
+def _arrivals(x: float, y: float, a: float, found: Array) -> int:
+    """Headings in which (x, y) is met without a last arc, or without the last but one."""
+    n = 0
+    for s in (1.0, -1.0):
+        dx, dy = x + s * math.sin(a), y - s * math.cos(a)
+        apart, way = math.hypot(dx, dy), math.atan2(dy, dx)
+        if apart >= 1.0:
+            found[n] = way + s * math.atan2(1.0, math.sqrt((apart - 1.0) * (apart + 1.0)))
+            n += 1
+        if 1.0 <= apart <= 3.0:
+            off = math.acos(min(1.0, (apart * apart + 3.0) / (4.0 * apart)))
+            for side in (off, -off):
+                u = dx - 2.0 * math.cos(way + side)
+                v = dy - 2.0 * math.sin(way + side)
+                found[n] = math.atan2(v, u) - s * math.pi / 2
+                n += 1
+    return n
+
+
+@numba.njit(cache=True)
+def route_length(legs: Array, headings: Array, gap: float) -> float:
+    total = 0.0
+    for i in range(len(legs)):
+        total += leg_length(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], gap)
+    return total
+
+
+@numba.njit(cache=True)
+def length_table(x: float, y: float, a: Array, b: Array) -> Array:
+    """The lengths of a leg from each heading of a to each of b."""
+    table = np.empty((a.size, b.size))
+    sin_b, cos_b = np.sin(b), np.cos(b)
+    for i in range(a.size):
+        sin_a, cos_a = math.sin(a[i]), math.cos(a[i])
+        for j in range(b.size):
+            table[i, j] = _leg(x, y, a[i], b[j], (sin_a, cos_a, sin_b[j], cos_b[j]), 0.0)
+    return table
+
+
+@numba.njit(cache=True)
+def downhill(
+    legs: Array, headings: Array, free: Array, rng: np.random.Generator, steps: Array, gap: float
+) -> float:
+    """Go downhill in place: along each heading, at random, and along the edges where legs jump.
+
+    The least length often lies on an edge, where an arc of a leg has no length. A point moves along
+    it if its neighbour's heading is changed and its own is then that of an arrival without an arc.
+    """
+    n = len(headings)
+    best = route_length(legs, headings, gap)
+    tried, found = headings.copy(), np.empty(6)
+    step, least = steps
+    while step > least:
+        before = best
+        for move in range(4 * n):
+            tried[:] = headings
+            i = move % n
+            if move < 2 * n:
+                tried[i] += step if move < n else -step
+            else:
+                for j in range(n):
+                    tried[j] += step * rng.uniform(-1.0, 1.0)
+            tried[:] = np.where(free, tried, headings)
+            length = route_length(legs, tried, gap)
+            if length < best:
+                best = length
+                headings[:] = tried
+                continue
+            for way in (1, -1):  # a neighbour follows, forwards or backwards
+                j = i + way
+                if not 0 <= j < n or not free[j]:
+                    continue
+                leg, back = min(i, j), 0.0 if way == 1 else math.pi
+                was = tried[j]
+                x, y = way * legs[leg, 0], way * legs[leg, 1]
+                for k in range(_arrivals(x, y, tried[i] + back, found)):
+                    tried[j] = found[k] + back
+                    length = route_length(legs, tried, gap)
+                    if length < best:
+                        best = length
+                        headings[:] = tried
+                tried[j] = was
+        if best >= before * (1.0 - 1e-15):
+            step *= 0.4
+    return best

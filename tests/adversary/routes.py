@@ -1,0 +1,271 @@
+"""Attack the certified search: `python -m tests.adversary.routes 2000`.
+
+Each small route is tried by other means to be shorter than its proven bound: by dynamic programs
+over 10 000 headings a turn, and downhill from a thousand starts. The rows of a run are kept in a
+file; a run that is started again does what is missing there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from rich.progress import track
+
+from dubins_study.study.route.search import search
+from tests.adversary.leg_lengths import downhill, length_table
+
+Array = NDArray[np.float64]
+Rng = np.random.Generator
+
+_FINE, _EACH = 10_000, 20  # headings a turn, and how many of them in each window
+_BEST, _RANDOM = 30, 10  # windows at a point
+_STARTS, _FINISHED = 1_000, 8  # how many go downhill, and how many of them to the end
+_WHOLE = 200  # one route in so many is tried on the whole grid, without windows
+_LIMIT = 1.0  # s; of the search, whose bound has to hold whenever it ends
+# what an arc may lack of a full turn and be none, where rounding of the points may hide it
+_HIDDEN = 1e-10
+TOLERANCE = 1e-12  # relative; what the attack's own rounding and that of the points may take
+
+
+class Asked(NamedTuple):
+    """A route in radii: points of shape (n + 1, 2), headings at both ends; None is free."""
+
+    points: Array
+    first: float
+    last: float | None
+
+
+def _walked(rng: Rng, length: Array, direction: Array) -> Array:
+    steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
+    return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+
+
+def _spaced(least: float, most: float, rng: Rng, n: int) -> tuple[Array, float]:
+    """Legs of random directions; lengths by a law."""
+    length = rng.uniform(least, most, n)
+    return _walked(rng, length, rng.uniform(-math.pi, math.pi, n)), rng.uniform(-math.pi, math.pi)
+
+
+def _in_line(rng: Rng, n: int) -> tuple[Array, float]:
+    """Points on one line, driven along it, across it, or there and back."""
+    angle = rng.choice([0.0, math.pi / 2, rng.uniform(-math.pi, math.pi)])
+    back = rng.choice([0.0, math.pi], n) if rng.random() < 0.6 else np.zeros(n)
+    first = angle + rng.choice([0.0, math.pi, math.pi / 2, rng.uniform(-math.pi, math.pi)])
+    return _walked(rng, rng.uniform(0.1, 6.0, n), angle + back), first
+
+
+def _u_turns(rng: Rng, n: int) -> tuple[Array, float]:
+    """Rows of a field: opposite ways beside each other."""
+    width = rng.choice([0.1, 0.5, 1.0, 2.0, rng.uniform(0.1, 4.0)])
+    length = np.where(np.arange(n) % 2, width, rng.choice([0.5, 1.0, 3.0, rng.uniform(0.1, 6.0)]))
+    direction = np.array([0.0, 0.5, 1.0, 0.5, 0.0])[:n] * math.pi
+    return _walked(rng, length, direction), float(rng.choice([0.0, math.pi / 2, math.pi]))
+
+
+def _on_a_path(rng: Rng, n: int) -> tuple[Array, float]:
+    """Points where a path of arcs and straights changes its turn: on turning circles."""
+    turn = rng.choice([-1.0, 0.0, 1.0], n)
+    length = np.where(rng.random(n) < 0.3, math.pi / 2, rng.uniform(0.1, 5.0, n))
+    first = rng.choice([0.0, rng.uniform(-math.pi, math.pi)])
+    after = first + np.cumsum(turn * length)
+    middle = after - 0.5 * turn * length
+    return _walked(rng, length * np.sinc(0.5 * turn * length / math.pi), middle), float(first)
+
+
+def _round(rng: Rng, n: int) -> tuple[Array, float]:
+    """Round numbers, which lie on turning circles exactly; neighbours apart."""
+    while True:
+        points = np.vstack([[0.0, 0.0], rng.choice([-2.0, -1.0, 0.0, 0.5, 1.0, 2.0, 3.0], (n, 2))])
+        if np.hypot(*np.diff(points, axis=0).T).min() > 0.0:
+            return points, float(rng.choice([0.0, 0.5, 1.0, -0.5])) * math.pi
+
+
+KINDS: dict[str, Callable[[Rng, int], tuple[Array, float]]] = {
+    "0.1 to 0.5": partial(_spaced, 0.1, 0.5),
+    "0.1 to 1.3": partial(_spaced, 0.1, 1.3),
+    "0.5 to 4": partial(_spaced, 0.5, 4.0),
+    "2 to 6": partial(_spaced, 2.0, 6.0),
+    "in line": _in_line,
+    "U-turns": _u_turns,
+    "on a path": _on_a_path,
+    "round numbers": _round,
+}
+
+
+def drawn(number: int, seeded: int) -> tuple[str, Asked]:
+    """The kind of a route of a seed, and the route: of 2 to 5 legs."""
+    rng = np.random.default_rng((seeded, number))
+    kind = list(KINDS)[number % len(KINDS)]
+    points, first = KINDS[kind](rng, int(rng.integers(2, 6)))
+    last = (None, None, first, first + math.pi, rng.uniform(-math.pi, math.pi))[rng.integers(5)]
+    if kind == "on a path" or rng.random() < 0.8:
+        return kind, Asked(points, first, last)
+    beside = rng.normal(size=points.shape) * 10 ** rng.uniform(-15, -2)
+    return kind, Asked(points + beside, first, last)
+
+
+class Chains(NamedTuple):
+    """A dynamic program: the least length through each heading, and the way to and from it."""
+
+    through: list[Array]
+    before: list[NDArray[np.intp]]
+    after: list[NDArray[np.intp]]
+
+    def headings(self, grid: list[Array], point: int, place: int) -> Array:
+        """The headings of the best chain through one heading of a point."""
+        chain = [place]
+        for before in reversed(self.before[:point]):
+            chain.insert(0, int(before[chain[0]]))
+        for after in self.after[point:]:
+            chain.append(int(after[chain[-1]]))
+        return np.array([column[k] for column, k in zip(grid, chain, strict=True)])
+
+
+def program(legs: Array, grid: list[Array]) -> Chains:
+    tables = [length_table(*leg, a, b) for leg, (a, b) in zip(legs, pairwise(grid), strict=True)]
+    ahead, behind = [np.zeros(grid[0].size)], [np.zeros(grid[-1].size)]
+    before, after = [], []
+    for table in tables:
+        total = ahead[-1][:, None] + table
+        before.append(total.argmin(axis=0))
+        ahead.append(total.min(axis=0))
+    for table in reversed(tables):
+        total = table + behind[0]
+        after.insert(0, total.argmin(axis=1))
+        behind.insert(0, total.min(axis=1))
+    return Chains([a + b for a, b in zip(ahead, behind, strict=True)], before, after)
+
+
+def whole_grid(legs: Array, ends: list[Array | None]) -> float:
+    """The least over all headings of the fine grid, 250 rows of a table at a time."""
+    every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
+    cost = np.zeros(1)
+    grid = [every if end is None else end for end in ends]
+    for leg, (a, b) in zip(legs, pairwise(grid), strict=True):
+        total = np.full(b.size, math.inf)
+        for low in range(0, a.size, 250):
+            part = slice(low, low + 250)
+            table = cost[part, None] + length_table(*leg, a[part], b)
+            total = np.minimum(total, table.min(axis=0))
+        cost = total
+    return float(cost.min())
+
+
+def attacked(asked: Asked, rng: Rng) -> tuple[float, float, float]:
+    """The least lengths that are found: on the fine grid, downhill, and with hidden arcs left out.
+
+    The grid has 500 headings at a point, and then the fine ones in the 30 windows about those
+    through which the shortest chains go and in 10 random windows. Downhill from the best chain
+    through each window, from chains beside the best of all, and from anywhere.
+    """
+    legs = np.diff(asked.points, axis=0)
+    every = np.arange(_FINE) * (2 * math.pi / _FINE) - math.pi
+    ends = [np.array([asked.first]), *[None] * (len(legs) - 1)]
+    ends.append(None if asked.last is None else np.array([asked.last]))
+    free = np.array([end is None for end in ends])
+    grid = [every[::_EACH] if end is None else end for end in ends]
+    coarse = program(legs, grid)
+    windows = []
+    for end, through in zip(ends, coarse.through, strict=True):
+        if end is not None:
+            windows.append(end)
+            continue
+        best = np.argsort(through, kind="stable")[:_BEST]
+        chosen = np.union1d(best, rng.integers(through.size, size=_RANDOM))
+        near = np.arange(-_EACH // 2, _EACH // 2)
+        windows.append(every[(chosen[:, None] * _EACH + near).ravel() % _FINE])
+    fine = program(legs, windows)
+    on_grid = float(fine.through[0].min())
+    starts = [
+        fine.headings(windows, point, low + int(through[low : low + _EACH].argmin()))
+        for point, through in enumerate(fine.through)
+        if free[point]
+        for low in range(0, through.size, _EACH)
+    ]
+    best = fine.headings(windows, 0, 0)
+    for place in range(_STARTS - len(starts)):
+        off = rng.normal(size=free.size) * 10 ** rng.uniform(-3, 0)
+        anywhere = rng.uniform(-math.pi, math.pi, free.size)
+        starts.append(np.where(free, best + off if place % 2 else anywhere, best))
+    lengths = [downhill(legs, start, free, rng, (0.1, 0.03), 0.0) for start in starts]
+    finished = {round(lengths[k], 6): starts[k] for k in np.argsort(lengths)[::-1]}
+    least = hidden = min(on_grid, *lengths)
+    for _, start in sorted(finished.items())[:_FINISHED]:
+        least = min(least, downhill(legs, start.copy(), free, rng, (0.05, 1e-13), 0.0))
+        hidden = min(hidden, downhill(legs, start, free, rng, (0.05, 1e-13), _HIDDEN))
+    if rng.random() < 1 / _WHOLE:
+        on_grid = whole_grid(legs, ends)
+    return on_grid, min(least, on_grid), min(hidden, on_grid)
+
+
+def row(number: int, seeded: int) -> dict[str, Any]:
+    """One route: its proven interval, and the least lengths that the attack finds."""
+    kind, asked = drawn(number, seeded)
+    route = search(*asked, limit=_LIMIT, tolerance=(1e-9, 1e-12)[number // len(KINDS) % 2])
+    on_grid, found, hidden = attacked(asked, np.random.default_rng((seeded, number, 1)))
+    return {
+        **{"seed": seeded, "number": number, "kind": kind, "legs": len(asked.points) - 1},
+        **{"last": asked.last, "low": route.low, "high": route.high, "closed": route.closed},
+        **{"on_grid": on_grid, "found": found, "hidden": hidden, "seconds": route.seconds},
+    }
+
+
+def beaten(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows whose bound is above a length that was found."""
+    return rows[rows["found"] < rows["low"] * (1.0 - TOLERANCE)]
+
+
+def summary(rows: pd.DataFrame) -> str:
+    scaled = pd.DataFrame(
+        {
+            "routes": 1,
+            "open": ~rows["closed"],
+            "beaten": rows.index.isin(beaten(rows).index),
+            "only by hidden arcs": rows["hidden"] < rows["low"] * (1.0 - TOLERANCE),
+            "better path": rows["hidden"] < rows["high"] * (1.0 - 1e-8),
+            "met to 1e-8": rows["hidden"] < rows["high"] * (1.0 + 1e-8),
+            "grid met to 1e-3": rows["on_grid"] < rows["high"] * (1.0 + 1e-3),
+        }
+    )
+    counts = scaled.groupby(rows["kind"], sort=False).sum()
+    counts.loc["all"] = counts.sum()
+    least = ((rows["found"] - rows["low"]) / rows["low"]).min()
+    return f"{counts.to_string()}\nleast (found - low) / low: {least:.3g}"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("routes", type=int)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("build/route_attack.jsonl"))
+    asked = parser.parse_args()
+    asked.out.parent.mkdir(parents=True, exist_ok=True)
+    asked.out.touch()
+    rows = [json.loads(line) for line in asked.out.read_text().splitlines()]
+    rows = [one for one in rows if one["seed"] == asked.seed and one["number"] < asked.routes]
+    left = sorted(set(range(asked.routes)) - {one["number"] for one in rows})
+    with ProcessPoolExecutor(asked.workers) as pool, asked.out.open("a") as file:
+        jobs = [pool.submit(row, number, asked.seed) for number in left]
+        for job in track(as_completed(jobs), "routes", total=len(jobs)):
+            rows.append(job.result())
+            print(json.dumps(rows[-1]), file=file, flush=True)
+    frame = pd.DataFrame(rows).sort_values("number", ignore_index=True)
+    print(summary(frame), beaten(frame).to_string(), sep="\n")
+    return 1 if len(beaten(frame)) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,230 @@
+"""Routes and legs with a final heading before the check: honest paths, false ones, and bounds.
+
+What is right is known without the package's check: where a path passes a point is searched on a
+dense sample of it, one path that arrives is a bound for all others, and the length of one leg is
+that of `tests.adversary.leg_lengths`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dubins_study.solvers.analytic import Analytic
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.check.visits import visits
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario, ScenarioError
+from dubins_study.study.tolerances import ARRIVES, HEADED, Tolerances
+from dubins_study.study.words import Claim, Verdict
+from tests.adversary.leg_lengths import leg_length
+from tests.adversary.routes import Rng, drawn
+from tests.adversary.table import Table, paste, paste_path
+from tests.hard_cases import hard_poses
+
+# a bound has to hold whenever its search ends
+TOLERANCES = Tolerances(search_s=0.3)
+_HIDDEN = 1e-10  # rad; an arc that lacks less of a full turn may be none by rounding
+
+
+def scenario_of(seed: int, number: int) -> tuple[str, Scenario]:
+    """A small route, or one leg with a final heading; moved and scaled or not."""
+    rng = np.random.default_rng((seed, number, 2))
+    if number % 4:
+        columns = hard_poses(6, number + seed).iloc[number % 6]
+        return "final heading", Scenario(**columns)
+    kind, (points, first, last) = drawn(number // 4, seed)
+    if rng.random() < 0.5:
+        turn, radius = rng.uniform(-math.pi, math.pi), 10 ** rng.uniform(-3, 3)
+        spin = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+        points = radius * (points @ spin + rng.uniform(-9, 9, 2))
+        first, last = first + turn, None if last is None else last + turn
+    else:
+        radius = 1.0
+    start, *via, target = points.tolist()
+    return kind, Scenario(*start, first, *target, radius, via=via, final_heading=last)
+
+
+class Answer(NamedTuple):
+    """A path, its question, and what is known of the shortest length of that."""
+
+    kind: str
+    scenario: Scenario
+    path: Path
+    low: float = 0.0
+    high: float = math.inf
+
+
+def off_points(scenario: Scenario, path: Path) -> float:
+    """By how much a path breaks its question, in what is allowed: points, heading, curvature.
+
+    The nearest places of a point are searched on a dense sample of the path; each next point after
+    the first one that is near enough. Of a point that is missed, the rest counts from there.
+    """
+    radius = scenario.radius
+    ends = np.concatenate([[0.0], np.cumsum(path.length)])
+    dense = np.linspace(0.0, ends[-1], 20 * int(ends[-1] / radius) + 50)
+    dense = np.union1d(dense, ends)
+    sample = path.at(dense)[:, :2]
+    at, worst = (
+        0.0,
+        float(np.abs(path.curvature * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature,
+    )
+    for x, y in scenario.via:
+        away = np.hypot(*(sample - (x, y)).T)
+        low = np.flatnonzero(
+            (away <= np.roll(away, 1)) & (away <= np.roll(away, -1)) | (dense == 0)
+        )
+        low = np.union1d(low, [away.size - 1])
+        left, right = dense[np.maximum(low - 1, 0)], dense[np.minimum(low + 1, away.size - 1)]
+        left = np.maximum(left, at)
+        keep = left <= right
+        left, right = left[keep], right[keep]
+        for _ in range(80):  # thirds: each neighbourhood holds one minimum
+            one, other = left + (right - left) / 3, right - (right - left) / 3
+            nearer = _away(path, one, x, y) <= _away(path, other, x, y)
+            left, right = np.where(nearer, left, one), np.where(nearer, other, right)
+        found = _away(path, left, x, y) / (ARRIVES * radius)
+        place = int(np.argmax(found <= 1.0)) if (found <= 1.0).any() else int(found.argmin())
+        worst, at = max(worst, float(found[place])), max(at, float(left[place]))
+    end = path.end
+    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+    worst = max(worst, miss / (ARRIVES * radius))
+    if scenario.final_heading is not None:
+        turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
+        worst = max(worst, turned / HEADED)
+    return worst
+
+
+def _away(path: Path, at: NDArray[np.float64], x: float, y: float) -> NDArray[np.float64]:
+    distance: NDArray[np.float64] = np.hypot(*(path.at(at)[:, :2] - (x, y)).T)
+    return distance
+
+
+def answers(
+    rng: Rng, scenario: Scenario, path: Path, known: tuple[float, float]
+) -> Iterator[Answer]:
+    """Paths beside the best one, honest and false, and the best one before other questions."""
+    radius, k, s = scenario.radius, path.curvature, path.length
+    off = float(rng.choice([1e-12, 1e-9, 0.5e-6, 0.99e-6, 1.01e-6, 2e-6, 1e-3]))
+    angle, sign = rng.uniform(-math.pi, math.pi), rng.choice([-1.0, 1.0])
+    yield Answer("best", scenario, path, *known)
+    place = int(rng.integers(k.size + 1))
+    turned = np.insert(k, place, sign / radius), np.insert(s, place, 2 * math.pi * radius)
+    yield Answer("full turn", scenario, Path(scenario.start, *turned), *known)
+    if k.size:
+        scale = np.where(np.arange(k.size) == rng.integers(k.size), 1.0 + sign * off, 1.0)
+        yield Answer("altered length", scenario, Path(scenario.start, k, s * scale), *known)
+        # as long, so that its curvature is too large or its turn too small
+        yield Answer("altered curvature", scenario, Path(scenario.start, k * scale, s), *known)
+    longer = Path(scenario.start, [*k, 0.0], [*s, off * radius])
+    yield Answer("driven on", scenario, longer, *known)
+    if scenario.final_heading is not None:
+        final = scenario.final_heading + sign * off
+        yield Answer("wrong heading", replace(scenario, final_heading=final), path)
+    via = list(scenario.via)
+    first = visits(path, via[:1], radius, 1e-6 * radius).at[0] if via else path.total_length
+    if first > 0.1 * radius:  # a point on the first leg leaves the length
+        x, y = path.at(first * rng.uniform(0.05, 0.95))[0, :2]
+        yield Answer("point on the way", replace(scenario, via=[(x, y), *via]), path, *known)
+    if not via:
+        return
+    place = int(rng.integers(len(via)))
+    x, y = via[place]
+    via[place] = x + off * radius * math.cos(angle), y + off * radius * math.sin(angle)
+    yield Answer("point beside", replace(scenario, via=via), path)
+    if len(via) > 1:
+        yield Answer("wrong order", replace(scenario, via=scenario.via[::-1]), path)
+    fewer = replace(scenario, via=scenario.via[:place] + scenario.via[place + 1 :])
+    if (found := Analytic().solve(Question(fewer), TOLERANCES.search_s).path) is not None:
+        yield Answer("skipped point", scenario, found, *known)
+
+
+def own_points(rng: Rng) -> Answer:
+    """Any path, before the question of points on it, its end and, mostly, its final heading."""
+    n = int(rng.integers(2, 7))
+    rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
+    lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
+    path = Path(Pose(*rng.uniform(-3, 3, 3)), rates, lengths)
+    at = np.sort(rng.uniform(0, path.total_length, int(rng.integers(0, 3))))
+    at = at[np.diff(at, prepend=0.0, append=path.total_length)[:-1] > 0.05]
+    x, y, heading = path.end
+    final = heading if not at.size or rng.random() < 0.5 else None
+    via = path.at(at)[:, :2] if at.size else []
+    asked = Scenario(*path.start, x, y, via=via, final_heading=final)
+    return Answer("own points", asked, path, 0.0, path.total_length)
+
+
+def attacked(table: Table, seed: int, number: int) -> None:
+    """One scenario: what `analytic` says of it, and each answer before the check."""
+    rng = np.random.default_rng((seed, number, 3))
+    table.generator, scenario = scenario_of(seed, number)
+    solution = Analytic().solve(Question(scenario), TOLERANCES.search_s)
+    path, low = solution.path, solution.lower_bound
+    assert path is not None
+    assert low is not None
+    judged = judge(scenario, path, solution.claim, tolerances=TOLERANCES)
+    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    allowed = [Verdict.OPTIMAL]
+    if solution.claim is not Claim.OPTIMAL:
+        allowed += Verdict.UNDECIDED, Verdict.LONGER
+    wrong = judged.verdict not in allowed or judged.false_claim or certificate.false_bound
+    table.note("route claim", wrong, f"solve({paste(scenario)})")
+    known = (low, path.total_length)
+    if not scenario.via:
+        known = _leg(table, scenario, path.total_length, rng)
+    try:
+        tried = [*answers(rng, scenario, path, known), own_points(rng)]
+    except ScenarioError:  # two points have become one
+        return
+    for answer in tried:
+        _judged(table, answer)
+
+
+def _leg(table: Table, scenario: Scenario, length: float, rng: Rng) -> tuple[float, float]:
+    """The least and the most that a leg's length may be, by circles and tangents.
+
+    Its own length has to be one that the rounding of its data leaves open.
+    """
+    s, radius = scenario, scenario.radius
+    assert s.final_heading is not None
+    leg = (s.target_x - s.x) / radius, (s.target_y - s.y) / radius, s.heading, s.final_heading
+    room = 1e-13 * (1.0 + s.extent / radius)
+    moved = np.vstack([np.zeros(4), rng.uniform(-room, room, (16, 4))]) + leg
+    own = [leg_length(*each, gap) for each in moved for gap in (0.0, _HIDDEN)]
+    apart = min(abs(length / radius - each) / (1.0 + each) for each in own)
+    table.note("leg length", apart * 1e9, f"solve({paste(s)})  # {min(own)} {max(own)}")
+    return min(own) * radius, max(own) * radius
+
+
+def _judged(table: Table, answer: Answer) -> None:
+    table.generator, scenario, path, least, most = answer
+    judged = judge(scenario, path, Claim.OPTIMAL, tolerances=TOLERANCES)
+    line = f"{paste_path(scenario, 'best', path)}  # {judged.verdict}"
+    off = off_points(scenario, path)
+    if abs(off - 1.0) > 1e-3:
+        table.note("route arrival", (off > 1.0) != (judged.verdict is Verdict.MISSES), line)
+    if judged.verdict is Verdict.MISSES:
+        return
+    certificate = certify(scenario, path, judged, tolerances=TOLERANCES)
+    low, high = certificate.reference_low, certificate.reference_high
+    assert low is not None
+    assert high is not None
+    length, scale = path.total_length, max(low, scenario.radius)
+    wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
+    wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
+    wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)
+    table.note("route verdict", wrong, line)
+    # what misses its points by more may be shorter by a turn that begins there
+    if off < 1e-6:
+        table.note("route bound", (low - length) / scale, f"{line}, low {low!r}")
+    for bound, is_false in ((low, False), (high + 2e-9 * scale, True)):
+        found = certify(scenario, path, judged, lower_bound=bound, tolerances=TOLERANCES)
+        table.note("route false bound", found.false_bound != is_false, f"{line}, bound {bound!r}")
