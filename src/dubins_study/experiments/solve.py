@@ -89,7 +89,8 @@ def solve_frame(
     Args:
         scenarios: columns `x y heading target_x target_y radius`, and `speed`, `label`, `via_x`,
             `via_y` and `final_heading` if wanted; one row a scenario, its values as `Scenario`
-            takes them. A row's via points are two lists of as many numbers.
+            takes them; a final heading that is missing is free. A row's via points are two lists of
+            as many numbers. Columns of answers are left out, all others are carried along.
         solver: a spec, e.g. `ipopt` or `turn-rate-qp[n=100]`.
         branch: as for `solve`; each row must be able to have it.
         profile: `default`, `fast` or `accurate`.
@@ -102,11 +103,12 @@ def solve_frame(
             process, without a limit; with True it is asked row by row.
 
     Returns:
-        One judged row a scenario with the index of `scenarios` and the columns of
-        `study.rows.schema` from `x` to `evaluations`, whatever the solver. Missing numbers are
+        One judged row a scenario with the index of `scenarios`: the columns of `study.rows.schema`
+        from `x` to `best_run_s`, whatever the solver, and those carried along. Missing numbers are
         null.
-        Where a solver answers the whole frame at once, each row's times are the frame's divided
-        by its size; a frame with via points or a final heading is answered row by row.
+        A solver that answers a whole frame at once answers its rows with a free final heading, and
+        then those with a given one; each row's times are those of its kind divided by their
+        number. Routes are answered row by row.
 
     Raises:
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
@@ -123,12 +125,12 @@ def solve_frame(
                 scenarios, solver, branch, profile=profile, limit=limit, certified=certified
             )
     from dubins_study.experiments.executors.local import ask_isolated
-    from dubins_study.study.scenario import check_frame
 
-    checked = check_frame(scenarios)
+    checked, others = frame.checked(scenarios)
     frame.check_branches(checked, branch)
     questions = frame.questions(checked, branch)
-    return frame.row_by_row(checked, ask_isolated(solver, profile, questions, limit))
+    rows = frame.row_by_row(checked, ask_isolated(solver, profile, questions, limit))
+    return frame.with_others(rows, others)
 
 
 def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool = False) -> bool:

@@ -16,7 +16,7 @@ from dubins_study.solvers.protocol import (
 )
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.scenario import NUMBERS, Pose, Scenario
+from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import EVERY_BRANCH, NEEDS, Claim
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Analytic(Solver):
     """The closed form, and of a route the search with a proof.
 
     `study.closed_form.shortest`, for frames `study.closed_form.kernel`; with a final heading
-    `study.closed_form.pose`; with via points `study.route`.
+    `study.closed_form.pose`, for frames `pose_kernel`; with via points `study.route`.
     """
 
     name: ClassVar[str] = "analytic"
@@ -66,16 +66,22 @@ class Analytic(Solver):
         import numpy as np  # these only here: a single question needs none of them
 
         from dubins_study.study.closed_form.kernel import NO_PATH, Rows, curvatures, shortest_rows
+        from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
         from dubins_study.study.path import CLAIMS, Paths
 
-        n = len(frame)
-        curvature, length = np.empty((2, n)), np.empty((2, n))
-        rows = Rows(np.empty(n), length[0], length[1], np.empty(n, np.uint8))
-        x, y, heading, tx, ty, radius = (
-            np.ascontiguousarray(frame[name], np.float64) for name in NUMBERS if name != "speed"
-        )
-        shortest_rows(x, y, heading, tx, ty, radius, branch=branch, out=rows)
-        curvatures(rows.word, radius, curvature)
+        n, radius = len(frame), np.ascontiguousarray(frame["radius"], np.float64)
+        columns = (np.ascontiguousarray(frame[name], np.float64) for name in PoseArrays._fields)
+        rows: Rows | PoseRows
+        if frame["final_heading"].notna().any():
+            length = np.empty((3, n))
+            rows = PoseRows._make([np.empty(n), *length, np.empty(n, np.uint8)])
+            pose_rows(*columns, branch=branch, out=rows)
+            curvature = rows.curvatures(radius)
+        else:
+            curvature, length = np.empty((2, n)), np.empty((2, n))
+            rows = Rows(np.empty(n), length[0], length[1], np.empty(n, np.uint8))
+            shortest_rows(*list(columns)[:-1], branch=branch, out=rows)
+            curvatures(rows.word, radius, curvature)
         paths = Paths(curvature, length)
         absent = rows.word == NO_PATH
         if not absent.any():

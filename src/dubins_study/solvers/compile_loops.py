@@ -20,6 +20,8 @@ def compile_loops() -> None:
         frame = frame.assign(target_y=1.0, radius=1.0)
         for branch in ("best", "LS"):
             solve_frame(frame, branch=branch, certified=True)
+        for branch in ("best", "LSL"):
+            solve_frame(frame.assign(final_heading=1.0), branch=branch, certified=True)
     search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, limit=60.0, tolerance=1e-6)
 
 

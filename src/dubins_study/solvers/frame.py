@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+from pandas.api.types import union_categoricals
 
 from dubins_study.solvers.attempt import (
     Answer,
@@ -25,9 +26,19 @@ from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
-from dubins_study.study.scenario import check_frame, list_column, row_name
+from dubins_study.study.scenario import DEFAULTS, check_frame, list_column, row_name
 from dubins_study.study.scenario import scenarios as scenarios_of
-from dubins_study.study.words import BRANCHES, Claim, Outcome
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.values import nearest
+from dubins_study.study.words import (
+    BRANCHES,
+    FINAL_HEADING,
+    FREE_FINAL_HEADING,
+    POSE_BRANCHES,
+    ROUTE_BRANCHES,
+    Claim,
+    Outcome,
+)
 
 if TYPE_CHECKING:
     from dubins_study.study.check.certificate_frame import FrameCertificate
@@ -50,25 +61,39 @@ def solve_frame(
     check_request(branch, limit)
     allowed = tolerances(profile, limit)
     backend = load(solver, profile)
-    frame = check_frame(scenarios)
+    frame, others = checked(scenarios)
     check_branches(frame, branch)
-    whole = backend.solve_frame
-    if (
-        whole is None
-        or not all_one_free_leg(frame)
-        or backend.presolve is True
-        or unavailable(backend) is not None
-        or branch not in backend.branches
-    ):
-        rows = questions(frame, branch)
-        return row_by_row(frame, (attempt(backend, row, limit, allowed, solver) for row in rows))
+    answers = backend.presolve is not True and unavailable(backend) is None
+    whole = backend.solve_frame if answers and branch in backend.branches else None
+    kinds = _kinds(frame)
+    parts: list[tuple[Any, pd.DataFrame]] = []
+    for kind in np.unique(kinds).tolist() or [_FREE]:
+        places = np.flatnonzero(kinds == kind)
+        part = frame.iloc[places] if len(places) < len(frame) else frame
+        if whole is not None and kind != _ROUTE and _NEED[kind] in backend.takes:
+            rows = _all_at_once(part, whole, stated_method(backend), branch, allowed, certified)
+        else:
+            single = (attempt(backend, q, limit, allowed, solver) for q in questions(part, branch))
+            rows = row_by_row(part, single)
+        parts.append((places, rows))
+    return with_others(_in_order(parts, frame), others)
+
+
+def _all_at_once(
+    frame: pd.DataFrame,
+    whole: Callable[[pd.DataFrame, str], FrameSolution],
+    method: Method,
+    branch: str,
+    allowed: Tolerances,
+    certified: bool,
+) -> pd.DataFrame:
+    """The rows of a frame of one kind that a solver answers whole."""
     from dubins_study.study.check.certificate_frame import certify_frame
     from dubins_study.study.check.verdict_frame import judge_frame
 
     # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    method = stated_method(backend)
     columns = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
     if certified:
         bound = solution.lower_bound
@@ -109,9 +134,7 @@ def _columns(
     seconds: float,
 ) -> dict[str, Any]:
     """The answer's columns, None for a missing one: codes and flat buffers are taken over."""
-    from dubins_study.study.check.two_arcs import PATH_WORDS
-    from dubins_study.study.check.verdict_frame import REGIONS, VERDICTS
-    from dubins_study.study.closed_form.kernel import WORDS
+    from dubins_study.study.check.verdict_frame import LEG_WORDS, REGIONS, VERDICTS
 
     n = len(solution.paths)
     claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)
@@ -120,8 +143,8 @@ def _columns(
     tolerance = of_all_rows.pop("tolerance")
     columns = {name: _texts(same, [text]) for name, text in of_all_rows.items()} | {
         "region": _texts(judged.region, REGIONS),
-        "word": _texts(judged.word, PATH_WORDS),
-        "reference_word": _texts(judged.reference_word, WORDS),
+        "word": _texts(judged.word, LEG_WORDS),
+        "reference_word": _texts(judged.reference_word, LEG_WORDS),
         "verdict": _texts(judged.verdict, VERDICTS),
         "claim": _texts(same, [claim]) if isinstance(claim, Claim) else _texts(claim, CLAIMS),
         "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
@@ -161,7 +184,8 @@ def _texts(codes: Any, texts: Iterable[str]) -> Any:
 
 
 def _text(values: Any) -> Any:
-    return pd.Categorical([None if value is None else _storable(value) for value in values])
+    texts = [None if value is None else _storable(value) for value in values]
+    return pd.Categorical(pd.array(texts, "str"))  # as the texts of `_texts` are
 
 
 def _storable(text: str) -> str:
@@ -189,7 +213,7 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
     n = len(paths)
     offsets = np.empty(n + 1, np.int64)
-    flat = np.empty((2, 2 * n + 1))
+    flat = np.empty((2, paths.length.size + 1))
     flatten(paths.curvature, paths.length, offsets, *flat)
     missing: Any = None if paths.returned is None else pa.array(~paths.returned)
     bounds: Any = pa.array(offsets)
@@ -200,18 +224,42 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
     return pd.arrays.ArrowExtensionArray(curvatures), pd.arrays.ArrowExtensionArray(lengths)
 
 
-def all_one_free_leg(frame: pd.DataFrame) -> bool:
-    """Whether no row of a checked frame has via points or a final heading."""
-    return bool(frame["via_x"].isna().all() and frame["final_heading"].isna().all())
+def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The scenarios as `check_frame` returns them, and the columns that are carried along.
+
+    An answer's columns are neither, so that rows of answers can be asked again.
+    """
+    if not isinstance(scenarios, pd.DataFrame):
+        return check_frame(scenarios), pd.DataFrame()
+    known = {*names(SCENARIO), "via"}
+    own = [name in known or nearest(name, DEFAULTS) is not None for name in scenarios.columns]
+    answered = scenarios.columns.isin(names(ANSWER))
+    others = scenarios.loc[:, ~np.array(own, np.bool_) & ~answered]
+    return check_frame(scenarios.loc[:, np.array(own, np.bool_)]), others
+
+
+def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
+    """Rows of answers, then the columns that were carried along."""
+    return pd.concat([rows, others], axis=1) if others.shape[1] else rows
+
+
+_FREE, _POSE, _ROUTE = range(3)  # kinds of rows
+_NEED = (FREE_FINAL_HEADING, FINAL_HEADING)
+_BRANCHES = (BRANCHES, POSE_BRANCHES, ROUTE_BRANCHES)
+
+
+def _kinds(frame: pd.DataFrame) -> Any:
+    """The kind of every row of a checked frame."""
+    kinds = np.where(frame["final_heading"].notna(), _POSE, _FREE)
+    return np.where(frame["via_x"].notna(), _ROUTE, kinds)
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
     """Refuse a branch that a row of a checked frame cannot have."""
-    if all_one_free_leg(frame) and branch in BRANCHES:
-        return
-    for place, scenario in enumerate(scenarios_of(frame)):
+    lacking = [kind for kind, branches in enumerate(_BRANCHES) if branch not in branches]
+    for place in np.flatnonzero(np.isin(_kinds(frame), lacking))[:1].tolist():
         try:
-            check_branch(scenario, branch)
+            check_branch(next(scenarios_of(frame.iloc[[place]])), branch)
         except QuestionError as error:
             raise QuestionError(f"{row_name(frame, place)}: {error}") from None
 
@@ -247,3 +295,17 @@ def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:
     missing = cache(lambda kind: _missing(kind, len(frame)))
     every |= {c.name: missing(c.type) for c in ANSWER if every.get(c.name) is None}
     return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)
+
+
+def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the parts of a frame, each at its places there."""
+    if len(parts) == 1:
+        return parts[0][1]
+    order = np.argsort(np.concatenate([places for places, _ in parts]))
+    columns: dict[str, Any] = {}
+    for name in COLUMNS:
+        arrays = [rows[name].array for _, rows in parts]
+        category = isinstance(arrays[0], pd.Categorical)
+        joined: Any = union_categoricals(arrays) if category else pd.concat(map(pd.Series, arrays))
+        columns[name] = (joined if category else joined.array).take(order)
+    return pd.DataFrame(columns, index=frame.index, copy=False)

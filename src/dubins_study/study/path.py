@@ -326,11 +326,11 @@ def drivable(path: Path) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Controls of n paths of at most two arcs, each starting at its scenario's start.
+    """Controls of n paths of at most two or three arcs, each starting at its scenario's start.
 
     Args:
-        curvature: shape (2, n), 1 / length unit, positive to the left.
-        length: shape (2, n), length unit; an arc of length 0 is left out.
+        curvature: shape (2, n) or (3, n), 1 / length unit, positive to the left.
+        length: of the same shape, length unit; an arc of length 0 is left out.
         returned: shape (n,), False where there is no path; None if all rows have one.
     """
 
@@ -339,11 +339,12 @@ class Paths:
     returned: BoolArray | None = None
 
     def __post_init__(self) -> None:
-        n = np.shape(self.curvature)[-1] if np.ndim(self.curvature) else 0
+        arcs, n = (*np.shape(self.curvature), 0, 0)[:2]
+        shape = (3 if arcs == 3 else 2, n)
         for name in ("curvature", "length"):
             array = doubles(name, getattr(self, name))
-            if array.shape != (2, n):
-                raise ValueError(f"{name} has shape {array.shape}; expected {(2, n)}")
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}; expected {shape}")
             object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)

@@ -1,7 +1,7 @@
-"""Certificates over frames: what `certificate.certify` computes, for paths of at most two arcs.
+"""Certificates over frames: what `certificate.certify` computes, for paths of two or three arcs.
 
 Compiled loops measure and enclose nearly all rows. `extremal.measure` measures words that the
-closed form never returns, and `enclosure.enclose` encloses some lengths in a thousand.
+closed form never returns, and balls enclose some lengths in a thousand.
 """
 
 from __future__ import annotations
@@ -13,12 +13,14 @@ from numba.extending import register_jitable
 
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, proof_levels
-from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
-from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement
+from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
+from dubins_study.study.check.reference import reference_of
+from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, with_final_headings
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
+from dubins_study.study.closed_form.pose_kernel import PoseArrays
 from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
 from dubins_study.study.scenario import scenarios
 from dubins_study.study.tolerances import Tolerances
@@ -76,11 +78,17 @@ def certify_frame(
     """
     n = len(paths)
     measured, abnormal = np.full((len(MEASURED), n), np.nan), np.zeros(n, np.bool_)
-    _measure(frame, paths, measured, abnormal)
-    arrays = ScenarioArrays(*(frame[name].to_numpy() for name in ScenarioArrays._fields))
-    low, high, left = bound_rows(arrays, branch)
+    poses = with_final_headings(frame)
+    radius = frame["radius"].to_numpy()
+    if poses:
+        legs = PoseArrays(*(frame[name].to_numpy() for name in PoseArrays._fields))
+        low, high, left = bound_pose_rows(legs, branch)
+    else:
+        _measure(frame, paths, measured, abnormal)
+        arrays = ScenarioArrays(*(frame[name].to_numpy() for name in ScenarioArrays._fields))
+        low, high, left = bound_rows(arrays, branch)
     intervals = {
-        row: enclose(scenario, branch)
+        row: reference_of(scenario, branch).enclosure
         for row, scenario in zip(np.flatnonzero(left).tolist(), scenarios(frame[left]), strict=True)
     }
     for row, interval in intervals.items():
@@ -88,7 +96,7 @@ def certify_frame(
     bound = np.full(n, np.nan) if lower_bound is None else lower_bound
     length, arrives = judged.length, np.isfinite(judged.gap)
     with np.errstate(invalid="ignore"):
-        scale = np.maximum(low, arrays.radius)
+        scale = np.maximum(low, radius)
         allowed = tolerances.gap * scale
         near = (low - allowed <= length) & (length <= high + allowed) & np.isfinite(high)
         highest = high.copy()
@@ -97,12 +105,12 @@ def certify_frame(
             highest[row] = interval.highest(length[row] if arrives[row] else None)
         false_bound = bound > highest + BOUND_TOLERANCE * scale
         levels = proof_levels(
-            branch,
+            "LR" if poses else branch,  # TODO
             judged.verdict == _OPTIMAL,
             judged.verdict == _NONE_EXISTS,
             arrives,
             length,
-            arrays.radius,
+            radius,
             measured[MEASURED.index("pmp_residual")],
             measured[MEASURED.index("cut_margin")],
             low,

@@ -1,14 +1,16 @@
-"""The check over frames: what `verdict.judge` finds, for paths of at most two arcs as arrays.
+"""The check over frames: what `verdict.judge` finds, for paths of two or three arcs as arrays.
 
 Compiled loops judge ordinary rows. A row that is out of the ordinary is marked `ODD`, and `judge`
 itself judges it: no path or a broken one, shorter than the reference (which then has to be relaxed)
 or longer where the rounding of the data leaves the reference undecided, no path exists, or an angle
-too large for the polynomials.
+too large for the polynomials. With final headings ordinary paths are the shortest ones, and a row
+without a path is if the compiled intervals tell whether one exists.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba
@@ -16,13 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.two_arcs import PATH_WORDS
+from dubins_study.study.check.enclosure_kernel import Bounds
+from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
+from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
 from dubins_study.study.check.verdict import COARSE, ROUNDED, is_false, judge
+from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     FIRST_TURN,
     LAST_TURN,
     NO_PATH,
-    WORDS,
     CodeArray,
     Rows,
     ScenarioArrays,
@@ -34,11 +38,13 @@ from dubins_study.study.closed_form.kernel import (
 )
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
+from dubins_study.study.closed_form.pose import WORDS6
+from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, PoseRows, pose_rows
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
-from dubins_study.study.tolerances import Tolerances, arrives
+from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import BRANCHES, Claim, Verdict
 
 if TYPE_CHECKING:
@@ -48,12 +54,19 @@ VERDICTS = tuple(Verdict)
 REGIONS = ("outside", "left disc", "right disc", "circle")
 ODD = 254  # verdict of a row that is left to the scalar check
 NO_WORD = NO_PATH
-_TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": PATH_WORDS, "reference_word": WORDS}
-_OPTIMAL, _LONGER, _MISSES = (
-    VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)
+# the words of three arcs; the first ones are those of two, and of `kernel.WORDS`
+LEG_WORDS = (
+    *PATH_WORDS,
+    *("".join(word) for word in product("SLR", repeat=3) if word[0] != word[1] != word[2]),
+)
+_TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
+_OPTIMAL, _LONGER, _MISSES, _NONE, _NONE_EXISTS = (
+    *(VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)),
+    *(VERDICTS.index(v) for v in (Verdict.NONE, Verdict.NONE_EXISTS)),
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
-_LARGEST = np.finfo(np.float64).max
+_INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
+_LARGEST, _TWO_PI = np.finfo(np.float64).max, 2 * math.pi
 # q below which, and 4 delta above which, delta may move a length by more than the gap's tolerance
 _STEEP = 0.125
 _BLURRED = 1e-7
@@ -63,8 +76,8 @@ _DEFAULT = Tolerances()
 class FrameJudgement(NamedTuple):
     """The judgements of n rows: arrays of shape (n,); NaN where `Judgement` has None.
 
-    `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` indexes `PATH_WORDS` and
-    `reference_word` indexes `WORDS`; `NO_WORD` where there is no word.
+    `verdict` indexes `VERDICTS`, `region` indexes `REGIONS`, `word` and `reference_word` index
+    `LEG_WORDS`; `NO_WORD` where there is none.
     """
 
     verdict: CodeArray
@@ -81,18 +94,42 @@ class FrameJudgement(NamedTuple):
     region: CodeArray
     margin: FloatArray
 
+    @classmethod
+    def empty(cls, n: int) -> FrameJudgement:
+        """Room for n rows, none of them a wrong basin."""
+        codes, numbers, flags = (
+            np.empty((4, n), np.uint8),
+            np.empty((7, n)),
+            np.zeros((2, n), np.bool_),
+        )
+        return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
+
 
 class Arcs(NamedTuple):
     """Controls of paths of two arcs: arrays of shape (n,); an arc of no length is no arc."""
 
     first_curvature: FloatArray
-    first_length: FloatArray
     second_curvature: FloatArray
+    first_length: FloatArray
     second_length: FloatArray
 
 
+class _ThreeArcs(NamedTuple):
+    """Controls of paths of three arcs, as those of two."""
+
+    k1: FloatArray
+    k2: FloatArray
+    k3: FloatArray
+    l1: FloatArray
+    l2: FloatArray
+    l3: FloatArray
+
+
 class Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and what the branch allows (see `_excess`)."""
+    """Tolerances of `study.check.verdict`, and what the branch allows.
+
+    With final headings `branch` indexes `WORDS6`, or is -1; else see `_excess`.
+    """
 
     miss: float
     curvature: float
@@ -120,45 +157,79 @@ def judge_frame(
     if len(paths) != n:
         raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
     codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
-    columns = {name: loop_input(frame[name]) for name in NUMBERS}
-    scenarios = ScenarioArrays(*(columns[name] for name in ScenarioArrays._fields))
-    best = shortest_rows(*scenarios, branch=branch)
-    length, gap, miss, excess, margin = np.empty((5, n))
-    verdict, word, region = np.empty((3, n), np.uint8)
-    (k1, k2), (l1, l2) = loop_input(paths.curvature), loop_input(paths.length)
-    arcs = Arcs(k1, l1, k2, l2)
-    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
-    result = FrameJudgement(
-        verdict=verdict,
-        word=word,
-        reference_word=best.word,
-        length=length,
-        travel_time=length,
-        reference=best.length,
-        gap=gap,
-        miss=miss,
-        curvature_excess=excess,
-        false_claim=np.empty(n, np.bool_),
-        wrong_basin=np.zeros(n, np.bool_),
-        region=region,
-        margin=margin,
-    )
-    odd = _judge_rows(n)(scenarios, arcs, limits, result)
-    if paths.returned is not None:
-        verdict[~paths.returned] = ODD
-        odd += n
-    result = result._replace(travel_time=length / columns["speed"])
-    _find_wrong_basins(result, arcs, best, columns)
-    if odd:
-        for row in np.flatnonzero(verdict == ODD).tolist():
-            scenario = _scenario(columns, row)
-            asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
-            judged = judge(scenario, paths.path(row, scenario), asked, branch, tolerances)
-            _write(result, row, judged)
+    poses = with_final_headings(frame)
+    names = (*NUMBERS, "final_heading") if poses else NUMBERS
+    columns = {name: loop_input(frame[name]) for name in names}
+    result = FrameJudgement.empty(n)
+    if poses:
+        _judge_poses(columns, paths, codes, branch, tolerances, result)
+    else:
+        result = _judge_targets(columns, paths, branch, tolerances, result)
+    result = result._replace(travel_time=result.length / columns["speed"])
+    for row in np.flatnonzero(result.verdict == ODD).tolist():
+        scenario = _scenario(columns, row)
+        asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
+        path = paths.path(row, scenario)
+        _write(result, row, judge(scenario, path, asked, branch, tolerances))
     # np.take is quicker than indexing where one claim holds for all rows
-    one = isinstance(codes, int)
+    one, verdict = isinstance(codes, int), result.verdict
     false = np.take(_FALSE[codes], verdict) if one else _FALSE[codes, verdict]
     return result._replace(false_claim=false)
+
+
+def with_final_headings(frame: pd.DataFrame) -> bool:
+    """Whether the rows of a checked frame of one kind have final headings."""
+    return bool(frame["final_heading"].notna().any())
+
+
+def _judge_targets(
+    columns: dict[str, FloatArray],
+    paths: Paths,
+    branch: str,
+    tolerances: Tolerances,
+    result: FrameJudgement,
+) -> FrameJudgement:
+    """Judge paths of two arcs, whose final headings are free."""
+    scenarios = ScenarioArrays(*(columns[name] for name in ScenarioArrays._fields))
+    best = shortest_rows(*scenarios, branch=branch)
+    arcs = Arcs(*loop_input(paths.curvature), *loop_input(paths.length))
+    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
+    result = result._replace(reference=best.length, reference_word=best.word)
+    _judge_rows(len(paths))(scenarios, arcs, limits, result)
+    if paths.returned is not None:
+        result.verdict[~paths.returned] = ODD
+    _find_wrong_basins(result, arcs, best, columns)
+    return result
+
+
+def _judge_poses(
+    columns: dict[str, FloatArray],
+    paths: Paths,
+    codes: Any,
+    branch: str,
+    tolerances: Tolerances,
+    result: FrameJudgement,
+) -> None:
+    """Judge paths of up to three arcs that are to end with a heading."""
+    legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
+    best, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
+    none = np.zeros((3 - len(paths.curvature), len(paths)))
+    controls = (np.concatenate([array, none]) for array in (paths.curvature, paths.length))
+    arcs = _ThreeArcs(*(row for array in controls for row in loop_input(array)))
+    form = WORDS6.index(branch) if branch in WORDS6 else -1
+    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, form)
+    _judge_pose_rows(len(paths))(legs, arcs, best, bounds, limits, result)
+    result.region.fill(NO_WORD)
+    result.margin.fill(np.nan)
+    if paths.returned is not None:
+        absent = bounds.low == math.inf
+        verdicts = np.where(absent & (codes == _INFEASIBLE), _NONE_EXISTS, _NONE)
+        gone = ~paths.returned
+        result.verdict[gone] = np.where(bounds.left, ODD, verdicts)[gone]
+        for array in (result.word, result.reference_word):
+            array[gone] = NO_WORD
+        for name in ("length", "reference", "gap", "miss", "curvature_excess"):
+            getattr(result, name)[gone] = np.nan
 
 
 def _find_wrong_basins(
@@ -168,7 +239,7 @@ def _find_wrong_basins(
     rows = np.flatnonzero(result.verdict == _LONGER)
     if not rows.size:
         return
-    k1, l1, k2, l2 = (array[rows] for array in arcs)
+    k1, k2, l1, l2 = (array[rows] for array in arcs)
     word = best.word[rows]
     turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
     driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
@@ -282,15 +353,14 @@ def _judge_chunk(
     arcs: Arcs,
     limits: Limits,
     result: FrameJudgement,
-) -> int:
-    """Judge one chunk of rows; returns how many are `ODD`."""
+) -> None:
+    """Judge one chunk of rows."""
     x, y, heading, tx, ty, radius = scenarios
-    curvature1, length1, curvature2, length2 = arcs
+    curvature1, curvature2, length1, length2 = arcs
     low, high = chunk_bounds(chunk, x.size)
     verdict, word, region = result.verdict, result.word, result.region
     length, gap, miss, margin = result.length, result.gap, result.miss, result.margin
     excess, reference = result.curvature_excess, result.reference
-    odd = 0
     near = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
@@ -309,7 +379,6 @@ def _judge_chunk(
         miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
         length[i] = l1 + l2
         word[i] = _path_word(k1, l1, k2, l2)
-        odd += not (miss[i] <= _LARGEST)
     for i in range(low, high):
         k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
         excess[i] = _excess(k1 * radius[i], k2 * radius[i], l1, l2, limits.branch)
@@ -325,16 +394,134 @@ def _judge_chunk(
         usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
         usual = usual & ((relative <= limits.gap) | (verdict[i] == 0))
         verdict[i] = (_MISSES if misses else arrives) if usual else ODD
-        odd += not usual
-    return odd
 
 
 @threaded
 def _judge_rows(
     scenarios: ScenarioArrays, arcs: Arcs, limits: Limits, result: FrameJudgement
-) -> int:
-    """Judge all rows against their shortest lengths; returns 0 if none is `ODD`."""
-    odd = 0
+) -> None:
+    """Judge all rows against their shortest lengths."""
     for chunk in numba.prange(chunks(scenarios.x.size)):
-        odd += _judge_chunk(chunk, scenarios, arcs, limits, result)
-    return odd
+        _judge_chunk(chunk, scenarios, arcs, limits, result)
+
+
+# `_word_of_three` writes a word in base 4, a digit for each letter
+_CODES = np.zeros(64, np.uint8)
+for _index, _word in enumerate(LEG_WORDS):
+    _CODES[int(f"0{_word}".translate(str.maketrans("SLR", "123")), 4)] = _index
+_rate = inlined(two_arcs.nearest_rate)
+
+
+@inlined
+def _letter(rate: float, length: float, radius: float, total: float) -> int:
+    """0 for an arc that is next to nothing, else 1 for S, 2 for L, 3 for R."""
+    turns = (rate != 0.0) & (length > WORD * radius)
+    seen = (length > CUT * min(radius, total)) & (turns | (length > WORD * total))
+    return ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
+
+
+@inlined
+def _word_of_three(
+    rate1: float, l1: float, rate2: float, l2: float, rate3: float, l3: float, radius: float
+) -> int:
+    """`verdict.words_of` of three arcs whose rates are +1, 0 or -1, as an index of `LEG_WORDS`."""
+    total = l1 + l2 + l3
+    word = _letter(rate1, l1, radius, total)
+    letter = _letter(rate2, l2, radius, total)
+    word = word if letter == 0 or letter == word else 4 * word + letter
+    letter = _letter(rate3, l3, radius, total)
+    word = word if letter == 0 or letter == word % 4 else 4 * word + letter
+    return int(_CODES[word])
+
+
+@inlined
+def _rate_excess(u: float, length: float, asked: float, branch: int) -> float:
+    """How far a rate is beyond 1 or, in a word, from the rate of the letter in its place."""
+    return (max(abs(u) - 1.0, 0.0) if branch < 0 else abs(u - asked)) if length > 0.0 else 0.0
+
+
+@inlined
+def _full_rate(u: float, length: float) -> bool:
+    """Whether an arc has a letter's rate: +1 or -1 up to rounding, or exactly 0, or no length."""
+    return (length == 0.0) | (u == 0.0) | (abs(abs(u) - 1.0) <= FULL_RATE)
+
+
+@inlined
+def _step(
+    k: float, length: float, turned: float, forward: float, left: float
+) -> tuple[float, float, float]:
+    """Heading and position after one more arc (`path.rollout`), in the start's frame."""
+    half = 0.5 * k * length
+    sine, _ = sine_cosine(half)
+    sine_mean, cosine_mean = sine_cosine(turned + half)
+    chord = _chord(half, sine, length)
+    return turned + 2.0 * half, forward + chord * cosine_mean, left + chord * sine_mean
+
+
+@inlined
+def _judge_pose_chunk(
+    chunk: int,
+    legs: PoseArrays,
+    arcs: _ThreeArcs,
+    best: PoseRows,
+    bounds: Bounds,
+    limits: Limits,
+    result: FrameJudgement,
+) -> None:
+    """Judge one chunk of rows that are to end with a heading."""
+    x, y, heading, tx, ty, radius, final = legs
+    branch = limits.branch
+    asked1, asked2, asked3 = SIDES[branch, 0], SIDES[branch, 1], SIDES[branch, 2]
+    begin, end = chunk_bounds(chunk, x.size)
+    for i in range(begin, end):
+        R, word = radius[i], best.word[i]
+        k1, k2, k3 = arcs.k1[i], arcs.k2[i], arcs.k3[i]
+        l1, l2, l3 = arcs.l1[i], arcs.l2[i], arcs.l3[i]
+        u1, u2, u3 = k1 * R, k2 * R, k3 * R
+        turned, forward, left = _step(k1, l1, 0.0, 0.0, 0.0)
+        turned, forward, left = _step(k2, l2, turned, forward, left)
+        turned, forward, left = _step(k3, l3, turned, forward, left)
+        sine, cosine = sine_cosine(heading[i])
+        off_x = x[i] + (forward * cosine - left * sine) - tx[i]
+        off_y = y[i] + (forward * sine + left * cosine) - ty[i]
+        miss = math.sqrt(off_x * off_x + off_y * off_y)
+        length = l1 + l2 + l3
+        off = heading[i] + turned - final[i]
+        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        blur = DRIVEN * (abs(heading[i] + turned) + abs(final[i]) + length / R)
+        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
+        excess = max(
+            max(_rate_excess(u1, l1, asked1, branch), _rate_excess(u2, l2, asked2, branch)),
+            _rate_excess(u3, l3, asked3, branch),
+        )
+        low, high = bounds.low[i], bounds.high[i]
+        reference = max(low, min(high, length))
+        gap = (length - reference) / max(reference, R)
+        usual = (min(min(l1, l2), l3) >= 0.0) & (length <= _LARGEST)
+        usual &= _full_rate(u1, l1) & _full_rate(u2, l2) & _full_rate(u3, l3)
+        usual &= max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2) + abs(k3 * l3)) <= LARGEST_ANGLE
+        usual &= _arrives(miss, R, extent, length, limits.miss) & (abs(off) <= HEADED + blur)
+        usual &= (excess <= limits.curvature) & (not bounds.left[i]) & (word < len(SIDES))
+        usual &= (length >= low * (1.0 - ROUNDED)) & (gap <= limits.gap)
+        result.verdict[i] = _OPTIMAL if usual else ODD
+        result.word[i] = _word_of_three(_rate(u1), l1, _rate(u2), l2, _rate(u3), l3, R)
+        side = SIDES[word if usual else 0]
+        first, middle, last = best.first[i], best.middle[i], best.last[i]
+        named = _word_of_three(side[0], first, side[1], middle, side[2], last, R)
+        result.reference_word[i] = named
+        result.length[i], result.reference[i], result.gap[i] = length, reference, gap
+        result.miss[i], result.curvature_excess[i] = miss, excess
+
+
+@threaded
+def _judge_pose_rows(
+    legs: PoseArrays,
+    arcs: _ThreeArcs,
+    best: PoseRows,
+    bounds: Bounds,
+    limits: Limits,
+    result: FrameJudgement,
+) -> None:
+    """Judge all rows against their proven intervals; `ODD` where a path is not the shortest."""
+    for chunk in numba.prange(chunks(legs.x.size)):
+        _judge_pose_chunk(chunk, legs, arcs, best, bounds, limits, result)

@@ -20,8 +20,9 @@ from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
-# radii: what is shorter at the ends of a leg is its neighbour's, cut off beside the point
-_CUT = 1e-5
+# radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
+# neighbour's, cut off beside the point
+CUT = 1e-5
 
 
 class Visits(NamedTuple):
@@ -152,5 +153,5 @@ def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
             int(np.searchsorted(ends, end, "left")),
         )
         lengths = np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
-        kept = lengths > _CUT * radius
+        kept = lengths > CUT * min(radius, lengths.sum())
         yield Path(Pose(*start), path.curvature[those][kept], lengths[kept])

@@ -36,6 +36,7 @@ from dubins_study.study.closed_form.kernel_math import (
 )
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import FloatArray
+from dubins_study.study.words import TURN
 
 
 class PoseArrays(NamedTuple):
@@ -62,7 +63,16 @@ class PoseRows(NamedTuple):
     @classmethod
     def empty(cls, n: int) -> PoseRows:
         """Room for n rows."""
-        return cls(*(np.empty(n), np.empty(n), np.empty(n), np.empty(n)), np.empty(n, np.uint8))
+        return cls._make([*np.empty((4, n)), np.empty(n, np.uint8)])
+
+    def curvatures(self, radius: FloatArray) -> FloatArray:
+        """Curvatures of the three segments (1 / length unit), shape (3, n)."""
+        curved: FloatArray = SIDES.T[:, np.where(self.word == NO_PATH, 0, self.word)] / radius
+        return curved
+
+
+# the rates of each word's letters: curvature times radius
+SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
 # rows: what a block reads and writes stays in the first-level cache, and a chunk has one scratch
