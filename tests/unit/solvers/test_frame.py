@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pytest
-from hard_cases import hard_frame
+from brute_force import integrated, pose_words_by_search
+from hard_cases import hard_frame, hard_poses
 
 from dubins_study.solvers import frame as solvers_frame
 from dubins_study.solvers.analytic import Analytic
@@ -17,10 +20,13 @@ from dubins_study.solvers.attempt import QuestionError, attempt
 from dubins_study.solvers.frame import COLUMNS, solve_frame
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.check import verdict_frame
 from dubins_study.study.check.extremal import MEASURED
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
-from dubins_study.study.scenario import NUMBERS, ScenarioError, scenarios
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.scenario import NUMBERS, ScenarioError, check_frame, scenarios
+from dubins_study.study.words import BRANCHES, POSE_BRANCHES
 
 TIMES = {"build_s", "solve_s", "wall_s"}
 FRAME = pd.DataFrame(
@@ -44,14 +50,31 @@ def test_headings_with_units_are_solved_as_those_in_radians():
     pd.testing.assert_frame_equal(rows, solve_frame(numbers).drop(columns=[*TIMES]))
 
 
+def random_poses(n: int, seed: int) -> pd.DataFrame:
+    """n legs with a final heading, up to 30 radii long."""
+    x, y, tx, ty = np.random.default_rng(seed).uniform(-10, 10, (4, n))
+    heading, final = np.random.default_rng(seed + 1).uniform(-7, 7, (2, n))
+    points = {"x": x, "y": y, "heading": heading, "target_x": tx, "target_y": ty}
+    return pd.DataFrame({**points, "radius": 2.0, "speed": 3.0, "final_heading": final})
+
+
+KINDS = {
+    "targets": (partial(hard_frame, 150, seed=4), BRANCHES),
+    "hard poses": (partial(hard_poses, 600, seed=4), POSE_BRANCHES),
+    "random poses": (partial(random_poses, 600, seed=4), POSE_BRANCHES),
+}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("branch", BRANCHES)
-def test_a_frame_says_what_single_attempts_say(branch):
+@pytest.mark.parametrize(
+    ("kind", "branch"), [(kind, b) for kind, (_, branches) in KINDS.items() for b in branches]
+)
+def test_a_frame_says_what_single_attempts_say(kind, branch):
     """Texts and flags equal; numbers to 1e-11 of the radius and coordinates."""
-    frame = hard_frame(150, seed=4)
+    frame = KINDS[kind][0]()
     rows = solve_frame(frame, branch=branch, certified=True)
 
-    for (_, row), scenario in zip(rows.iterrows(), scenarios(frame), strict=True):
+    for (_, row), scenario in zip(rows.iterrows(), scenarios(check_frame(frame)), strict=True):
         answer = attempt(Analytic(), Question(scenario, branch)).row()
         size = scenario.extent + scenario.radius
         for name in COLUMNS:
@@ -71,6 +94,65 @@ def test_a_frame_says_what_single_attempts_say(branch):
                 assert pd.isna(other), name
             else:
                 assert one == other, name
+
+
+def test_poses_are_answered_in_compiled_loops(monkeypatch):
+    """The shortest paths, and rows without one: the scalar check judges one in a hundred."""
+    calls = []
+    monkeypatch.setattr(verdict_frame, "judge", lambda *asked: calls.append(asked) or judge(*asked))
+    frame = random_poses(1000, seed=2)
+    for branch in POSE_BRANCHES:
+        rows = solve_frame(frame, branch=branch, certified=True)
+        assert set(rows["verdict"]) <= {"optimal", "none exists"}
+        assert (rows["proof"] == "proved").all()
+    assert len(calls) < 70
+
+
+def test_paths_to_poses_are_the_shortest_of_a_search():
+    """30 random legs, each word found on a grid of its first arc, bisected; driven by an ODE."""
+    frame = random_poses(30, seed=3)
+    rows = solve_frame(frame)
+
+    for (_, row), scenario in zip(rows.iterrows(), scenarios(check_frame(frame)), strict=True):
+        words = pose_words_by_search(*scenario.local(), scenario.final_heading - scenario.heading)
+        assert row["length"] / 2.0 == pytest.approx(min(words.values()), abs=1e-9)
+        assert words[row["word"]] == pytest.approx(min(words.values()), abs=1e-9)
+        path = Path(scenario.start, list(row["curvatures"]), list(row["lengths"]))
+        x, y, heading = integrated(path, 2.0)
+        assert math.hypot(x - row["target_x"], y - row["target_y"]) < 1e-7
+        assert abs(math.remainder(heading - row["final_heading"], 2 * math.pi)) < 1e-7
+
+
+@pytest.mark.parametrize("free", [None, np.nan, pd.NA])
+def test_free_and_given_headings_and_routes_in_one_frame(free):
+    """Each row as in a frame of its own kind, in its place; what is missing is free."""
+    frame = pd.concat([FRAME] * 2).assign(
+        final_heading=pd.Series([free, 0.5, free, 1, free, "90deg"], dtype=object).array,
+        via_x=pd.Series([None, None, [6, 2], None, None, None], dtype=object).array,
+        via_y=pd.Series([None, None, [1, 7], None, None, None], dtype=object).array,
+    )
+    rows = solve_frame(frame, certified=True)
+
+    assert rows.index.equals(frame.index)
+    for kind in ([0, 4], [1, 3, 5], [2]):
+        alone = solve_frame(frame.iloc[kind], certified=True)
+        for name in COLUMNS:
+            if name not in TIMES:
+                assert rows[name].dtype.kind == alone[name].dtype.kind
+                found, expected = rows[name].iloc[kind].tolist(), alone[name].tolist()
+                assert str(found) == str(expected), name
+
+
+def test_answers_can_be_asked_again_and_other_columns_are_carried():
+    """An answer's own columns are answered anew; the caller's stay as they are."""
+    frame = FRAME.assign(wind=["a", None, "c"], word="LSR")
+    rows = solve_frame(frame)
+    again = solve_frame(rows, branch="LS")
+
+    assert [*rows.columns] == [*COLUMNS, "wind"] == [*again.columns]
+    assert rows["wind"].equals(frame["wind"])
+    expected = solve_frame(FRAME, branch="LS").drop(columns=[*TIMES])
+    pd.testing.assert_frame_equal(again[[*expected.columns]], expected)
 
 
 def test_every_answer_of_the_closed_form_is_optimal_or_rightly_absent():
@@ -131,7 +213,7 @@ def test_a_branch_that_a_solver_does_not_answer_is_a_row():
     ("change", "options", "error", "message"),
     [
         ({"radius": [1.0, -2.0, 1.0]}, {}, ScenarioError, "row 'near': radius is -2.0"),
-        ({"wind": 1.0}, {}, ScenarioError, "unknown column 'wind'"),
+        ({"final_headng": 1.0}, {}, ScenarioError, "unknown column 'final_headng'"),
         ({}, {"branch": "LL"}, QuestionError, "no branch named 'LL'.* choose one of: best"),
         ({}, {"branch": "LSL"}, QuestionError, "row .*: branch 'LSL' is none of one leg"),
         ({}, {"solver": "magic"}, SolverError, "no solver named 'magic'"),

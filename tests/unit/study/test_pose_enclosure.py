@@ -135,6 +135,23 @@ def test_an_arc_has_two_lengths():
     assert all(high - low < 1e-13 for low, high in found.parts)
 
 
+@pytest.mark.parametrize("arc", [math.pi, 3.3, 4.0, 4.6, 1.5 * math.pi, 5.5, 6.2])
+@pytest.mark.parametrize("side", [1, -1])
+def test_an_arc_of_half_a_turn_or_more_has_one_length(arc, side):
+    """Off the circle straights before and after the arc reach every end; at half a turn by a root.
+
+    No path to any of 200 ends within delta is longer, in 60 digits.
+    """
+    row = pd.Series([0.0, 0, 0, math.sin(arc), side * (1 - math.cos(arc)), 1, side * arc])
+    found = enclose_pose(*poses_of(row))
+
+    assert len(found.parts) == 1
+    assert found.high - found.low < (3e-7 if arc == math.pi else 1e-12)
+    with mp.workdps(60):
+        for truth in lengths_within_delta(row, np.random.default_rng(1), 200):
+            assert found.low <= truth["best"] <= found.high
+
+
 def test_edges_of_reach_are_known_to_a_root():
     """LRL at centres 4 apart: a length from 2 pi on, and maybe none."""
     found = enclose_pose(START, Pose(4, 0, 0), 1.0, "LRL")

@@ -130,3 +130,11 @@ def test_legs_end_where_points_are_visited():
     assert (second.word(), second.total_length) == ("S", 2.0)
     assert third.word() == "SR"
     assert third.start == pytest.approx(path.at(3.0)[0])
+
+
+@pytest.mark.parametrize("length", [3.0, 1e-9, 1e-14])
+def test_a_leg_however_short_keeps_its_word(length):
+    """A path on to a point that is next to the one before, driven straight."""
+    path = Path(Pose(0, 0, 0), [1.0, 0.0], [1.0, length])
+
+    assert [leg.word() for leg in legs(path, (1.0,), 1)] == ["L", "S"]

@@ -105,7 +105,8 @@ def certify_frame(
             highest[row] = interval.highest(length[row] if arrives[row] else None)
         false_bound = bound > highest + BOUND_TOLERANCE * scale
         levels = proof_levels(
-            "LR" if poses else branch,  # TODO
+            # with a final heading, as of LR, the interval alone decides
+            "LR" if poses else branch,
             judged.verdict == _OPTIMAL,
             judged.verdict == _NONE_EXISTS,
             arrives,

@@ -73,12 +73,14 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
     """Enclose the shortest lengths of a branch, `best` or one of `WORDS6`, over all ends."""
     with ctx.workprec(BITS):
         ends = _ends(start, end, radius)
+        sure = [[length] for side in (ends, ends.mirrored) for length in _nearly_one_arc(side)]
         parts: list[arb] = []
         absent = False
         for signs in _cells(ends):
             if branch == "best":
                 words = [lengths for word in WORDS6 if (lengths := _lengths(word, ends, signs))]
-                parts += below(ceiling_of(words), [length for word in words for length in word])
+                least = ceiling_of([*words, *sure])
+                parts += below(least, [length for word in words for length in word])
             else:
                 lengths = _lengths(branch, ends, signs)
                 parts += lengths
@@ -145,6 +147,24 @@ def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
     right = not signs.reach_lsr if forward < 0 else None
     arcs, rest = turn + 2 * half, turn - first + half
     return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
+
+
+def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
+    """Lengths of paths S L S and R S L S R that all ends have: next to one arc above pi, as long.
+
+    Signs do not tell there that no word but the arc and a full turn is longer. The outer arcs e
+    make the middle one more than half a turn where the arc is just that.
+    """
+    X, Y, turn, s, c = ends
+    full = 2 * arb.pi()
+    turn -= full * math.floor(float((turn / full).mid()))
+    for e in (arb(0), arb(math.sqrt(float(X.rad())))):
+        sine, versine = 2 * e.sin(), 2 - 2 * e.cos()
+        x = X - s - sine * (1 + c) + versine * s
+        y = Y + c - 1 - sine * s + versine * (1 - c)
+        arc = turn + 2 * e
+        if arc > arb.pi() and arc < full:
+            yield 2 * e + arc + _square(x, y).nonnegative_part().sqrt() / abs((arc / 2).cos())
 
 
 def _direction(x: arb, y: arb) -> arb:
