@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.style import (
-    BLUE,
-    INK,
-    RULE,
-    VERMILION,
     drawing,
     figure_bytes,
     fix_layout,
     new_figure,
 )
-from dubins_study.report.topics.paper_figures import plot_paths, plot_start_and_target
+from dubins_study.report.topics.paper_figures import plot_paths
+from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import RIPPLE, FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import short, unwritable
 from dubins_study.study.words import BRANCHES, Verdict
@@ -40,8 +33,6 @@ if TYPE_CHECKING:
 _WIDTH = 5.5  # inches
 _HEIGHT = (3.0, 8.0)
 _LEGEND_CHARS = 60
-_CHORD = 0.05  # rad; a chord of it is 0.0003 R from its arc
-_SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
 _FORMATS = (".svg", ".pdf", ".png")
 
 
@@ -116,67 +107,6 @@ def _figure(plot: Callable[[Axes], None], place: FilePath | None) -> Figure:
             except OSError as error:
                 raise PlotError(f"cannot write {place}: {error.strerror}") from None
     return figure
-
-
-# Colour, line and width of each kind of piece: three shades and three lines in grey print.
-_TURNS: dict[str, tuple[str, dict[str, Any]]] = {
-    "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
-    "S": ("straight", {"color": INK, "linestyle": "-", "linewidth": 0.9}),
-    "R": ("right", {"color": VERMILION, "linestyle": (0, (2.2, 0.7)), "linewidth": 2.4}),
-}
-
-
-def _unit(step: FloatArray) -> FloatArray:
-    direction: FloatArray = step / np.hypot(*step)
-    return direction
-
-
-def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
-    """A path by its turns, with the numbered via points and both poses of a scenario.
-
-    Faint circles are those that the path drives on; arrows are headings, that at the target only
-    if it is given. The legend has the word and the length, and the kinds of pieces.
-    """
-    ends = np.concatenate(([0.0], np.cumsum(path.length)))
-    straight = RIPPLE * float(np.abs(path.curvature).max(initial=0.0))
-    kinds: dict[str, Any] = {}
-    for k, (begin, end) in zip(path.curvature.tolist(), pairwise(ends.tolist()), strict=True):
-        if not end > begin:
-            continue
-        letter = "S" if abs(k) <= straight else "L" if k > 0 else "R"
-        kind, look = _TURNS[letter]
-        turn = abs(k) * (end - begin)
-        points = path.at(np.linspace(begin, end, 2 + math.ceil(turn / _CHORD)))
-        kinds[letter] = ax.plot(*points.T[:2], zorder=3, label=kind, **look)[0]
-        if abs(k) * scenario.radius > 1 - RIPPLE and turn > _SMALL_TURN:
-            x, y, heading = points[0]
-            centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
-            faint: dict[str, Any] = {"fill": False, "edgecolor": RULE, "linewidth": 0.8}
-            ax.add_patch(Circle(centre, 1 / abs(k), zorder=1, **faint))
-    points = scenario.points
-    for number, (before, point, after) in enumerate(
-        zip(points, points[1:], points[2:], strict=False), 1
-    ):
-        ax.plot(*point, "o", color=INK, markersize=3.5, zorder=5)
-        outside = _unit(point - before) - _unit(after - point)  # of the bend
-        size = np.hypot(*outside)
-        lift = outside / size if size > 0.1 else np.array([0.0, 1.0])
-        where: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        ax.annotate(str(number), point, (8 * lift[0], 8 * lift[1]), fontsize=7.5, zorder=6, **where)
-    target = (scenario.target_x, scenario.target_y)
-    plot_start_and_target(ax, path.start, target, scenario.final_heading)
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.07)
-    title = f"{name}: length {digits(6)(path.total_length)}"
-    ax.legend(
-        handles=[kinds[letter] for letter in _TURNS if letter in kinds],
-        loc="lower left",
-        bbox_to_anchor=(0, 1.0),
-        borderaxespad=0.2,
-        ncols=len(_TURNS),
-        title=title,
-        alignment="left",
-    )
 
 
 def check_format(file: str | FilePath) -> FilePath:

@@ -162,14 +162,6 @@ def test_no_panel_has_more_than_ten_methods(pictures, of_many):
             assert named <= MOST_ENGINES or ax.images, block.name
 
 
-def test_agreement_is_between_the_best_of_each_formulation(of_many):
-    section = of_many["agreement-formulations"]
-    frame = section.blocks[0].frame
-
-    assert len({*frame["first"], *frame["second"]}) == len(FORMULATIONS) - 1
-    assert "most surely right" in section.text
-
-
 def test_every_solver_stays_in_the_tables(of_many):
     summary = of_many["summary"].blocks[0].frame
 

@@ -11,13 +11,11 @@ import pytest
 from dubins_study.report.data.failures import failures as failure_counts
 from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
-from dubins_study.report.topics.agreement import agreement
 from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.report.topics.time import mean_times
-from dubins_study.study.path import Path
-from dubins_study.study.scenario import NUMBERS, Pose
+from dubins_study.study.scenario import NUMBERS
 from tests.unit.report.results_folder import attempts_of
 
 NAN = float("nan")
@@ -197,34 +195,6 @@ def test_mean_times_use_only_what_every_solver_got_right():
     assert table["questions"].tolist() == [1, 1]
     assert table["mean_s"].tolist() == pytest.approx([1.0, 2.0])
     assert table["rank"].tolist() == [1, 2]
-
-
-def test_agreement_by_hand():
-    """Two questions put to both, one answered by both: 10 against 11 long, on one straight line."""
-    rows = frame(
-        scenario_id=["0", "0", "1", "1"],
-        solver=["a", "b", "a", "b"],
-        length=[10.0, 11.0, 5.0, NAN],
-        reference=[10.0, 10.0, 5.0, 5.0],
-        gap=[0.0, 0.1, 0.0, NAN],
-    )
-    paths = {i: Path(Pose(0, 0, 0), [0.0], [length]) for i, length in enumerate((10, 11, 5, 1))}
-    line = agreement(rows, paths.get).iloc[0]
-
-    assert (line["questions"], line["both"]) == (2, 1)
-    assert line["largest"] == line["median"] == pytest.approx(0.1)
-    assert line["within"] == 0.0
-    assert line["apart_largest"] == pytest.approx(0.1)
-
-
-def test_agreement_divides_by_the_radius_of_a_short_path():
-    """max(reference, R): a target at the start has no length to divide by."""
-    rows = frame(
-        scenario_id=["0", "0"], solver=["a", "b"], length=[0.0, 1e-3], reference=0.0, radius=2.0
-    )
-    paths = [Path(Pose(0, 0, 0), [0.0], [length]) for length in (0.0, 1e-3)]
-
-    assert agreement(rows, paths.__getitem__).iloc[0]["largest"] == pytest.approx(5e-4)
 
 
 def settings_of(*specs):

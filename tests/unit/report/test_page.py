@@ -92,7 +92,7 @@ def whole(tmp_path_factory):
 
 FRONT = ["decision", "explorer", "discretisation", "plane"]
 DETAILS = [
-    *("caution", "summary", "success", "time", "agreement", "radius", "warm"),
+    *("caution", "summary", "success", "time", "radius", "warm"),
     *("failures", "attempts", "solvers", "limits"),
 ]
 

@@ -28,7 +28,6 @@ _MODULES = (
     "topics.comparison",
     "topics.cost",
     "topics.time",
-    "topics.agreement",
     # the paper
     "topics.paper",
     "topics.audit",
@@ -42,6 +41,7 @@ _MODULES = (
     "topics.scale",
     "topics.ladder",
     "topics.proofs",
+    "topics.routes",
     "topics.failures",
     # single attempts, and what they rest on
     "topics.single_attempts",

@@ -42,12 +42,7 @@ PRINTED_ROUTES = (
 
 
 def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
-    """A record for each published length: ours, the proven interval and the verdict.
-
-    A length is `longer` than the shortest if what could round to it lies above the interval, which
-    ends at the length of a path that was found; `too short` if it lies below, where no path is;
-    else `shortest`, up to the interval's relative width.
-    """
+    """A record for each published length: ours, the proven interval and the verdict."""
     routes = {scenario.label: scenario for scenario in scenarios}
     records = []
     for source, label, printed, expected in PRINTED_ROUTES:
@@ -57,20 +52,32 @@ def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
         assert path is not None
         assert low is not None
         assert high is not None
-        value, half_unit = Fraction(printed), Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))
-        verdict = SHORTEST
-        if value - half_unit > high:
-            verdict = LONGER
-        elif value + half_unit < low:
-            verdict = TOO_SHORT
         records.append(
             {
                 **{"source": source, "label": label, "legs": scenario.legs, "printed": printed},
                 **{"length": path.total_length, "low": float(low), "high": float(high)},
                 "width": (high - low) / max(high, scenario.radius),
-                "difference": float(value - Fraction(path.total_length)),
-                **{"verdict": verdict, "expected": expected},
+                **compared(printed, path.total_length, low, high),
+                "expected": expected,
                 "word": words_of(path, at, scenario.radius),
             }
         )
     return records
+
+
+def compared(
+    printed: str, length: float, low: float | Fraction, high: float | Fraction
+) -> dict[str, Any]:
+    """How much longer a printed length is than ours (`difference`), and its `verdict`.
+
+    It is `longer` than the shortest if what could round to it lies above the interval from `low` to
+    `high`, which ends at the length of a path that was found; `too short` if it lies below, where
+    no path is; else `shortest`, up to the interval's width.
+    """
+    value, half_unit = Fraction(printed), Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))
+    verdict = SHORTEST
+    if value - half_unit > high:
+        verdict = LONGER
+    elif value + half_unit < low:
+        verdict = TOO_SHORT
+    return {"difference": float(value - Fraction(length)), "verdict": verdict}

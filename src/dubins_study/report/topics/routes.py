@@ -1,0 +1,390 @@
+"""Routes: who still finds the shortest one as legs become more; and published routes, audited."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
+from matplotlib.ticker import NullLocator
+
+from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.content import Picture, Section, Table, Topic, picture
+from dubins_study.report.elements.formats import count, digits, seconds, sentences
+from dubins_study.report.elements.identity import percent, questions, with_share
+from dubins_study.report.elements.looks import Palette, in_page_order
+from dubins_study.report.elements.plots import HIGHEST, draw_cells
+from dubins_study.report.elements.style import (
+    BLUE,
+    INK,
+    MAP_PAPER,
+    ON_MAP,
+    RULE,
+    VERMILION,
+    WIDE,
+    Style,
+    duration,
+    log_axis,
+    mark_limit,
+    new_figure,
+)
+from dubins_study.report.paper.routes import LONGER, PRINTED_ROUTES, SHORTEST, compared
+from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.methods import best_methods, foremost, stratum_order
+from dubins_study.report.statistics.metrics import success, upper_quantile
+from dubins_study.report.topics.failures import time_limits
+from dubins_study.report.topics.paper_figures import plot_start_and_target
+from dubins_study.report.topics.summary import solver_summary
+from dubins_study.study.path import RIPPLE, FloatArray, Path
+from dubins_study.study.scenario import Scenario, numbers_of, scenario_of
+
+_CELL = ["solver", "label", "legs"]
+_SHARE = ["successes", "trials", "share", "low", "high"]
+# Largest median gap of a class, its name, and its colour, from light to dark.
+GAPS = (
+    (1e-6, "up to 1e-6", "#eef4f9"),
+    (1e-4, "up to 1e-4", "#cfe2f0"),
+    (1e-2, "up to 1e-2", "#a3c7e0"),
+    (1e300, "more", "#6a9cc4"),
+    (np.inf, "most do not arrive", "#2f4c69"),
+)
+_DARK = 3  # classes from this one on carry light text
+_LINES = 4  # methods of a formulation whose times are drawn
+
+
+def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows with columns legs (their number), right and undecided."""
+    legs = rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ()))
+    undecided = rows["verdict"].eq(UNDECIDED)
+    return rows.assign(legs=legs.astype(int), right=success(rows), undecided=undecided)
+
+
+def by_legs(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver, stratum and number of legs.
+
+    Columns `_CELL`; those of `scenario_shares`, of the routes that are decided; undecided (routes);
+    gap (median over attempts, infinite if most do not arrive; of an undecided attempt an upper
+    bound); wall_s (median of all attempts).
+    """
+    measured = rows.assign(gap=rows["gap"].fillna(np.inf))
+    groups = measured.groupby(_CELL)
+    frame = groups.agg(
+        gap=("gap", lambda gaps: upper_quantile(gaps, 0.5)), wall_s=("wall_s", "median")
+    )
+    open_ = measured[measured["undecided"]].groupby(_CELL)["scenario_id"].nunique()
+    decided = measured[~measured["undecided"]]
+    shares = scenario_shares(decided, by=_CELL, success="right", scenario=TRIAL)
+    frame = frame.join(shares[_SHARE]).assign(undecided=open_)
+    return frame.fillna({"successes": 0, "trials": 0, "undecided": 0}).reset_index()
+
+
+def routes_section(results: Results) -> Section | None:
+    """Success and gap by legs and spacing, times, and shares with their intervals."""
+    if results.rows.empty:
+        return None
+    rows = with_legs(results.rows)
+    cells = in_page_order(by_legs(rows), results)
+    strata = stratum_order(results, cells["label"])
+    lead = (
+        "Read along a line up to how many legs a method still finds the shortest route, and from "
+        "panel to panel what shorter legs cost it."
+    )
+    blocks = _picture(cells, strata, results), _table(rows, strata, results)
+    return Section("routes", "Routes of many legs", _text(rows, strata, results), blocks, lead)
+
+
+def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
+    """How many answers are undecided and proven, and who is most surely right."""
+    labels, own = Palette.of_page(results).labels, rows[rows["solver"] == EXACT]
+    engines = rows[(rows["solver"] != EXACT) & ~rows["undecided"]]
+    shares = scenario_shares(engines, by=["label", "solver"], success="right", scenario=TRIAL)
+    surest = shares.reset_index().sort_values("low", ascending=False, kind="stable")
+    lines = surest.drop_duplicates("label").set_index("label").to_dict("index")
+    best = [(label or "all legs", lines[label]) for label in strata if label in lines]
+    return sentences(
+        "Right: the path passes all points in order, and its proven gap is within the run's "
+        "tolerance.",
+        f"Undecided are {count(rows['undecided'].sum())} of {count(len(rows))} attempts: the check "
+        "does not know the shortest length well enough, and they enter no share.",
+        f"The search with a proof closes {count(own['claim'].eq('optimal').sum())} of its "
+        f"{count(len(own))} attempts within its limit."
+        if len(own)
+        else "",
+        "Of the engines the most surely right (the lower end of the interval decides): "
+        + "; ".join(
+            f"with {label}, {labels.get(line['solver'], line['solver'])}, "
+            f"{percent(line['share'])} % ({percent(line['low'])} to {percent(line['high'])}) of "
+            f"{questions(line['trials'])}"
+            for label, line in best
+        )
+        + "."
+        if best
+        else "",
+    )
+
+
+def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
+    """A map of success and gap for each stratum, and below it the times of some methods."""
+    palette, summary = Palette.of_page(results), solver_summary(results.attempts)
+    best = best_methods(summary[summary["solver"] != EXACT], ["formulation", "engine"])
+    groups = best.set_index("solver").groupby("formulation", sort=False)["right_low"]
+    drawn = [EXACT, *(s for _, low in groups for s in foremost(low, _LINES))]
+    solvers = list(dict.fromkeys(cells["solver"]))
+    heights = (0.155 * len(solvers), 1.6)
+    figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
+    panels = figure.subplots(2, len(strata), sharey="row", squeeze=False, height_ratios=heights)
+    limit = max(time_limits(results).values(), default=None)
+    for (above, below), label in zip(panels.T, strata, strict=True):
+        chosen = cells[cells["label"] == label]
+        plot_success(above, chosen, solvers)
+        above.set_title(label, fontsize=7.5, pad=3)
+        lines = plot_times(below, chosen[chosen["solver"].isin(drawn)], palette)
+        if limit is not None:
+            mark_limit(below, limit, "y")
+    panels[0, 0].set_yticks(range(len(solvers)), map(palette.label, solvers), fontsize=6.5)
+    panels[1, 0].set_ylabel("median time")
+    panels[1, len(strata) // 2].set_xlabel("legs")
+    patches = [Patch(facecolor=colour, edgecolor=RULE, label=name) for _, name, colour in GAPS]
+    style: Style = {"fontsize": 7, "columnspacing": 1.2}
+    above = {"title": "median gap", "alignment": "left", "loc": "outside upper left", "ncols": 5}
+    figure.legend(handles=patches, **above, **style)
+    figure.legend(handles=lines, loc="outside lower left", ncols=3, **style)
+    caption = (
+        "Above, in each cell the routes answered right of those decided (?: others are undecided), "
+        "and as colour the median gap. Below, median times of each formulation's surest engines, "
+        "failures included; at one leg they are little more than the floor. Dotted: the limit."
+    )
+    return Picture("routes", caption, figure, "Success, gap and time against the number of legs")
+
+
+def plot_success(ax: Axes, cells: pd.DataFrame, solvers: list[str]) -> None:
+    """A map with a line for each solver, the first on top, and a column for each number of legs.
+
+    Columns: those of `by_legs`, of one stratum.
+    """
+    legs = sorted(cells["legs"].unique())
+    kinds = np.searchsorted([most for most, _, _ in GAPS], cells["gap"])
+    table = cells.assign(kind=kinds).pivot(index="solver", columns="legs", values="kind")
+    values = table.reindex(solvers).to_numpy(dtype=np.float64)
+    x, y = np.arange(len(legs), dtype=float), np.arange(len(solvers), dtype=float)
+    draw_cells(ax, values, x, y, [colour for _, _, colour in GAPS])
+    for cell, kind in zip(cells.to_dict("records"), kinds, strict=True):
+        text = f"{questions(cell['successes'])}/{questions(cell['trials'])}"
+        text = (text if cell["trials"] else "") + ("?" if cell["undecided"] else "")
+        style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}
+        colour = MAP_PAPER if kind >= _DARK else ON_MAP
+        place = legs.index(cell["legs"]), solvers.index(cell["solver"])
+        ax.text(*place, text, color=colour, **style)
+    for edge in y[1:] - 0.5:
+        ax.axhline(edge, color=MAP_PAPER, linewidth=0.6)
+    for edge in x[1:] - 0.5:
+        ax.axvline(edge, color=MAP_PAPER, linewidth=0.6)
+    ax.set_aspect("auto")
+    ax.set_ylim(len(solvers) - 0.5, -0.5)
+    ax.set_xticks(range(len(legs)), map(str, legs), fontsize=7)
+    ax.tick_params(length=0)
+
+
+def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
+    """Median times (s) over the number of legs, a line for each solver; both axes logarithmic.
+
+    Columns: those of `by_legs`, of one stratum. Returns the lines.
+    """
+    solvers = list(dict.fromkeys(cells["solver"]))
+    looks, names, lines = palette.looks(solvers), palette.names(solvers), []
+    for solver, rows in cells.groupby("solver", sort=False):
+        look = looks[str(solver)]
+        style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
+        lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
+    ax.set(xscale="log", yscale="log")
+    log_axis(ax.yaxis, duration)
+    ax.set_xticks(sorted(cells["legs"].unique()), minor=False)
+    ax.xaxis.set_major_formatter(lambda legs, _: f"{legs:g}")
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.tick_params(labelsize=7)
+    return lines
+
+
+def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
+    """Shares right for each stratum over all numbers of legs, what is undecided or false, times."""
+    decided = rows[~rows["undecided"]]
+    shares = scenario_shares(decided, by=["solver", "label"], success="right", scenario=TRIAL)
+    frame = rows.groupby("solver")[["undecided", "false_claim"]].sum()
+    right, trials = (
+        shares[name].unstack("label").reindex(index=frame.index, columns=strata).fillna(0)
+        for name in ("successes", "trials")
+    )
+    for place, label in enumerate(strata):
+        frame = with_share(frame, f"right_{place}", right[label], trials[label])
+    fewest, most = rows["legs"].min(), rows["legs"].max()
+    for name, legs in (("least_s", fewest), ("most_s", most)):
+        frame[name] = rows[rows["legs"] == legs].groupby("solver")["wall_s"].median()
+    shown = (
+        SOLVER,
+        *(
+            Column(f"right_{n}_text", f"right, {label}", kind="cell")
+            for n, label in enumerate(strata)
+        ),
+        *columns(count, undecided="undecided", false_claim="false claims"),
+        *columns(seconds, least_s=f"time, legs: {fewest}", most_s=f"time, legs: {most}"),
+    )
+    numbers = tuple(
+        f"right_{n}_{end}" for n in range(len(strata)) for end in ("share", "low", "high")
+    )
+    caption = (
+        "Shares of the decided routes of all numbers of legs that the experiment asks, with their "
+        "95 % interval (Wilson). Undecided and false claims are attempts. Times are medians of all "
+        "attempts, failures included."
+    )
+    frame = in_page_order(frame.reset_index(), results)
+    return Table("routes", caption, frame, shown, marks(frame, "false_claim"), numbers, dense=True)
+
+
+_CHORD = 0.05  # rad; a chord of it is 0.0003 R from its arc
+_SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
+# Colour, line and width of each kind of piece: three shades and three lines in grey print.
+_TURNS: dict[str, tuple[str, dict[str, Any]]] = {
+    "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
+    "S": ("straight", {"color": INK, "linestyle": "-", "linewidth": 0.9}),
+    "R": ("right", {"color": VERMILION, "linestyle": (0, (2.2, 0.7)), "linewidth": 2.4}),
+}
+
+
+def _unit(step: FloatArray) -> FloatArray:
+    direction: FloatArray = step / np.hypot(*step)
+    return direction
+
+
+def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
+    """A path by its turns, with the numbered via points and both poses of a scenario.
+
+    Faint circles are those that the path drives on; arrows are headings, that at the target only
+    if it is given. The legend has the word and the length, and the kinds of pieces.
+    """
+    ends = np.concatenate(([0.0], np.cumsum(path.length)))
+    straight = RIPPLE * float(np.abs(path.curvature).max(initial=0.0))
+    kinds: dict[str, Any] = {}
+    for k, (begin, end) in zip(path.curvature.tolist(), pairwise(ends.tolist()), strict=True):
+        if not end > begin:
+            continue
+        letter = "S" if abs(k) <= straight else "L" if k > 0 else "R"
+        kind, look = _TURNS[letter]
+        turn = abs(k) * (end - begin)
+        points = path.at(np.linspace(begin, end, 2 + math.ceil(turn / _CHORD)))
+        kinds[letter] = ax.plot(*points.T[:2], zorder=3, label=kind, **look)[0]
+        if abs(k) * scenario.radius > 1 - RIPPLE and turn > _SMALL_TURN:
+            x, y, heading = points[0]
+            centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
+            faint: dict[str, Any] = {"fill": False, "edgecolor": RULE, "linewidth": 0.8}
+            ax.add_patch(Circle(centre, 1 / abs(k), zorder=1, **faint))
+    points = scenario.points
+    for number, (before, point, after) in enumerate(
+        zip(points, points[1:], points[2:], strict=False), 1
+    ):
+        ax.plot(*point, "o", color=INK, markersize=3.5, zorder=5)
+        outside = _unit(point - before) - _unit(after - point)  # of the bend
+        size = np.hypot(*outside)
+        lift = outside / size if size > 0.1 else np.array([0.0, 1.0])
+        where: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        ax.annotate(str(number), point, (8 * lift[0], 8 * lift[1]), fontsize=7.5, zorder=6, **where)
+    target = (scenario.target_x, scenario.target_y)
+    plot_start_and_target(ax, path.start, target, scenario.final_heading)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.07)
+    title = f"{name}: length {digits(6)(path.total_length)}"
+    ax.legend(
+        handles=[kinds[letter] for letter in _TURNS if letter in kinds],
+        loc="lower left",
+        bbox_to_anchor=(0, 1.0),
+        borderaxespad=0.2,
+        ncols=len(_TURNS),
+        title=title,
+        alignment="left",
+    )
+
+
+_MOST_DIGITS = 17  # of a printed length; the CSV file has all
+
+
+def _beginning(text: str) -> str:
+    return text if len(text) <= _MOST_DIGITS else f"{text[:_MOST_DIGITS]}…"
+
+
+_PRINTED = (
+    *columns(kind="text", label="route"),
+    *columns(count, legs="legs"),
+    *columns(kind="text", source="source", verdict="verdict"),
+    *columns(_beginning, printed="printed"),
+    *columns(repr, length="ours", low="proven: at least", high="at most"),
+    *columns(digits(2), difference="printed − ours"),
+)
+_COMPARED = ("length", "reference_low", "reference_high")
+
+
+def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
+    """The published lengths of routes beside the shortest path that some solver found.
+
+    One row for each length whose route has a path: the columns `_PRINTED`, and row: the index of
+    the path's row.
+    """
+    found = rows[rows["gap"].notna()].sort_values("length", kind="stable")
+    best = found.drop_duplicates("label").reset_index(names="row").set_index("label")
+    paths = best.to_dict("index")
+    return pd.DataFrame(
+        {
+            **{"label": line.label, "source": line.source, "printed": line.printed},
+            **{"legs": path["legs"], "row": path["row"], "length": path["length"]},
+            **{"low": path["reference_low"], "high": path["reference_high"]},
+            **compared(line.printed, *(path[name] for name in _COMPARED)),
+        }
+        for line in PRINTED_ROUTES
+        if line.label in paths
+        for path in [paths[line.label]]
+    )
+
+
+def printed_section(results: Results) -> Section | None:
+    """Published lengths beside the proven ones, and the better path of one that is too long."""
+    frame = printed_routes(with_legs(results.rows))
+    if frame.empty:
+        return None
+    wrong = frame[frame["verdict"] != SHORTEST]
+    caption = (
+        "Lengths as printed; ours is that of the best path found, driven by the check. At least "
+        "and at most: the proven interval around the shortest length."
+    )
+    bad = marks(frame.assign(verdict=frame["verdict"] != SHORTEST), "verdict")
+    blocks: list[Table | Picture] = [Table("routes-printed", caption, frame, _PRINTED, bad)]
+    for line in wrong[wrong["verdict"] == LONGER].to_dict("records"):
+        path = results.path(line["row"])
+        scenario = scenario_of(results.rows.loc[line["row"]].to_dict())
+        caption = f"{line['label']}: a path that is {digits(2)(line['difference'])} shorter."
+        drawn = path, scenario, "ours"
+        alt = "The shortest path through the points of a published route"
+        blocks.append(
+            picture("routes-better", plot_route, *drawn, caption=caption, alt=alt, height=2.9)
+        )
+    text = (
+        f"{count((frame['verdict'] == SHORTEST).sum())} of {count(len(frame))} published lengths "
+        "are the shortest, to the last digit that the proof decides. The others: "
+        + (
+            "; ".join(
+                f"{r['source']}, {r['label']}: {r['verdict']}" for r in wrong.to_dict("records")
+            )
+            or "none"
+        )
+        + ". dubins-study audit kaya searches for the shortest paths again."
+    )
+    lead = "See which published lengths of four routes are the shortest, by proof."
+    return Section("routes-printed", "Published routes", text, tuple(blocks), lead)
+
+
+TOPIC = Topic("routes", routes_section, "routes")
+PRINTED_TOPIC = Topic("published routes", printed_section, "kaya")

@@ -1,0 +1,118 @@
+"""The sections on routes: numbers by hand, what is undecided, and published lengths."""
+
+from __future__ import annotations
+
+import pytest
+
+from dubins_study.report.paper.routes import LONGER, SHORTEST
+from dubins_study.report.topics.routes import (
+    by_legs,
+    printed_routes,
+    printed_section,
+    routes_section,
+    with_legs,
+)
+from dubins_study.study.words import Claim
+from tests.unit.report.results_folder import attempt, lost, paper_scenarios
+from tests.unit.report.topic_page import topic_page
+
+SHORT, FAR = "legs of 1 radius", "legs of 9 radii"
+
+
+def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes):
+    """A judged attempt at a route; which one is a number."""
+    via = {"via_x": [9.0] * (legs - 1), "via_y": [1.0 * i for i in range(legs - 1)]}
+    engine = {"claim": Claim.LOCAL, "formulation": "headings", "wall_s": 0.25}
+    named = {"scenario_id": f"{label}{legs}-{number}", "verdict": verdict, "gap": gap}
+    given = named | via | engine | {"region": None, "margin": None, "label": label} | changes
+    return attempt(paper_scenarios()[0], solver, **given)
+
+
+def rows():
+    """Of `a` three routes of 3 legs: right, longer, undecided; of 1 leg right and not returned."""
+    gone = {"scenario_id": "lost", "label": SHORT, "formulation": "headings", "via_x": []}
+    return [
+        row(0, "a", 3),
+        row(1, "a", 3, "longer", gap=0.5, false_claim=True),
+        row(2, "a", 3, "undecided", gap=0.1, wall_s=0.75),
+        row(0, "a", 1),
+        lost(paper_scenarios()[0], "a", **gone),
+        *(row(number, "b", 3, label=FAR) for number in range(3)),
+        row(0, "analytic", 3, "undecided", gap=1e-3, claim=Claim.FEASIBLE, engine="closed form"),
+        row(1, "analytic", 3, claim=Claim.OPTIMAL, engine="closed form"),
+    ]
+
+
+def test_numbers_by_hand(load_rows):
+    """Who does not arrive has an infinite gap; who is undecided is no trial, but has a gap."""
+    frame = by_legs(with_legs(load_rows("routes", rows()).rows))
+    cells = frame.set_index(["solver", "label", "legs"])
+    three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
+
+    assert (three["successes"], three["trials"], three["undecided"]) == (1, 2, 1)
+    assert (three["low"], three["high"]) == pytest.approx((0.0945, 0.9055), abs=5e-5)
+    assert (three["gap"], three["wall_s"]) == (0.1, 0.25)
+    assert (one["successes"], one["trials"], one["undecided"]) == (1, 2, 0)
+    assert cells.loc[("analytic", SHORT, 3), "trials"] == 1
+    assert len(cells) == 4
+
+
+def test_a_repeat_is_a_part_of_a_route(load_rows):
+    """Two right answers of three are 2/3 of one trial; routes with undecided repeats are counted
+    once."""
+    verdicts = ["optimal", "optimal", "longer"]
+    made = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
+    made += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
+    (line,) = by_legs(with_legs(load_rows("routes", made).rows)).to_dict("records")
+
+    assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
+    assert line["undecided"] == 1
+
+
+def test_the_section_shows_what_is_undecided(load_rows):
+    section = routes_section(load_rows("routes", rows()))
+    picture, table = section.blocks
+    lines = table.frame.set_index("solver")
+
+    assert "Undecided are 2 of 10 attempts" in section.text
+    assert "closes 1 of its 2 attempts" in section.text
+    assert f"with {FAR}, b, headings, 100 % (43.9 to 100) of 3" in section.text
+    written = {text.get_text() for ax in picture.figure.axes for text in ax.texts}
+    assert {"1/2?", "1/2", "3/3", "1/1?"} <= written
+    assert lines.loc["a", ["undecided", "false_claim"]].tolist() == [1, 1]
+    assert lines.loc["a", "right_0_text"].startswith("50.0 % of 4")
+    assert lines.loc["b", "right_0_text"] == "–"
+
+
+def test_a_page_of_all_kinds_of_routes(results, tmp_path):
+    """All undecided, none arriving, one leg alone: nothing fails, and the anchor is there."""
+    open_ = [row(n, "a", 2, "undecided", gap=0.1, claim=Claim.NONE) for n in range(2)]
+    gone = [lost(paper_scenarios()[n], "b", label=FAR) for n in range(2)]
+    page = topic_page(results("routes", [*open_, *gone]), tmp_path / "out", "routes")
+
+    assert 'id="routes"' in page.read_text(encoding="utf-8")
+
+
+def test_published_lengths(load_rows):
+    """A length above the interval is longer; one that rounds to a length in it is the shortest."""
+    ours = {"length": 7.46756218196, "reference_low": 7.4675621, "reference_high": 7.467562182}
+    worse = ours | {"length": 7.5, "gap": 1e-2, "verdict": "longer"}
+    made = [row(0, "a", 11, label="example 4", **worse), row(0, "b", 11, label="example 4", **ours)]
+    results = load_rows("kaya", made)
+    frame = printed_routes(with_legs(results.rows)).set_index("source")
+    section = printed_section(results)
+
+    assert frame["verdict"].to_dict() == {"Kaya": SHORTEST, "MPDP": LONGER}
+    assert frame.loc["MPDP", "difference"] == pytest.approx(7.46756219733843 - 7.46756218196)
+    assert frame["legs"].tolist() == [11, 11]
+    assert [block.name for block in section.blocks] == ["routes-printed", "routes-better"]
+    assert printed_section(load_rows("other", rows())) is None
+
+
+def test_the_better_path_is_drawn_with_all_its_points(load_rows):
+    """Eleven legs have ten via points, and each has its number."""
+    ours = {"length": 7.4, "reference_low": 7.3, "reference_high": 7.4, "final_heading": 0.0}
+    section = printed_section(load_rows("kaya", [row(0, "b", 11, label="example 4", **ours)]))
+    (ax,) = section.blocks[1].figure.axes
+
+    assert {text.get_text() for text in ax.texts} >= {str(n) for n in range(1, 11)}
