@@ -332,6 +332,41 @@ def test_a_drawn_path_is_the_solvers(plot, solver: str):
     assert math.dist(reference, target) < 0.2
 
 
+ROUTE = Scenario(target_x=6, target_y=3, via=[(3, 1), (2, 4)], final_heading=2.0, label="route")
+POSE = Scenario(target_x=4, target_y=3, final_heading=2.0, label="pose")
+
+
+@pytest.mark.parametrize("scenario", [ROUTE, POSE], ids=lambda scenario: scenario.label)
+def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, scenario: Scenario):
+    """Dashed beside a path that goes astray: the right answer, which passes all that is drawn."""
+    right = solved(scenario, "analytic")
+    wrong = attempt(scenario, "mine", path=Path(scenario.start, [0.0], [3.0]), claim=Claim.LOCAL)
+    made = [right, wrong | {"scenario_id": right["scenario_id"]}]
+    page = new_tab(reduced_motion="reduce")
+    folder = write_folder(tmp_path / "few", "few", made)
+    page.goto(topic_page(folder, tmp_path / "out", "single attempts").as_uri())
+    page.evaluate("async i => attempts.show(await attempts.open(), [i])", row(page, "mine", -1))
+    _, end, target = drawn_end(page)
+    line, dots, arrows = page.evaluate(
+        """() => {
+            const drawn = document.querySelector("#attempt-drawer svg");
+            const pairs = drawn.querySelector(".reference").getAttribute("points").split(" ");
+            const dots = [...drawn.querySelectorAll(".via")];
+            const place = (dot) => ["cx", "cy"].map((name) => Number(dot.getAttribute(name)));
+            const arrows = [...drawn.querySelectorAll("path.target")];
+            return [pairs.map((pair) => pair.split(",").map(Number)), dots.map(place),
+                    arrows.map((arrow) => arrow.getAttribute("transform"))];
+        }"""
+    )
+
+    assert math.dist(end, target) < 0.5  # pixels: the grid of long paths
+    assert len(dots) == scenario.legs - 1
+    for dot in dots:  # a step of the line is a few pixels
+        assert min(math.dist(dot, point) for point in line) < 3
+    (arrow,) = arrows
+    assert arrow.endswith(f"rotate({-math.degrees(2.0):.2f})")
+
+
 def test_an_address_opens_its_attempt(plot):
     """A link of a hostile name too."""
     page = plot()

@@ -29,7 +29,7 @@ from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.topics.failures import time_limits
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import METHOD, ROW, names
-from dubins_study.study.scenario import NUMBERS, Pose
+from dubins_study.study.scenario import NUMBERS, VIA, Pose, numbers_of
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
 # gzip. More points than these would also be slow to draw.
@@ -68,7 +68,7 @@ def attempts_section(results: Results) -> Section | None:
             "worst",
             f"The {WORST} worst attempts of a solver at different questions: false claims first, "
             "then longer paths, then paths that miss the target or turn too sharply, then none. "
-            "Solid: the solver's path; dashed: the shortest path.",
+            "Solid: the solver's path; dashed: the shortest path, of a route a right answer.",
             Markup(scripts + '<div id="attempts-worst"></div>'),
         ),
         Widget(
@@ -244,7 +244,7 @@ _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENA
 _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
 MOST_ARCS = 3  # paths of more arcs are embedded as points on a grid
 GRID = 4000  # steps along the larger side of their box; a drawing has some 1000 pixels
-_FEWEST_POINTS, _MOST_POINTS = 40, 160
+_FEWEST_POINTS, _MOST_POINTS = 40, 160  # the most: a leg
 _ANGLE = 0.15  # rad between points of a path that only turns
 
 
@@ -325,7 +325,8 @@ def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
         if (path.length < 0).any() or not math.isfinite(turned + path.total_length):
             return None
         wanted = _FEWEST_POINTS + turned / _ANGLE
-        points = path.sample(int(min(wanted, _MOST_POINTS)))[:, :2]
+        most = _MOST_POINTS * (1 + len(numbers_of(VIA[0], row.get(VIA[0])) or ()))
+        points = path.sample(int(min(wanted, most)))[:, :2]
         low, size = points.min(axis=0), float(np.ptp(points, axis=0).max())
         if not math.isfinite(size + float(low.sum())):
             return None

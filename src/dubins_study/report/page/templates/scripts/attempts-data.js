@@ -105,6 +105,19 @@ window.attempts = (() => {
       return line.flat().every(Number.isFinite) ? line : null;
     }
 
+    // The path of an attempt at the same question that is right; null where none is embedded.
+    rightPath(i) {
+      const {scenario, branch, verdict} = this.columns;
+      const right = this.texts.verdict.indexOf("optimal") + 1;
+      for (let k = 0; k < this.count; k += 1) {
+        if (scenario[k] === scenario[i] && branch[k] === branch[i] && verdict[k] === right) {
+          const path = this.path(k);
+          if (path) return path;
+        }
+      }
+      return null;
+    }
+
     arcsPath(arcs, scenario) {
       const rates = arcs.map(([turn]) => Number(turn) / scenario.radius);
       // Full turns beyond the first of an arc would be drawn over each other.

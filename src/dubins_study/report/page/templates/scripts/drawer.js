@@ -22,7 +22,7 @@
     const where = [data.ofScenario("label", i), data.ofScenario("region", i),
       margin === null ? "" : `margin ${number(margin)} R`];
     const at = `from (${short(x)}, ${short(y)}), heading ${short(heading * 180 / Math.PI)}°, `
-      + (via_x.length ? `via ${via_x.length} points ` : "")
+      + (via_x.length ? `via ${via_x.length} point${via_x.length > 1 ? "s" : ""} ` : "")
       + `to (${short(target_x)}, ${short(target_y)}), `
       + (final_heading === null ? "" : `heading ${short(final_heading * 180 / Math.PI)}°, `)
       + `R = ${short(radius)}`;
@@ -93,8 +93,8 @@
       element("h3", {id: "attempt-title"}, solver.label),
       element("p", {className: "spec"}, element("code", {}, solver.spec)),
       picture(data, i, {width: 420, height: 340, labels: true}),
-      element("p", {className: "legend"}, "solid: the solver's path; dashed: the shortest path; "
-        + "thin circles: the turning circles"),
+      element("p", {className: "legend"}, "solid: the solver's path; dashed: the shortest path, of a "
+        + "route one that the check found optimal; thin circles: the start's turning circles"),
       list,
       element("h4", {}, "To repeat it"),
       commandBox(command(data, i)),

@@ -1,6 +1,7 @@
 "use strict";
-// A drawing of one path beside the reference, as SVG: the start with its heading, the target, both
-// turning circles, the solver's path solid and the reference dashed, and a scale bar.
+// A drawing of one path beside the reference, as SVG: the start with its heading, via points, the
+// target with its heading if that is given, both turning circles of the start, the solver's path
+// solid and the reference dashed, and a scale bar.
 (() => {
   const SVG = "http://www.w3.org/2000/svg";
 
@@ -11,8 +12,11 @@
     return node;
   }
 
-  // The reference path's points; null where no path exists or the question cannot be drawn.
-  function reference(scenario, branch) {
+  // The reference path's points; null where none is known or the question cannot be drawn. The page
+  // computes one leg with a free final heading; of other questions a right attempt is the reference.
+  function reference(data, i) {
+    const scenario = data.scenario(i), branch = data.text("branch", i), route = data.route(i);
+    if (route.via_x.length || route.final_heading !== null) return data.rightPath(i);
     try {
       const path = branch === "best" ? window.dubins.shortest(scenario)
         : window.dubins.words(scenario).find((entry) => entry.branch === branch);
@@ -30,10 +34,10 @@
   }
 
   // The box [left, bottom, right, top] that is drawn, with room around it. A path that leads far
-  // away is cut: start, target and reference stay large enough to be seen.
-  function box(scenario, lines) {
+  // away is cut: start, points, target and reference stay large enough to be seen.
+  function box(scenario, points, lines) {
     const {x, y, target_x, target_y, radius} = scenario;
-    const near = [[x, y], [target_x, target_y], ...(lines[1] || [])];
+    const near = [[x, y], ...points, [target_x, target_y], ...(lines[1] || [])];
     for (const [cx, cy] of centres(scenario)) {
       near.push([cx - radius, cy - radius], [cx + radius, cy + radius]);
     }
@@ -58,9 +62,10 @@
 
   // The drawing of a row, `width` by at most `height` CSS pixels; labels only in large drawings.
   function picture(data, i, {width, height, labels}) {
-    const scenario = data.scenario(i);
-    const lines = [data.path(i), reference(scenario, data.text("branch", i))];
-    const [left, bottom, right, top] = box(scenario, lines);
+    const scenario = data.scenario(i), {via_x, via_y, final_heading} = data.route(i);
+    const points = via_x.map((x, k) => [x, via_y[k]]);
+    const lines = [data.path(i), reference(data, i)];
+    const [left, bottom, right, top] = box(scenario, points, lines);
     const spare = labels ? 26 : 4; // pixels below the drawing, for the scale bar
     const scale = Math.min(width / (right - left), (height - spare) / (top - bottom));
     const size = [width, labels ? Math.max((top - bottom) * scale, 140) + spare : height];
@@ -78,7 +83,7 @@
       if (line) svg.append(shape("polyline", {points: line.map(([x, y]) => at(x, y).map(tidy)).join(" "),
         class: names[k]}));
     });
-    svg.append(...marks(scenario, at));
+    svg.append(...marks(scenario, points, final_heading, at));
     if (labels) svg.append(...writing(scenario, lines, at, {scale, size}));
     return svg;
   }
@@ -87,13 +92,19 @@
     return Math.max(-1e5, Math.min(1e5, value)).toFixed(1);
   }
 
-  // The start as an arrow along its heading, the target as a ring with a dot.
-  function marks(scenario, at) {
-    const [sx, sy] = at(scenario.x, scenario.y), [tx, ty] = at(scenario.target_x, scenario.target_y);
-    const degrees = -scenario.heading * 180 / Math.PI;
+  // The start as an arrow along its heading, via points as dots, the target as a ring with a dot, and
+  // an arrow if its heading is given.
+  function marks(scenario, points, final_heading, at) {
+    const [tx, ty] = at(scenario.target_x, scenario.target_y);
+    const turned = (x, y, heading) => ({
+      transform: `translate(${at(x, y).map(tidy).join(" ")}) rotate(${(-heading * 180 / Math.PI).toFixed(2)})`});
+    const arrow = final_heading === null ? [] : [shape("path", {d: "M 6 0 H 20 M 15 -4 L 20 0 L 15 4",
+      class: "target", ...turned(scenario.target_x, scenario.target_y, final_heading)})];
+    const dots = points.map((point) => at(...point).map(tidy));
     return [
+      ...dots.map(([cx, cy]) => shape("circle", {cx, cy, r: 2.4, class: "via"})), ...arrow,
       shape("path", {d: "M 13 0 L -5 -6 L -2 0 L -5 6 Z", class: "start",
-        transform: `translate(${tidy(sx)} ${tidy(sy)}) rotate(${degrees.toFixed(2)})`}),
+        ...turned(scenario.x, scenario.y, scenario.heading)}),
       shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 6, class: "target"}),
       shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 1.8, class: "start"}),
     ];
