@@ -9,41 +9,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.conformance.interview import SUCCESS, Interview, Seen
-from dubins_study.conformance.questions import check_command, command, name_of
-from dubins_study.conformance.report import Finding, Status
+from dubins_study.conformance.interview import Interview, Seen
+from dubins_study.conformance.questions import check_command, command
+from dubins_study.conformance.report import Finding, Kind, Status
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.check.verdict import judge, miss_reason
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Outcome, Verdict
 
-
-class Kind(StrEnum):
-    """Which part of an answer a finding is about."""
-
-    OUTCOME = "outcome"
-    CONTROLS = "controls"
-    CLAIM = "claim"
-    BOUND = "bound"
-    LENGTH = "length"
-
-
-class Problem(NamedTuple):
-    """A finding and the part of the answer that it is about."""
-
-    kind: Kind
-    finding: Finding
-
-
 _Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
+# claims that say that a path was found
+_SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
@@ -75,13 +57,13 @@ _SAID = {
 }
 
 
-def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
-    """What is wrong with one answer; empty if nothing is. `name` is that of its scenario."""
+def problems(interview: Interview, seen: Seen) -> list[Finding]:
+    """What is wrong with one answer; empty if nothing is."""
     answer = seen.answer
     if answer.outcome is Outcome.RETURNED:
         guarantee = str(interview.declared["guarantee"])
         observations = [
-            *_of_path(answer, interview.tolerances),
+            *_of_path(interview, answer),
             *_of_length(answer, guarantee),
             *_of_bound(answer),
         ]
@@ -93,16 +75,17 @@ def problems(interview: Interview, seen: Seen, name: str) -> list[Problem]:
     shown = command(answer.solver, seen.question, seen.limit)
     if seen.question.initial_guess is not None:  # no option of `solve` hands one over
         shown = check_command(answer.solver, "warm", seen.limit)
+    name, trace = seen.question.scenario.label, seen.observed.traceback
     return [
-        Problem(kind, Finding(status, observed, advice, name, shown, seen.observed.traceback))
+        Finding(status, observed, advice, name, shown, trace, kind=kind)
         for kind, status, observed, advice in observations
     ]
 
 
-def _of_path(answer: Answer, tolerances: Tolerances) -> Iterator[_Observed]:
+def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
-    path, claim = answer.path, answer.claim
-    honest = claim not in SUCCESS
+    path, claim, tolerances = answer.path, answer.claim, interview.tolerances
+    honest = claim not in _SUCCESS
     if path is None:
         yield from _without_path(answer)
     elif claim is Claim.INFEASIBLE:
@@ -114,13 +97,13 @@ def _of_path(answer: Answer, tolerances: Tolerances) -> Iterator[_Observed]:
             observed = f"it returns a path that misses, and says so ({claim}): {reason}"
             yield Kind.CONTROLS, Status.NOTE, observed, ""
         else:
-            advice = _advice(answer, path, tolerances)
+            advice = _advice(interview, answer, path)
             yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:
     claim = answer.claim
-    if claim in SUCCESS:
+    if claim in _SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
         yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
         return
@@ -140,14 +123,27 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         yield Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
 
 
-def _advice(answer: Answer, path: Path, tolerances: Tolerances) -> str:
+def _advice(interview: Interview, answer: Answer, path: Path) -> str:
     """What to do about a path that misses."""
-    scenario, branch = answer.scenario, answer.branch
+    scenario, branch, tolerances = answer.scenario, answer.branch, interview.tolerances
     if not drivable(path):
         return (
             "claim FAILED where there is no number; a turn to the other side has the other sign of "
             "curvature, not of length"
         )
+    for earlier in interview.seen:
+        known = earlier.answer.path
+        if (
+            known is not None
+            and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
+            and path.length.size
+            and known == replace(path, start=known.start)
+        ):
+            name = earlier.question.scenario.label or "another one"
+            return (
+                f"this is its answer to an earlier question, {name}: does it keep answers, by the "
+                "target alone for instance? Start, heading and radius belong to the question"
+            )
     if path.start != scenario.start:
         return "give question.scenario.start as it is, its heading to the last bit"
     assert answer.miss is not None  # the path can be driven
@@ -188,7 +184,7 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
             yield Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
-        elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in SUCCESS:
+        elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
             advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
             observed = f"it declares the guarantee {guarantee!r}, but {how}"
             yield Kind.CLAIM, Status.FAIL, observed, cause or advice
@@ -214,24 +210,14 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
         yield Kind.BOUND, Status.FAIL, observed, advice
 
 
-def of_kind(kind: Kind, interview: Interview, asked: Iterable[Seen]) -> tuple[Finding, ...]:
-    """Findings of one kind about some answers."""
-    return united(
-        problem
-        for seen in asked
-        for problem in problems(interview, seen, name_of(seen.question.scenario))
-        if problem.kind is kind
-    )
-
-
-def united(found: Iterable[Problem]) -> tuple[Finding, ...]:
+def united(found: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings, one for each reason: of those that are the same, the first and their count."""
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for kind, finding in found:
-        reason = finding.advice or kind
-        where = finding.traceback.splitlines()[-2:-1]
-        groups.setdefault((kind, finding.status, reason, *where), []).append(finding)
-    listed = [replace(group[0], count=len(group)) for group in groups.values()]
+    for one in found:
+        reason = (one.advice or one.kind) if one.kind else one.observed
+        where = one.traceback.splitlines()[-2:-1]
+        groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
+    listed = [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
     return tuple(sorted(listed, key=lambda one: one.status is not Status.FAIL))
 
 

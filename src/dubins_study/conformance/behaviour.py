@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from dubins_study.conformance import questions
-from dubins_study.conformance.answers import Kind, of_kind
 from dubins_study.conformance.interview import GRACE_S, Interview, NotApplicableError, Seen
 from dubins_study.conformance.observer import RANDOM, TEMPORARY
 from dubins_study.conformance.questions import check_command, command
@@ -61,15 +60,14 @@ def limits(interview: Interview) -> Checked:
     """A question with a limit of a twentieth of a second."""
     promised = interview.declared["keeps_limit"]
     question = _question(interview, "all at once")
-    first = interview.ask(question)  # the libraries are loaded by now
+    interview.ask(question)  # the libraries are loaded by now
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
-    silent = of_kind(Kind.OUTCOME, interview, [first] if timed_out else [first, seen])
     seconds = seen.answer.wall_s or seen.seconds
     # a run ends a solve sooner than the promise asks for
     beyond = _BEYOND_S if promised else RUN_GRACE_S
     if not timed_out and seconds <= _SHORT_LIMIT_S + beyond:
-        return silent, f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
+        return [], f"{seconds:.3f} s with a limit of {_SHORT_LIMIT_S} s"
     took = f"it does not return within {GRACE_S:g} s" if timed_out else f"it takes {seconds:.2f} s"
     advice = (
         "look at `limit`, the second argument of solve, and return the best path so far with "
@@ -84,7 +82,7 @@ def limits(interview: Interview) -> Checked:
         "all at once",
         command(interview.spec, question, _SHORT_LIMIT_S),
     )
-    return [*silent, late], ""
+    return [late], ""
 
 
 # relative: answers that differ by less differ in rounding only
@@ -110,8 +108,7 @@ def determinism(interview: Interview) -> Checked:
         if (difference := _difference(one, again))
     ]
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    silent = of_kind(Kind.OUTCOME, interview, [*first, *second, *third])
-    listed = [*silent, *worst, *_repeat(interview, first[0])]
+    listed = [*worst, *_repeat(interview, first[0])]
     if not listed and all(seen.answer.path is None for seen in first):
         raise NotApplicableError("it returned no path")
     return listed, f"{len(known)} questions, three times the same"
@@ -187,11 +184,10 @@ def state(interview: Interview) -> Checked:
 
     At least the general questions: they are asked now if no other check has asked them.
     """
-    before = len(interview.seen)
     for other in questions.GENERAL:
         interview.ask(_question(interview, other))
     seen = interview.seen
-    found = [*of_kind(Kind.OUTCOME, interview, seen[before:])]
+    found = []
     changed = Counter(change for one in seen for change in one.observed.changes)
     for change, count in changed.items():
         status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")

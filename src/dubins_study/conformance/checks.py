@@ -10,10 +10,8 @@ from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
-import numpy as np
-
 from dubins_study.conformance import behaviour, questions
-from dubins_study.conformance.answers import Kind, Problem, cause_of, of_kind, problems, united
+from dubins_study.conformance.answers import problems, united
 from dubins_study.conformance.behaviour import Checked
 from dubins_study.conformance.interview import (
     InProcess,
@@ -24,7 +22,7 @@ from dubins_study.conformance.interview import (
     UnfinishedError,
     Worker,
 )
-from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Status
+from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Kind, Status
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.profiles import tolerances
@@ -34,9 +32,12 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean, short
-from dubins_study.study.words import Outcome, Verdict
+from dubins_study.study.words import Outcome
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
+
+
+_ALL = (Kind.CONTROLS, Kind.CLAIM, Kind.BOUND, Kind.LENGTH)
 
 
 class ConformanceError(DubinsStudyError, ValueError):
@@ -44,53 +45,27 @@ class ConformanceError(DubinsStudyError, ValueError):
 
 
 def _asked(
-    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = tuple(Kind)
+    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = _ALL
 ) -> Callable[[Interview], Checked]:
-    """A check that asks for the best path of scenarios, and reports problems of some kinds.
-
-    A question that this check is the first to ask, and that is not answered, is reported too.
-    """
+    """A check that asks for the best path of scenarios, and reports problems of some kinds."""
 
     def run(interview: Interview) -> Checked:
         if not interview.answers("best"):
             raise NotApplicableError("the solver does not answer `best`")
-        shown: list[Problem] = []
-        answers: list[Seen] = []
-        for label, scenario in scenarios.items():
-            before = len(interview.seen)
-            answers.append(interview.ask(Question(scenario)))
-            wanted = {*kinds, Kind.OUTCOME} if len(interview.seen) > before else kinds
-            found = problems(interview, answers[-1], label)
-            shown += [_explained(interview, answers[-1], p) for p in found if p.kind in wanted]
-        if Kind.CONTROLS in kinds and not shown and all(one.answer.path is None for one in answers):
+        answers = [interview.ask(Question(scenario)) for scenario in scenarios.values()]
+        found = _wrong(interview, answers, kinds)
+        if Kind.CONTROLS in kinds and not found and all(one.answer.path is None for one in answers):
             raise NotApplicableError("it returned no path")
-        return united(shown), f"{len(scenarios)} questions"
+        return found, f"{len(scenarios)} questions"
 
     return run
 
 
-def _explained(interview: Interview, seen: Seen, problem: Problem) -> Problem:
-    """A problem; where its path was right for an earlier question, with advice about that."""
-    path = seen.answer.path
-    if problem.kind is not Kind.CONTROLS or path is None or not path.length.size:
-        return problem
-    if cause_of(seen.question.scenario, path):
-        return problem
-    for earlier in interview.seen:
-        other = earlier.answer.path
-        if (
-            other is not None
-            and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-            and np.array_equal(other.curvature, path.curvature)
-            and np.array_equal(other.length, path.length)
-        ):
-            name = questions.name_of(earlier.question.scenario) or "another one"
-            advice = (
-                f"this is its answer to an earlier question, {name}: does it keep answers, by the "
-                "target alone for instance? Start, heading and radius belong to the question"
-            )
-            return problem._replace(finding=replace(problem.finding, advice=advice))
-    return problem
+def _wrong(
+    interview: Interview, answers: Iterable[Seen], kinds: tuple[Kind, ...] = _ALL
+) -> list[Finding]:
+    """What is wrong with answers. Those that are none are added to every check that has asked."""
+    return [found for seen in answers for found in problems(interview, seen) if found.kind in kinds]
 
 
 def _branches(interview: Interview) -> Checked:
@@ -98,40 +73,12 @@ def _branches(interview: Interview) -> Checked:
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
         raise NotApplicableError("the solver answers `best` only")
-    asked = {}
-    for word in words:
-        for n, scenario in enumerate(questions.WORDS[word], 1):
-            asked[f"{word}, question {n}"] = Question(scenario, word)
-        asked[f"{word}, which has no path here"] = Question(questions.WITHOUT[word], word)
-    return _wrong(interview, asked), ", ".join(words)
-
-
-def _wrong(interview: Interview, asked: Mapping[str, Question]) -> tuple[Finding, ...]:
-    """What is wrong with the answers to questions, by their labels."""
-    pairs = asked.items()
-    return united(p for label, q in pairs for p in problems(interview, interview.ask(q), label))
-
-
-def _bounds(interview: Interview) -> Checked:
-    """The lower bounds of all answers so far; of the usual questions if none was asked yet."""
-    before = len(interview.seen)
-    if interview.answers("best"):
-        asked = [Question(scenario) for scenario in _BOUNDED.values()]
-    else:
-        words = filter(interview.answers, questions.WORDS)
-        asked = [Question(scenario, word) for word in words for scenario in questions.WORDS[word]]
-    for question in asked:
-        interview.ask(question)
-    silent = of_kind(Kind.OUTCOME, interview, interview.seen[before:])
-    answers = [seen.answer for seen in interview.seen]
-    bounds = len([one for one in answers if one.lower_bound is not None or one.false_bound])
-    if not (bounds or silent):
-        raise NotApplicableError("the solver gives no lower bounds")
-    return (*silent, *of_kind(Kind.BOUND, interview, interview.seen)), f"{bounds} bounds"
-
-
-# What a full set of checks has asked before it looks at the bounds.
-_BOUNDED = questions.GENERAL | questions.AXIS | questions.DISCS | questions.CIRCLES
+    asked = [
+        Question(scenario, word)
+        for word in words
+        for scenario in (*questions.WORDS[word], questions.WITHOUT[word])
+    ]
+    return _wrong(interview, map(interview.ask, asked)), ", ".join(words)
 
 
 def _warm(interview: Interview) -> Checked:
@@ -145,8 +92,11 @@ def _warm(interview: Interview) -> Checked:
         "a path to elsewhere": Path(start, [1 / radius, 0.0, -1 / radius], [radius] * 3),
         "a path of no arcs": Path(start, [], []),
     }
-    asked = {f"initial guess: {k}": Question(scenario, initial_guess=v) for k, v in guesses.items()}
-    return _wrong(interview, asked), f"{len(guesses)} initial guesses"
+    asked = (
+        Question(replace(scenario, label=f"initial guess: {name}"), initial_guess=guess)
+        for name, guess in guesses.items()
+    )
+    return _wrong(interview, map(interview.ask, asked)), f"{len(guesses)} initial guesses"
 
 
 def _frames(interview: Interview) -> Checked:
@@ -155,9 +105,7 @@ def _frames(interview: Interview) -> Checked:
         raise NotApplicableError("the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
     rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
-    pairs = zip(scenarios, rows, strict=True)
-    found = [p for label, seen in pairs for p in problems(interview, seen, f"in a frame: {label}")]
-    return united(found), f"{len(rows)} rows"
+    return _wrong(interview, rows), f"{len(rows)} rows"
 
 
 # name -> what is looked at, and the function that does; simple questions first
@@ -165,14 +113,14 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
-        _asked(questions.GENERAL, (Kind.OUTCOME,)),
+        _asked(questions.GENERAL, ()),
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
         _asked(questions.GENERAL, (Kind.CONTROLS,)),
     ),
     "claims": (
-        "claims of optimality, of a bound, of no path; paths that are longer",
+        "claims of optimality, of a lower bound, of no path; paths that are longer",
         _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND)),
     ),
     "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
@@ -181,7 +129,6 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "symmetries": ("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
     "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
     "branches": ("the words that it declares", _branches),
-    "bounds": ("lower bounds are below the shortest length", _bounds),
     "warm": ("initial guesses, good and bad", _warm),
     "frames": ("whole frames of scenarios", _frames),
     "limits": ("returns by its time limit", behaviour.limits),
@@ -262,10 +209,18 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             summary, applied = str(reason), Status.NOT_APPLICABLE
         except UnfinishedError as reason:
             stopped = summary = str(reason)
-            findings = of_kind(Kind.OUTCOME, interview, interview.seen[before:])
             applied = Status.NOT_ASKED
+        # a limit shorter than the caller's is looked at by the check that sets it
+        new = [
+            seen
+            for seen in interview.seen[before:]
+            if seen.answer.outcome is not Outcome.TIMEOUT or seen.limit == interview.limit
+        ]
+        silent = _wrong(interview, new, (Kind.OUTCOME,))
         shown = questions.check_command(interview.spec, name, interview.limit)
-        listed = tuple(replace(one, command=one.command or shown) for one in findings)
+        listed = tuple(
+            replace(one, command=one.command or shown) for one in united([*findings, *silent])
+        )
         yield CheckResult(name, title, listed, summary, applied)
         outcomes = {one.answer.outcome for one in interview.seen}
         if interview.declared["unavailable"] is not None:

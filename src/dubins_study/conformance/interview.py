@@ -24,7 +24,7 @@ from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.solvers.reply import Reply, no_answer
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import Outcome, Verdict
 
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
 # libraries that later questions find loaded.
@@ -34,6 +34,7 @@ LOAD_LIMIT_S, WARM_UP_S = 60.0, 10.0
 GRACE_S = 1.5
 # Questions in a row that may end in a timeout before no more are asked.
 MAX_TIMEOUTS = 3
+UNANSWERED = "unanswered"
 
 
 class LoadError(DubinsStudyError):
@@ -185,8 +186,11 @@ class Interview:
 
     def counts(self) -> dict[str, int]:
         """How the questions ended, as `ConformanceReport.answers` has it."""
-        ended = Counter(_ending(seen.answer) for seen in self.seen)
-        return {name: ended[name] for name in ENDINGS}
+        ended = Counter(
+            str(seen.answer.verdict) if seen.answer.outcome is Outcome.RETURNED else UNANSWERED
+            for seen in self.seen
+        )
+        return {name: ended[name] for name in (*map(str, Verdict), UNANSWERED)}
 
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""
@@ -218,7 +222,9 @@ class Interview:
 
     def ask_frame(self, questions: list[Question]) -> list[Seen]:
         """The judged answers to questions that are put as one frame."""
-        return self._ask(questions, self.limit, as_frame=True)
+        rows = self._ask(questions, self.limit, as_frame=True)
+        self.seen += rows
+        return rows
 
     def restart(self) -> None:
         """Ask the next question in a new process."""
@@ -248,32 +254,3 @@ class Interview:
         now = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
         new, self._files = now - self._files, now
         return tuple(sorted(new))
-
-
-# how a question ended, best first
-ENDINGS = (
-    "shortest",
-    "right that there is none",
-    "longer",
-    "undecided",
-    "none",
-    "missing",
-    "unanswered",
-)
-_BY_VERDICT = {
-    Verdict.OPTIMAL: "shortest",
-    Verdict.NONE_EXISTS: "right that there is none",
-    Verdict.LONGER: "longer",
-    Verdict.UNDECIDED: "undecided",
-    Verdict.MISSES: "missing",
-}
-# claims that say that a path was found
-SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
-
-
-def _ending(answer: Answer) -> str:
-    if answer.outcome is not Outcome.RETURNED:
-        return "unanswered"
-    if answer.reference is None and answer.claim not in SUCCESS:
-        return "right that there is none"
-    return _BY_VERDICT.get(answer.verdict, "none")

@@ -1,4 +1,4 @@
-"""The scenarios of the checks, by name, and the commands that ask them.
+"""The scenarios of the checks, labelled, and the commands that ask them.
 
 Radii, speeds, start poses and headings differ from 1 and 0 one after another: which questions fail
 says what a solver mixes up.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import shlex
+from collections.abc import Mapping
 from dataclasses import replace
 
 from dubins_study.solvers.protocol import Question
@@ -16,45 +17,49 @@ from dubins_study.study.scenario import Scenario
 
 TIME_LIMIT_S = 5.0  # for one question, unless the caller gives another
 
+
+def labelled(scenarios: Mapping[str, Scenario]) -> dict[str, Scenario]:
+    """The scenarios with their names as labels, by which findings name them."""
+    return {name: replace(scenario, label=name) for name, scenario in scenarios.items()}
+
+
 # General positions, outside both turning discs: the shortest path is LS or RS.
-GENERAL = {
-    "target ahead to the left": Scenario(target_x=3, target_y=2),
-    "target behind to the right": Scenario(target_x=-4, target_y=-3),
-    "radius 2.5": Scenario(target_x=7, target_y=4, radius=2.5),
-    "radius 0.4": Scenario(target_x=2, target_y=-1.5, radius=0.4),
-    "heading 1.1 rad": Scenario(heading=1.1, target_x=-4, target_y=3),
-    "start at (2, -1)": Scenario(2, -1, target_x=6, target_y=4),
-    "speed 3": Scenario(target_x=3, target_y=-2, speed=3),
-    "all at once": Scenario(-3, 4, 2.2, 5, 8.5, 0.4, 0.6),
-    "all at once, other side": Scenario(2, -1, -0.5, -9, 6, 2.5, 3),
-}
+GENERAL = labelled(
+    {
+        "target ahead to the left": Scenario(target_x=3, target_y=2),
+        "target behind to the right": Scenario(target_x=-4, target_y=-3),
+        "radius 2.5": Scenario(target_x=7, target_y=4, radius=2.5),
+        "radius 0.4": Scenario(target_x=2, target_y=-1.5, radius=0.4),
+        "heading 1.1 rad": Scenario(heading=1.1, target_x=-4, target_y=3),
+        "start at (2, -1)": Scenario(2, -1, target_x=6, target_y=4),
+        "speed 3": Scenario(target_x=3, target_y=-2, speed=3),
+        "all at once": Scenario(-3, 4, 2.2, 5, 8.5, 0.4, 0.6),
+        "all at once, other side": Scenario(2, -1, -0.5, -9, 6, 2.5, 3),
+    }
+)
 # One question in general position that the other checks change.
 REFERENCE = GENERAL["all at once"]
 
 
-def placed(X: float, Y: float, frame: Scenario = REFERENCE) -> Scenario:
-    """A scenario with the start and radius of another, and the target at (X, Y) before it.
-
-    X (forward) and Y (to the left) are in turning radii.
-    """
-    cos, sin, radius = math.cos(frame.heading), math.sin(frame.heading), frame.radius
-    return replace(
-        frame,
-        target_x=frame.x + radius * (X * cos - Y * sin),
-        target_y=frame.y + radius * (X * sin + Y * cos),
-    )
+def placed(X: float, Y: float, label: str = "") -> Scenario:
+    """The reference with its target X radii ahead of the start and Y radii to the left."""
+    s, cos, sin = REFERENCE, math.cos(REFERENCE.heading), math.sin(REFERENCE.heading)
+    x, y = s.x + s.radius * (X * cos - Y * sin), s.y + s.radius * (X * sin + Y * cos)
+    return replace(s, target_x=x, target_y=y, label=label)
 
 
 # The reference with its target a little farther.
 NEAR = placed(1.01 * REFERENCE.local()[0], 1.01 * REFERENCE.local()[1])
-DISCS = {
-    "centre of the left disc": Scenario(target_x=0, target_y=1),
-    "centre of the right disc": Scenario(target_x=0, target_y=-1),
-    "in the left disc": placed(0.3, 1.2),
-    "in the right disc": placed(0.3, -1.2),
-    "rear of the left disc": placed(-0.5, 1.2),
-    "rear of the right disc": placed(-0.5, -1.2),
-}
+DISCS = labelled(
+    {
+        "centre of the left disc": Scenario(target_x=0, target_y=1),
+        "centre of the right disc": Scenario(target_x=0, target_y=-1),
+        "in the left disc": placed(0.3, 1.2),
+        "in the right disc": placed(0.3, -1.2),
+        "rear of the left disc": placed(-0.5, 1.2),
+        "rear of the right disc": placed(-0.5, -1.2),
+    }
+)
 
 
 def _circles() -> dict[str, Scenario]:
@@ -73,13 +78,15 @@ def _circles() -> dict[str, Scenario]:
     return on
 
 
-CIRCLES = _circles()
-AXIS = {
-    "straight ahead": Scenario(target_x=5, target_y=0),
-    "straight behind": Scenario(target_x=-5, target_y=0),
-    "just behind": Scenario(target_x=-0.1, target_y=0),
-    "at the start": Scenario(3, -2, 1, 3, -2),
-}
+CIRCLES = labelled(_circles())
+AXIS = labelled(
+    {
+        "straight ahead": Scenario(target_x=5, target_y=0),
+        "straight behind": Scenario(target_x=-5, target_y=0),
+        "just behind": Scenario(target_x=-0.1, target_y=0),
+        "at the start": Scenario(3, -2, 1, 3, -2),
+    }
+)
 
 
 def changed(angle: float = 0.0, dx: float = 0.0, dy: float = 0.0, scale: float = 1.0) -> Scenario:
@@ -93,40 +100,43 @@ def changed(angle: float = 0.0, dx: float = 0.0, dy: float = 0.0, scale: float =
 
 
 # changes that leave the length of the shortest path as it is
-SYMMETRIES = {
-    "in a mirror": replace(
-        REFERENCE, y=-REFERENCE.y, heading=-REFERENCE.heading, target_y=-REFERENCE.target_y
-    ),
-    "moved by (100, -50)": changed(dx=100, dy=-50),
-    "turned by 2 rad": changed(angle=2.0),
-    "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
-    "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
-    "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),
-}
-SCALES = {
-    "a thousand times larger": changed(scale=1e3),
-    "a thousand times smaller": changed(scale=1e-3),
-    "a million times larger": changed(scale=1e6),
-    "200 radii away": placed(190.0, -60.0),
-    "ten times as fast": replace(REFERENCE, speed=10 * REFERENCE.speed),
-}
+SYMMETRIES = labelled(
+    {
+        "in a mirror": replace(
+            REFERENCE, y=-REFERENCE.y, heading=-REFERENCE.heading, target_y=-REFERENCE.target_y
+        ),
+        "moved by (100, -50)": changed(dx=100, dy=-50),
+        "turned by 2 rad": changed(angle=2.0),
+        "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
+        "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
+        "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),
+    }
+)
+SCALES = labelled(
+    {
+        "a thousand times larger": changed(scale=1e3),
+        "a thousand times smaller": changed(scale=1e-3),
+        "a million times larger": changed(scale=1e6),
+        "200 radii away": placed(190.0, -60.0),
+        "ten times as fast": replace(REFERENCE, speed=10 * REFERENCE.speed),
+    }
+)
 
 # word -> questions that have a path of the word
 WORDS = {
-    "LS": (placed(3, 2), placed(4, -2), placed(-3, 1)),
-    "RS": (placed(3, -2), placed(4, 2), placed(-3, -1)),
-    "LR": (placed(0.3, -1.2), placed(2, 1.5), placed(-1, -0.2)),
-    "RL": (placed(0.3, 1.2), placed(2, -1.5), placed(-1, 0.2)),
+    word: tuple(placed(*at, f"{word}, question {n}") for n, at in enumerate(targets, 1))
+    for word, targets in {
+        "LS": ((3, 2), (4, -2), (-3, 1)),
+        "RS": ((3, -2), (4, 2), (-3, -1)),
+        "LR": ((0.3, -1.2), (2, 1.5), (-1, -0.2)),
+        "RL": ((0.3, 1.2), (2, -1.5), (-1, 0.2)),
+    }.items()
 }
 # word -> a question that has no path of the word: in the disc that the turn goes around, or too far
-WITHOUT = {"LS": placed(0.2, 1), "RS": placed(0.2, -1), "LR": placed(9, 2), "RL": placed(9, -2)}
-
-
-def name_of(scenario: Scenario) -> str:
-    """The name of one of the scenarios above; empty for any other."""
-    tables = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
-    names = (name for table in tables for name, one in table.items() if one == scenario)
-    return next(names, "")
+WITHOUT = {
+    word: placed(*target, f"{word}, which has no path here")
+    for word, target in {"LS": (0.2, 1), "RS": (0.2, -1), "LR": (9, 2), "RL": (9, -2)}.items()
+}
 
 
 def command(spec: str, question: Question, limit: float) -> str:

@@ -29,6 +29,16 @@ class Status(StrEnum):
 _RANK = list(Status)
 
 
+class Kind(StrEnum):
+    """Which part of an answer a finding is about."""
+
+    OUTCOME = "outcome"
+    CONTROLS = "controls"
+    CLAIM = "claim"
+    BOUND = "bound"
+    LENGTH = "length"
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """One thing that a check has seen.
@@ -41,6 +51,7 @@ class Finding:
         command: the command that asks the question again.
         traceback: of an exception, the solver's own frames.
         count: at how many questions the same was seen.
+        kind: the part of an answer that it is about; None if it is about no answer.
     """
 
     status: Status
@@ -50,6 +61,7 @@ class Finding:
     command: str = ""
     traceback: str = ""
     count: int = 1
+    kind: Kind | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +104,8 @@ class ConformanceReport:
     Args:
         solver: its spec.
         results: one for each check, in the order of `CHECKS`.
-        answers: how many of its answers are shortest, longer, right that there is no path, none
-            (although there is a path), missing the target, or unanswered: it raised, crashed, hung.
+        answers: how many of its answers have each verdict; `unanswered` are those where it raised,
+            crashed or hung.
         seconds: how long that took.
     """
 

@@ -88,7 +88,7 @@ def test_a_solver_keeps_the_promise(name):
     report = check_solver(name, checks=checks, isolated=False)
 
     assert report.passed, report
-    assert report.answers["shortest"] >= len(GENERAL) + len(AXIS)
+    assert report.answers["optimal"] >= len(GENERAL) + len(AXIS)
     assert report.with_status(Status.NOTE) == (), report
 
 
