@@ -9,7 +9,7 @@ import yaml
 from markdown_text import prose, table
 
 from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.printed import CORRECT
+from dubins_study.report.paper.printed import misprints
 
 _CITATION = Path(__file__).parents[2] / "CITATION.cff"
 _TITLE = "Mathematical Model for Optimal Dubins Path to Intercept a Stationary Target"
@@ -26,7 +26,7 @@ def citation() -> str:
     return f"{'. '.join(filter(None, parts))}. {prose(paper.get('notes', ''))}"
 
 
-def misprints() -> str:
+def audit_table() -> str:
     """The printed numbers that are no correct roundings, recomputed now."""
     rows = [
         (
@@ -37,10 +37,9 @@ def misprints() -> str:
             cell["exact"][:11],
             f"{cell['verdict']}: {prose(cell['reason'])}",
         )
-        for cell in audit()["cells"]
-        if cell["verdict"] != CORRECT
+        for cell in misprints(audit())
     ]
     return table(("table", "path", "number", "printed", "exact", "finding"), rows)
 
 
-SOURCES: dict[str, Callable[..., str]] = {"citation": citation, "audit": misprints}
+SOURCES: dict[str, Callable[..., str]] = {"citation": citation, "audit": audit_table}

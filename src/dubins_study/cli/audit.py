@@ -84,21 +84,6 @@ _CELLS = (
     *(("printed", "{printed}"), ("exact", "{exact}")),
     *(("printed - exact", "{difference:+.6f}"), ("verdict", "{verdict}")),
 )
-_PATHS = (
-    *(("table", "{table}"), ("scenario", "{label}"), ("path", "{path}"), ("word", "{word}")),
-    *(("miss", "{miss:.4f}"), ("allowed", "{rounding_allows:.4f}")),
-    *(("sum of parts", "{sum_of_parts}"), ("total", "{total}"), ("adds up", "{adds_up}")),
-)
-_ALGORITHM = (
-    *(("scenario", "{label}"), ("circle", "{circle}, {half}"), ("R*", "{radius:.6f}")),
-    *(("optimum", "{word_beyond}"), ("length", "{length_beyond:.4f}")),
-    *(("returns", "{algorithm_word}"), ("length", "{algorithm_length:.4f}")),
-    ("too long", "{algorithm_excess:.1%}; {example_excess:.1%} at R = {example_radius}"),
-)
-_OMITTED = (
-    ("scenario", "{label}"),
-    *((key, f"{{{key}}}") for key in ("path", "word", "z1", "z2", "z3", "f")),
-)
 _ROUTES = (
     *(("source", "{source}"), ("route", "{label}"), ("legs", "{legs}"), ("printed", "{printed}")),
     *(("ours", "{length!r}"), ("proven: at least", "{low!r}"), ("at most", "{high!r}")),
@@ -111,52 +96,28 @@ _TIMES = (
 
 
 def audit_text(record: Record) -> str:
-    """Every part as a table or a list, below a line with its summary."""
-    from dubins_study.report.paper.printed import CORRECT
+    """Every printed length and solve time, and the tables of the report."""
+    from dubins_study.report.topics.audit import audit_tables
 
     summary = record["summary"]
     counts = ", ".join(f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n)
-    reasons = (
-        f"  {cell['table']} {cell['label']}, {cell['path']}, {cell['quantity']} = "
-        f"{cell['printed']}: {cell['verdict']}; {cell['reason']}"
-        for cell in record["cells"]
-        if cell["verdict"] != CORRECT
+    paths = (
+        f"{summary['paths_beyond_rounding']} printed paths miss by more than rounding allows, "
+        f"{summary['totals_that_do_not_add_up']} do not add up"
     )
-    crossings = [each | {"radius": float(each["radius"])} for each in record["algorithm"]]
-    statements = (
-        f"  {s['where']}: {s['says']}: {'right' if s['holds'] else 'wrong or incomplete'}; "
-        f"{s['finding']}"
-        for s in record["statements"]
+    ticks = (
+        f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
+        "whole ticks of a clock of 64 a second"
     )
-    parts = (
+    parts = [
         (f"{summary['cells']} printed lengths: {counts}", _table(_CELLS, record["cells"])),
-        (
-            "The cells that are not correct roundings (the solver bias would print "
-            f"{summary['correct_cells_that_the_bias_would_spoil']} of the correct ones otherwise)",
-            "\n".join(reasons),
+        (ticks, _table(_TIMES, record["times"])),
+        *(
+            (each.caption, table([column.title for column in each.columns], each.texts()))
+            for each in audit_tables(record)
         ),
-        (
-            f"The printed paths, driven: {summary['paths_beyond_rounding']} miss by more than "
-            f"rounding allows, {summary['totals_that_do_not_add_up']} do not add up",
-            _table(_PATHS, record["paths"]),
-        ),
-        (
-            "Algorithm 1 where a turning circle of radius R* has reached the target: just beyond, "
-            "and at a round radius",
-            _table(_ALGORITHM, crossings),
-        ),
-        (
-            f"{summary['omitted_paths']} paths that the tables leave out",
-            _table(_OMITTED, record["omitted"]),
-        ),
-        (
-            f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
-            "whole ticks of a clock of 64 a second",
-            _table(_TIMES, record["times"]),
-        ),
-        ("Statements", "\n".join(statements)),
-    )
-    return "\n\n".join(f"{title}\n{body}" for title, body in parts)
+    ]
+    return "\n\n".join([*(f"{title}\n{body}" for title, body in parts), paths])
 
 
 def _table(columns: Sequence[tuple[str, str]], records: Sequence[Record]) -> str:

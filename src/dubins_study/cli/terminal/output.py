@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _INTERVAL_S, _VERBOSE_INTERVAL_S = 30.0, 5.0  # between lines of progress, without a terminal
 _NO_TERMINAL_WIDTH = 100_000  # a row of a table is one line
-_NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?\s?%?")
+_NUMBER = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+)?\s?%?")
 
 
 class Verbosity(IntEnum):

@@ -130,7 +130,7 @@ def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
     ours (NaN where there is no answer), difference and verdict: `correct` if ours rounds to what is
     printed, `misprint` if the audit knows why it does not, otherwise `differs`; or `no answer`.
     """
-    known = {(c["label"], c["path"], c["quantity"]) for c in misprints()}
+    known = {(c["label"], c["path"], c["quantity"]) for c in misprints(committed())}
     records = []
     for row in PRINTED:
         word, ours = _ranked(paths, row)
@@ -181,6 +181,6 @@ def committed() -> dict[str, Any]:
     return record
 
 
-def misprints() -> list[dict[str, Any]]:
-    """The printed cells that are not correct roundings."""
-    return [cell for cell in committed()["cells"] if cell["verdict"] != CORRECT]
+def misprints(audit: dict[str, Any]) -> list[dict[str, Any]]:
+    """The printed cells of an audit that are not correct roundings."""
+    return [cell for cell in audit["cells"] if cell["verdict"] != CORRECT]

@@ -94,8 +94,17 @@ def audit_section(results: Results) -> Section | None:
     if results.rows.empty:
         return None
     audit = committed()
+    lead = (
+        "Read each line as one claim of the paper and what exact arithmetic makes of it: which "
+        "numbers are wrong, by how much, and by what accident."
+    )
+    return Section("audit", "The audit of the paper", _text(audit), audit_tables(audit), lead)
+
+
+def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
+    """What an audit finds: a table for each kind of claim."""
     frames = {
-        "cells": pd.DataFrame(misprints()).replace({"quantity": _SYMBOLS}),
+        "cells": pd.DataFrame(misprints(audit)).replace({"quantity": _SYMBOLS}),
         "paths": _paths(audit["paths"]),
         "algorithm": pd.DataFrame(audit["algorithm"]).assign(
             where=lambda frame: frame["circle"] + ", " + frame["half"]
@@ -109,15 +118,10 @@ def audit_section(results: Results) -> Section | None:
         "wrong_sums": int(paths["wrong_sum"].sum()),
     }
     crossed = {"paths": marks(paths, "beyond", "wrong_sum")}
-    blocks = tuple(
+    return tuple(
         Table(f"audit-{key}", _CAPTIONS[key].format(**sums), frame, COLUMNS[key], crossed.get(key))
         for key, frame in frames.items()
     )
-    lead = (
-        "Read each line as one claim of the paper and what exact arithmetic makes of it: which "
-        "numbers are wrong, by how much, and by what accident."
-    )
-    return Section("audit", "The audit of the paper", _text(audit), blocks, lead)
 
 
 def _paths(paths: list[dict[str, Any]]) -> pd.DataFrame:
