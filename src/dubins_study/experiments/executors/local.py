@@ -18,13 +18,11 @@ from dubins_study.solvers.attempt import Answer, judged, judged_row
 from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
-from dubins_study.solvers.reply import Reply, exception_text, no_answer
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row, raised_row
-from dubins_study.study.rows.schema import KEY, SCENARIO, names
-from dubins_study.study.words import Outcome
+from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.schema import KEY, names
 
-_KEY, _SCENARIO = names(KEY), names(SCENARIO)
+_KEY = names(KEY)
 
 
 @contextmanager
@@ -104,13 +102,7 @@ def row_of(
         "started": answer.started or now(),
     }
     question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
-    try:
-        allowed = tolerances(cell.profile)
-        row = judged_row(cell.solver, question, answer.reply, allowed, cell.method)
-    except Exception as error:  # the check cannot drive the path: recorded as a row too
-        known |= {name: getattr(cell.scenario, name) for name in _SCENARIO}
-        known |= cell.method.columns(question)
-        return raised_row(known, exception_text(error)), None
+    row = judged_row(cell.solver, question, answer.reply, tolerances(cell.profile), cell.method)
     row.update(known)
     return row, answer.reply.solution.path if row["gap"] is not None else None
 
@@ -123,21 +115,14 @@ def ask_isolated(
     If a solve ends the worker, that is an answer, and the next question goes to a new worker.
     """
     jobs = (Job(solver, profile, question, place) for place, question in enumerate(questions))
+    known = tolerances(profile, limit), describe_solver(solver, profile).method
     waiting: dict[int, Answer] = {}
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
     with WorkerPool(1, limit, warm_up=ours(solver)) as pool:
         place = 0
         for results in pool.solve(jobs, Interruption()):
             for job, worker_reply in results:
-                waiting[job.tag] = _judged(solver, profile, job.question, worker_reply.reply, limit)
+                waiting[job.tag] = judged(solver, job.question, worker_reply.reply, *known)
             while place in waiting:
                 yield waiting.pop(place)
                 place += 1
-
-
-def _judged(solver: str, profile: str, question: Question, reply: Reply, limit: float) -> Answer:
-    known = tolerances(profile, limit), describe_solver(solver, profile).method
-    try:
-        return judged(solver, question, reply, *known)
-    except Exception as error:  # the check cannot drive the path: an answer too, as in a run
-        return judged(solver, question, no_answer(Outcome.RAISED, exception_text(error)), *known)

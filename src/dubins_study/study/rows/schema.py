@@ -255,11 +255,6 @@ RUN = (
     Column("started", "when the attempt started, ISO 8601", "string", "UTC", detail=True),
 )
 ROW = KEY + SCENARIO + ANSWER + RUN
-# Columns that no solver fills, which are kept of an answer that does not fit.
-NOT_SOLVERS = (
-    *names(KEY + SCENARIO + METHOD + columns(Times) + RUN),
-    *("region", "margin", "reference_word", "reference"),
-)
 
 
 def arrow_schema() -> pa.Schema:
