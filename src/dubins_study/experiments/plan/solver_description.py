@@ -7,9 +7,11 @@ hang, crash, or change its process.
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -113,57 +115,31 @@ def _description(spec: str, profile: str) -> list[Any]:
 
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
-_PAIR = re.compile(r"\{[^{}[\]]*\}|\[[^{}[\]]*\]")  # brackets with none inside
 # Each pair of braces multiplies the number of specs, so a short line could fill the memory.
 MOST_SPECS = 1000
-_MAX_SPEC_CHARS = 500
 
 
-def written_out(specs: Iterable[str], all_specs: Iterable[str]) -> Iterator[str]:
-    """Specs with their braces expanded, at most `MOST_SPECS`; `*` is replaced by `all_specs`."""
-    count = 0
-    for spec in specs:
-        _check_brackets(spec)
-        for name in all_specs if spec == "*" else _expand_braces(spec):
-            count += 1
-            if count > MOST_SPECS:
-                raise SolverError(
-                    f"solver {spec!r:.80}: more than {MOST_SPECS} specs up to here, braces written "
-                    "out; expected fewer"
-                )
-            yield name
-
-
-def _check_brackets(spec: str) -> None:
-    """Refuse a spec that is too long, or whose brackets do not match."""
-    if len(spec) > _MAX_SPEC_CHARS:
+def written_out(spec: str) -> list[str]:
+    """One spec for each combination of the choices in a spec's braces, such as `n={10,20}`."""
+    texts = _BRACES.split(spec)  # every second one stood in braces
+    if re.search("[{}]", "".join(texts)) or spec.count("[") != spec.count("]"):
         raise SolverError(
-            f"solver {spec!r:.80}... has {len(spec)} characters; expected at most {_MAX_SPEC_CHARS}"
-        )
-    rest, pairs = spec, 1
-    while pairs:
-        rest, pairs = _PAIR.subn("", rest)
-    if re.search(r"[][{}]", rest):
-        raise SolverError(
-            f"solver {spec!r}: its brackets do not match; expected name[setting=value] or "
+            f"solver {spec!r:.80}: its brackets do not match; expected name[setting=value] or "
             "name[setting={a,b}]"
         )
-
-
-def _expand_braces(spec: str) -> Iterator[str]:
-    """One spec for each choice in the first pair of braces, and so on for the next pair."""
-    match = _BRACES.search(spec)
-    if match is None:
-        yield spec
-        return
-    for choice in match[1].split(","):
-        yield from _expand_braces(spec[: match.start()] + choice.strip() + spec[match.end() :])
+    choices = [text.split(",") if place % 2 else [text] for place, text in enumerate(texts)]
+    if math.prod(map(len, choices)) > MOST_SPECS:
+        raise SolverError(
+            f"solver {spec!r:.80}: more than {MOST_SPECS} specs, braces written out; expected fewer"
+        )
+    return ["".join(map(str.strip, chosen)) for chosen in itertools.product(*choices)]
 
 
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded."""
-    names = written_out(specs, registered())
-    return list(dict.fromkeys(describe_solver(spec, profile).spec for spec in names))
+    lists = (registered() if spec == "*" else written_out(spec) for spec in specs)
+    names = itertools.chain.from_iterable(lists)
+    return list(dict.fromkeys(describe_solver(name, profile).spec for name in names))
 
 
 def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem]:
@@ -176,14 +152,10 @@ def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem
     profile = fields.get("profile")
     known = profile if isinstance(profile, str) and profile in PROFILES else "default"
     problems: list[Problem] = []
-    left = MOST_SPECS  # of a file with any number of them
     for path, spec, needs_guess in _listed_specs(fields):
         sentences: dict[str, None] = {}  # each once
         try:
-            for name in written_out([spec], ()):
-                left -= 1
-                if left < 0:
-                    return problems
+            for name in written_out(spec):
                 if not trust_plugins and _untrusted(name, known):
                     sentences[f"{name} {_UNTRUSTED}"] = None
                     break
