@@ -48,7 +48,6 @@ RAISES = {
     "hostile_answers:RaisesAtLength": _raised("OSError: licence licence"),
     "hostile_answers:RaisesMarkup": _raised("OSError: .*alert"),
     "hostile_answers:RaisesInUnavailable": Case("unavailable", message="cannot say"),
-    "hostile_answers:ForcedPath": _raised("shape"),
     "hostile_answers:AnswersGenerator": _raised("generator; expected a Solution"),
 }
 ANSWERS = {

@@ -69,15 +69,6 @@ globals().update({name: _raising(name, error) for name, error in RAISED.items()}
 globals().update({name: _returning(name, answer) for name, answer in RETURNED.items()})
 
 
-class ForcedPath(Analytic):
-    """A path whose arrays do not fit one another."""
-
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        object.__setattr__(solution.path, "length", np.zeros((3, 7)))
-        return solution
-
-
 class Easier(Analytic):
     """Halves the radius of the question, and answers that."""
 

@@ -206,17 +206,15 @@ def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):
 MISFITS = """
 import os
 from dataclasses import dataclass
+from dubins_study import Claim, Solution
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 class NoBranches(Slsqp):
     branches = ()
 @dataclass(frozen=True)
 class Infinite(Slsqp):
     patience: float = float("inf")
-class Late(Slsqp):
-    def solve(self, model, limit):
-        solution = super().solve(model, limit)
-        object.__setattr__(solution, "evaluations", "x")
-        return solution
+class Counts(Slsqp):
+    def solve(self, model, limit): return Solution(Claim.NONE, evaluations="x")
 class Deadly(Slsqp):
     def solve(self, model, limit): os._exit(1)
 class Raising(Slsqp):
@@ -231,7 +229,7 @@ def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, j
     expected = {
         "NoBranches": ("raised", None),
         "Infinite": ("returned", None),
-        "Late": ("raised", "TypeError: evaluations is 'x'; expected a count or None"),
+        "Counts": ("raised", "TypeError: evaluations is 'x'; expected a count or None"),
         "Deadly": ("crashed", None),
         "Raising": ("raised", "OSError: no licence"),
     }

@@ -110,13 +110,6 @@ class Solution(Reported):
             arcs = self.path.length.size
             raise TypeError(f"path has {arcs} arcs; expected at most {MAX_ARCS}")
 
-    def copy(self) -> Solution:
-        """The solution made anew of plain values: a plug-in may have changed its own since."""
-        copy = Solution(**{name: getattr(self, name) for name in _PLAIN})
-        if (path := copy.path) is not None:
-            vars(copy)["path"] = Path(path.start, path.curvature, path.length)
-        return copy
-
 
 def _path(value: Any) -> Path:
     """The path, of `Path` itself: a subclass may report another end than its controls have."""
@@ -192,11 +185,9 @@ class FrameSolution:
     message: str | Sequence[str] = ""  # one for all rows, or n
 
     def __post_init__(self) -> None:
-        paths, values = self.paths, vars(self)
-        if not isinstance(paths, Paths):
-            raise TypeError(f"paths is {short(paths)}; expected Paths")
-        # checked anew: a plug-in may have replaced the arrays since
-        values["paths"] = Paths(paths.curvature, paths.length, paths.returned)
+        values = vars(self)
+        if not isinstance(self.paths, Paths):
+            raise TypeError(f"paths is {short(self.paths)}; expected Paths")
         n = len(self.paths)
         for name in ("claimed_length", "lower_bound"):
             if values[name] is not None:

@@ -66,8 +66,6 @@ def ask(
         ended = perf_counter()
         if not isinstance(solution, Solution):
             raise TypeError(f"solve returned {type(solution).__name__}; expected a Solution")
-        # judged are values that the solver cannot change any more, nor lie about
-        solution = Solution.copy(solution)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # what a backend raises is its result
