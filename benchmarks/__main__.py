@@ -1,7 +1,7 @@
 """Run the benchmarks named on the command line, or all, and print one table.
 
 `python -m benchmarks kernel frame` runs `bench_kernel.py` and `bench_frame.py`; with `--peers
-FOLDER`, `route` builds its peers from their sources. Exit code 1 if a target is missed or a
+FOLDER`, `route` and `pose` build peers from sources. Exit code 1 if a target is missed or a
 benchmark fails, 2 if there is no benchmark of a name or no such folder.
 """
 
@@ -63,7 +63,7 @@ def main(arguments: list[str]) -> int:
     """Exit code."""
     parser = argparse.ArgumentParser(prog="benchmarks", description="Measure speed beside peers.")
     parser.add_argument("name", nargs="*", help=f"of {', '.join(known())}; all if none is given")
-    parser.add_argument("--peers", type=Path, metavar="FOLDER", help="clones of gdip and MPDP")
+    parser.add_argument("--peers", type=Path, metavar="FOLDER", help="sources of peers")
     asked = parser.parse_args(arguments)
     if unknown := [name for name in asked.name if name not in known()]:
         parser.error(f"no benchmark {unknown[0]!r}; there are: {', '.join(known())}")

@@ -1,22 +1,38 @@
-"""Legs with a final heading, 10^6 in one thread: beside OMPL, the wheel `dubins`, and certified."""
+"""Legs with a final heading, 10^6 in one thread: beside OMPL and `dubins`, certified, and judged.
+
+`pip download --no-deps --no-binary :all: dubins==1.0.1 -d FOLDER` brings the sources of the wheel
+`dubins`, and `--peers FOLDER` builds its C code in a temporary folder.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import shutil
+import subprocess
+import tarfile
 from collections.abc import Callable, Iterable
 from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numba
 import numpy as np
+import pandas as pd
 
+from benchmarks import harness
 from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NO_OMPL, PAIRS, ROUNDS
+from dubins_study.solvers.frame import solve_frame
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
+from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Pose
 
 N = sized(1_000_000, 1_000)
-Poses = tuple[float, float, float]
+ALIKE = 1e-12  # of two lengths, relative to them or in radii
+NO_SOURCES = "no sources: --peers FOLDER with dubins-1.0.1.tar.gz, and a C compiler"
+Lengths = Callable[[PoseArrays, FloatArray], None]  # fills the second from the first
 
 
 def measure() -> Iterable[Measurement]:
@@ -29,11 +45,9 @@ def measure() -> Iterable[Measurement]:
 
 
 def _measure() -> Iterable[Measurement]:
-    legs, out = random_legs(N), PoseRows.empty(N)
-    pairs = [
-        ((x, y, heading), (tx, ty, final))
-        for x, y, heading, tx, ty, _, final in zip(*(a[:PAIRS].tolist() for a in legs), strict=True)
-    ]
+    legs, out, theirs = random_legs(N), PoseRows.empty(N), np.empty(N)
+    few = PoseArrays(*(column[:PAIRS] for column in legs))
+    frame = pd.DataFrame(legs._asdict())
 
     def kernel() -> None:
         pose_rows(*legs, out=out)
@@ -42,19 +56,20 @@ def _measure() -> Iterable[Measurement]:
         kernel()
         bounds = bound_pose_rows(legs)
         for i in np.flatnonzero(bounds.left).tolist():
-            x, y, heading, tx, ty, radius, final = (float(column[i]) for column in legs)
             # what the cache holds would cost nothing
-            enclose_pose.__wrapped__(Pose(x, y, heading), Pose(tx, ty, final), radius)
+            enclose_pose.__wrapped__(*_poses(legs, i))
 
-    peers = {
-        "OMPL distance()": (_ompl_distances(pairs), NO_OMPL),
-        "dubins path_length()": (_wheel_lengths(pairs), "dubins is not installed"),
-    }
-    functions = {"kernel": kernel, "certified": certified}
-    functions |= {name: run for name, (run, _) in peers.items() if run is not None}
+    ompl, dubins = _ompl_lengths(few), _dubins_lengths()
+    functions: dict[str, Callable[[], object]] = {"kernel": kernel, "certified": certified}
+    functions["frame"] = lambda: solve_frame(frame, certified=True)
+    calls = {"OMPL distance()": CALLS, "the C code of dubins": N}
+    if ompl is not None:
+        functions["OMPL distance()"] = ompl
+    if dubins is not None:
+        functions["the C code of dubins"] = lambda: dubins(legs, theirs)
     times = side_by_side(functions)
     ours = times["kernel"]
-    for name, (_, reason) in peers.items():
+    for (name, n), reason in zip(calls.items(), (NO_OMPL, NO_SOURCES), strict=True):
         what = f"legs, 10^6 rows in one thread, against {name}"
         if name not in times:
             yield absent(what, reason)
@@ -63,23 +78,33 @@ def _measure() -> Iterable[Measurement]:
         yield Measurement(
             what,
             ours=ours.least / N * 1e9,
-            peer=peer.least / CALLS * 1e9,
+            peer=peer.least / n * 1e9,
             unit="ns/row",
-            ratio=peer.least / CALLS / (ours.least / N),
+            ratio=peer.least / n / (ours.least / N),
             target=20.0,
             at_most=False,
-            note=f"peer / ours; of medians {peer.median / CALLS / (ours.median / N):.0f}",
+            note=f"peer / ours; of medians {peer.median / n / (ours.median / N):.0f}",
         )
-    proven = times["certified"]
-    yield Measurement(
-        "legs, 10^6 rows with proven bounds, against without",
-        ours=proven.least / N * 1e9,
-        peer=ours.least / N * 1e9,
-        unit="ns/row",
-        ratio=proven.least / ours.least,
-        target=12.0,
-        note=f"with balls for the rows left; of medians {proven.median / ours.median:.1f}",
-    )
+    for name, note in (
+        ("certified", "with balls for the rows left"),
+        ("frame", "solve_frame: checked, solved, judged and certified"),
+    ):
+        slower = times[name]
+        yield Measurement(
+            f"legs, 10^6 rows {'with proven bounds' if name == 'certified' else 'of a frame'}",
+            ours=slower.least / N * 1e9,
+            peer=ours.least / N * 1e9,
+            unit="ns/row",
+            ratio=slower.least / ours.least,
+            target=12.0 if name == "certified" else None,
+            note=f"{note}; of medians {slower.median / ours.median:.1f}",
+        )
+    if ompl is not None:
+        _ompl_lengths(legs, theirs)
+        yield _agreement("OMPL", legs, out.length, theirs)
+    if dubins is not None:
+        dubins(legs, theirs)
+        yield _agreement("dubins", legs, out.length, theirs)
 
 
 def random_legs(n: int, seed: int = 0) -> PoseArrays:
@@ -90,41 +115,93 @@ def random_legs(n: int, seed: int = 0) -> PoseArrays:
     return PoseArrays(x, y, heading, tx, ty, np.ones(n), final)
 
 
-def _ompl_distances(pairs: list[tuple[Poses, Poses]]) -> Callable[[], object] | None:
-    """`DubinsStateSpace.distance()` called from Python `CALLS` times, on states made before."""
+def _poses(legs: PoseArrays, i: int) -> tuple[Pose, Pose, float]:
+    x, y, heading, tx, ty, radius, final = (float(column[i]) for column in legs)
+    return Pose(x, y, heading), Pose(tx, ty, final), radius
+
+
+def _agreement(name: str, legs: PoseArrays, ours: FloatArray, theirs: FloatArray) -> Measurement:
+    """How many lengths differ, and of how many a proven interval does not side with us alone."""
+    other = np.flatnonzero(~(np.abs(theirs - ours) <= ALIKE * np.maximum(ours, 1.0)))
+    worst, unexplained = 0.0, 0
+    for i in other.tolist():
+        proven = enclose_pose(*_poses(legs, i))
+        unexplained += not proven.holds(ours[i], 0.0) or proven.holds(theirs[i], 0.0)
+        worst = max(worst, abs(theirs[i] - ours[i]))
+    return Measurement(
+        f"legs, 10^6 lengths beside {name}'s: more than {ALIKE:g} apart",
+        ours=unexplained,
+        peer=other.size,
+        unit="rows",
+        ratio=unexplained,
+        target=0.0,
+        note=f"ours: not proven to be {name}'s error; peer: all of them, up to {worst:.1e} R apart",
+    )
+
+
+def _ompl_lengths(legs: PoseArrays, out: FloatArray | None = None) -> Callable[[], object] | None:
+    """`DubinsStateSpace.distance()` called from Python `CALLS` times, on states made before.
+
+    With `out` each is called once instead, and its length is kept there.
+    """
     if find_spec("ompl") is None:
         return None
     from ompl import base
 
     space = base.DubinsStateSpace(1.0)
 
-    def state(pose: Poses) -> object:
+    def state(x: float, y: float, heading: float) -> object:
         made = space.allocState()
-        made.setX(pose[0])
-        made.setY(pose[1])
-        made.setYaw(pose[2])
+        made.setX(x)
+        made.setY(y)
+        made.setYaw(heading)
         return made
 
-    states = [(state(start), state(end)) for start, end in pairs]
+    rows = zip(*(column.tolist() for column in legs), strict=True)
+    states = ((state(x, y, a), state(tx, ty, b)) for x, y, a, tx, ty, _, b in rows)
     distance = space.distance
+    if out is not None:
+        for i, (start, end) in enumerate(states):
+            out[i] = distance(start, end)
+        return None
+    pairs = list(states)
 
     def every() -> None:
         for _ in range(ROUNDS):
-            for start, end in states:
+            for start, end in pairs:
                 distance(start, end)
 
     return every
 
 
-def _wheel_lengths(pairs: list[tuple[Poses, Poses]]) -> Callable[[], object] | None:
-    """`dubins.shortest_path(...).path_length()`, `CALLS` times."""
-    if find_spec("dubins") is None:
+def _dubins_lengths() -> Lengths | None:
+    """A compiled loop that calls `dubins_shortest_path` and `dubins_path_length` for every row."""
+    archives = sorted((harness.peer_sources or Path("nowhere")).glob("dubins-*.tar.gz"))
+    compiler = shutil.which("cc")
+    if not archives or compiler is None:
         return None
-    from dubins import shortest_path
+    with TemporaryDirectory() as folder:
+        with tarfile.open(archives[-1]) as archive:
+            archive.extractall(folder, filter="data")
+        [source] = Path(folder).glob("*/dubins/src/dubins.c")
+        library = Path(folder) / "dubins.so"
+        flags = ["-O2", "-shared", "-fPIC", "-I", source.parents[1] / "include", "-o", library]
+        subprocess.run([compiler, *flags, source, "-lm"], check=True)
+        loaded = ctypes.CDLL(str(library))
+    shortest, length = loaded.dubins_shortest_path, loaded.dubins_path_length
+    pointer = ctypes.c_void_p
+    shortest.argtypes = (pointer, pointer, pointer, ctypes.c_double)
+    shortest.restype = ctypes.c_int
+    length.argtypes, length.restype = (pointer,), ctypes.c_double
 
-    def every() -> None:
-        for _ in range(ROUNDS):
-            for start, end in pairs:
-                shortest_path(start, end, 1.0).path_length()
+    @numba.njit  # type: ignore[untyped-decorator]
+    def every(legs: PoseArrays, out: FloatArray) -> None:
+        x, y, heading, tx, ty, radius, final = legs
+        path, start, end = np.zeros(16), np.empty(3), np.empty(3)  # a path has 64 bytes
+        for i in range(x.size):
+            start[0], start[1], start[2] = x[i], y[i], heading[i]
+            end[0], end[1], end[2] = tx[i], ty[i], final[i]
+            shortest(path.ctypes.data, start.ctypes.data, end.ctypes.data, radius[i])
+            out[i] = length(path.ctypes.data)
 
     return every

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, proof_levels
@@ -31,9 +30,6 @@ if TYPE_CHECKING:
 
 _costates = inlined(two_arcs.costates)
 _word_of = inlined(two_arcs.word_of)
-for _called in two_arcs.CALLED:
-    register_jitable(_called)
-
 
 PROOFS = tuple(Proof)
 _DEFAULT = Tolerances()

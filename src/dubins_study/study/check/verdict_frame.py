@@ -38,14 +38,13 @@ from dubins_study.study.closed_form.kernel import (
 )
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, PoseRows, pose_rows
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
-from dubins_study.study.words import BRANCHES, Claim, Verdict
+from dubins_study.study.words import BRANCHES, POSE_BRANCHES, Claim, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,22 +113,8 @@ class Arcs(NamedTuple):
     second_length: FloatArray
 
 
-class _ThreeArcs(NamedTuple):
-    """Controls of paths of three arcs, as those of two."""
-
-    k1: FloatArray
-    k2: FloatArray
-    k3: FloatArray
-    l1: FloatArray
-    l2: FloatArray
-    l3: FloatArray
-
-
 class Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and what the branch allows.
-
-    With final headings `branch` indexes `WORDS6`, or is -1; else see `_excess`.
-    """
+    """Tolerances of `study.check.verdict`, and the branch: 0 for `best`, else see `_excess`."""
 
     miss: float
     curvature: float
@@ -215,10 +200,9 @@ def _judge_poses(
     best, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
     none = np.zeros((3 - len(paths.curvature), len(paths)))
     controls = (np.concatenate([array, none]) for array in (paths.curvature, paths.length))
-    arcs = _ThreeArcs(*(row for array in controls for row in loop_input(array)))
-    form = WORDS6.index(branch) if branch in WORDS6 else -1
-    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, form)
-    _judge_pose_rows(len(paths))(legs, arcs, best, bounds, limits, result)
+    word = POSE_BRANCHES.index(branch)
+    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, word)
+    _judge_pose_rows(len(paths))(legs, *map(loop_input, controls), best, bounds, limits, result)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
     if paths.returned is not None:
@@ -405,110 +389,76 @@ def _judge_rows(
         _judge_chunk(chunk, scenarios, arcs, limits, result)
 
 
-# `_word_of_three` writes a word in base 4, a digit for each letter
+# `_named` writes a word in base 4, a digit for each letter
 _CODES = np.zeros(64, np.uint8)
 for _index, _word in enumerate(LEG_WORDS):
     _CODES[int(f"0{_word}".translate(str.maketrans("SLR", "123")), 4)] = _index
-_rate = inlined(two_arcs.nearest_rate)
 
 
 @inlined
-def _letter(rate: float, length: float, radius: float, total: float) -> int:
-    """0 for an arc that is next to nothing, else 1 for S, 2 for L, 3 for R."""
-    turns = (rate != 0.0) & (length > WORD * radius)
-    seen = (length > CUT * min(radius, total)) & (turns | (length > WORD * total))
-    return ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
-
-
-@inlined
-def _word_of_three(
-    rate1: float, l1: float, rate2: float, l2: float, rate3: float, l3: float, radius: float
-) -> int:
-    """`verdict.words_of` of three arcs whose rates are +1, 0 or -1, as an index of `LEG_WORDS`."""
-    total = l1 + l2 + l3
-    word = _letter(rate1, l1, radius, total)
-    letter = _letter(rate2, l2, radius, total)
-    word = word if letter == 0 or letter == word else 4 * word + letter
-    letter = _letter(rate3, l3, radius, total)
-    word = word if letter == 0 or letter == word % 4 else 4 * word + letter
-    return int(_CODES[word])
-
-
-@inlined
-def _rate_excess(u: float, length: float, asked: float, branch: int) -> float:
-    """How far a rate is beyond 1 or, in a word, from the rate of the letter in its place."""
-    return (max(abs(u) - 1.0, 0.0) if branch < 0 else abs(u - asked)) if length > 0.0 else 0.0
-
-
-@inlined
-def _full_rate(u: float, length: float) -> bool:
-    """Whether an arc has a letter's rate: +1 or -1 up to rounding, or exactly 0, or no length."""
-    return (length == 0.0) | (u == 0.0) | (abs(abs(u) - 1.0) <= FULL_RATE)
-
-
-@inlined
-def _step(
-    k: float, length: float, turned: float, forward: float, left: float
-) -> tuple[float, float, float]:
-    """Heading and position after one more arc (`path.rollout`), in the start's frame."""
-    half = 0.5 * k * length
-    sine, _ = sine_cosine(half)
-    sine_mean, cosine_mean = sine_cosine(turned + half)
-    chord = _chord(half, sine, length)
-    return turned + 2.0 * half, forward + chord * cosine_mean, left + chord * sine_mean
+def _named(word: int, first: float, middle: float, last: float, radius: float) -> int:
+    """`verdict.words_of` of the segments of one of `WORDS6`, as an index of `LEG_WORDS`."""
+    total = first + middle + last
+    name = 0
+    for place in range(3):
+        length = first if place == 0 else middle if place == 1 else last
+        rate = SIDES[word, place]
+        turns = (rate != 0.0) & (length > WORD * radius)
+        seen = (length > CUT * min(radius, total)) & (turns | (length > WORD * total))
+        letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
+        name = name if letter == 0 or letter == name % 4 else 4 * name + letter
+    return int(_CODES[name])
 
 
 @inlined
 def _judge_pose_chunk(
     chunk: int,
     legs: PoseArrays,
-    arcs: _ThreeArcs,
+    curvature: FloatArray,
+    lengths: FloatArray,
     best: PoseRows,
     bounds: Bounds,
     limits: Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge one chunk of rows that are to end with a heading."""
+    """Judge one chunk of rows whose final headings are given.
+
+    A path of the closed form's word, at full rate, is ordinary if it arrives and is the shortest.
+    """
     x, y, heading, tx, ty, radius, final = legs
-    branch = limits.branch
-    asked1, asked2, asked3 = SIDES[branch, 0], SIDES[branch, 1], SIDES[branch, 2]
-    begin, end = chunk_bounds(chunk, x.size)
-    for i in range(begin, end):
-        R, word = radius[i], best.word[i]
-        k1, k2, k3 = arcs.k1[i], arcs.k2[i], arcs.k3[i]
-        l1, l2, l3 = arcs.l1[i], arcs.l2[i], arcs.l3[i]
-        u1, u2, u3 = k1 * R, k2 * R, k3 * R
-        turned, forward, left = _step(k1, l1, 0.0, 0.0, 0.0)
-        turned, forward, left = _step(k2, l2, turned, forward, left)
-        turned, forward, left = _step(k3, l3, turned, forward, left)
+    low, end = chunk_bounds(chunk, x.size)
+    for i in range(low, end):
+        R, usual = radius[i], (best.word[i] < len(SIDES)) & (not bounds.left[i])
+        word = best.word[i] if usual else 0
+        length = turned = forward = left = excess = angle = 0.0
+        for arc in range(3):
+            k, driven, rate = curvature[arc, i], lengths[arc, i], SIDES[word, arc]
+            off_rate = abs(k * R - rate) if driven > 0.0 else 0.0
+            beyond = max(abs(k * R) - 1.0, 0.0) if driven > 0.0 else 0.0
+            excess = max(excess, off_rate if limits.branch else beyond)
+            usual &= (driven >= 0.0) & (off_rate <= FULL_RATE)
+            half = 0.5 * k * driven
+            sine, _ = sine_cosine(half)
+            sine_mean, cosine_mean = sine_cosine(turned + half)
+            chord = _chord(half, sine, driven)
+            forward, left = forward + chord * cosine_mean, left + chord * sine_mean
+            turned, length, angle = turned + 2.0 * half, length + driven, angle + abs(2.0 * half)
         sine, cosine = sine_cosine(heading[i])
         off_x = x[i] + (forward * cosine - left * sine) - tx[i]
         off_y = y[i] + (forward * sine + left * cosine) - ty[i]
         miss = math.sqrt(off_x * off_x + off_y * off_y)
-        length = l1 + l2 + l3
         off = heading[i] + turned - final[i]
         off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
         blur = DRIVEN * (abs(heading[i] + turned) + abs(final[i]) + length / R)
         extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        excess = max(
-            max(_rate_excess(u1, l1, asked1, branch), _rate_excess(u2, l2, asked2, branch)),
-            _rate_excess(u3, l3, asked3, branch),
-        )
-        low, high = bounds.low[i], bounds.high[i]
-        reference = max(low, min(high, length))
+        reference = max(bounds.low[i], min(bounds.high[i], length))
         gap = (length - reference) / max(reference, R)
-        usual = (min(min(l1, l2), l3) >= 0.0) & (length <= _LARGEST)
-        usual &= _full_rate(u1, l1) & _full_rate(u2, l2) & _full_rate(u3, l3)
-        usual &= max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2) + abs(k3 * l3)) <= LARGEST_ANGLE
+        usual &= (max(abs(heading[i]), angle) <= LARGEST_ANGLE) & (length <= _LARGEST)
         usual &= _arrives(miss, R, extent, length, limits.miss) & (abs(off) <= HEADED + blur)
-        usual &= (excess <= limits.curvature) & (not bounds.left[i]) & (word < len(SIDES))
-        usual &= (length >= low * (1.0 - ROUNDED)) & (gap <= limits.gap)
-        result.verdict[i] = _OPTIMAL if usual else ODD
-        result.word[i] = _word_of_three(_rate(u1), l1, _rate(u2), l2, _rate(u3), l3, R)
-        side = SIDES[word if usual else 0]
-        first, middle, last = best.first[i], best.middle[i], best.last[i]
-        named = _word_of_three(side[0], first, side[1], middle, side[2], last, R)
-        result.reference_word[i] = named
+        usual &= (length >= bounds.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
+        result.verdict[i] = _OPTIMAL if usual & (excess <= limits.curvature) else ODD
+        result.word[i] = _named(word, lengths[0, i], lengths[1, i], lengths[2, i], R)
+        result.reference_word[i] = _named(word, best.first[i], best.middle[i], best.last[i], R)
         result.length[i], result.reference[i], result.gap[i] = length, reference, gap
         result.miss[i], result.curvature_excess[i] = miss, excess
 
@@ -516,12 +466,13 @@ def _judge_pose_chunk(
 @threaded
 def _judge_pose_rows(
     legs: PoseArrays,
-    arcs: _ThreeArcs,
+    curvature: FloatArray,
+    lengths: FloatArray,
     best: PoseRows,
     bounds: Bounds,
     limits: Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge all rows against their proven intervals; `ODD` where a path is not the shortest."""
+    """Judge all rows against their proven intervals."""
     for chunk in numba.prange(chunks(legs.x.size)):
-        _judge_pose_chunk(chunk, legs, arcs, best, bounds, limits, result)
+        _judge_pose_chunk(chunk, legs, curvature, lengths, best, bounds, limits, result)

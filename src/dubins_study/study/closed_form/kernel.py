@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from numba.extending import register_jitable
 from numpy.typing import ArrayLike, NDArray
 
-from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT, power
+from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
@@ -35,8 +34,6 @@ from dubins_study.study.closed_form.shortest import (
     chosen_side,
     left_straight,
     right_left,
-    right_left_pair,
-    wrapped,
 )
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import BRANCHES, TURN
@@ -122,8 +119,6 @@ def to_local_exactly(
 
 _left_straight, _right_left = inlined(left_straight), inlined(right_left)
 _best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
-for _called in (left_straight, power, right_left_pair, wrapped):
-    register_jitable(_called)
 
 
 @inlined

@@ -10,15 +10,18 @@ import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from numba.core import event
+from numba.extending import register_jitable
 from numpy.typing import ArrayLike
 
 from dubins_study.study.path import FloatArray
 
+_PACKAGE = __package__.split(".")[0]
 SMALL = 32768  # rows; below, waking a thread costs more than it saves
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -29,7 +32,7 @@ class _Announcement(event.Listener):
     """Logs a warning before the first loop of this package that no cache holds is compiled."""
 
     def on_start(self, event: event.Event) -> None:
-        if not event.data["dispatcher"].py_func.__module__.startswith(__package__.split(".")[0]):
+        if not event.data["dispatcher"].py_func.__module__.startswith(_PACKAGE):
             return
         # on stderr where logging is not set up: half a minute of silence looks like a fault
         logging.getLogger(__name__).warning(
@@ -68,14 +71,31 @@ def loop_input(values: ArrayLike) -> FloatArray:
     return array
 
 
+_callable: set[FunctionType] = set()
+
+
+def _with_callees(function: Function) -> Function:
+    """The function, after Numba was told to compile the plain functions that it calls by name.
+
+    They stay plain for Python, which runs them for one row without loading Numba.
+    """
+    named = map(function.__globals__.get, function.__code__.co_names)
+    for called in {value for value in named if isinstance(value, FunctionType)} - _callable:
+        if called.__module__.startswith(_PACKAGE):
+            _callable.add(called)
+            register_jitable(_with_callees(called))
+    return function
+
+
 def inlined(function: Function) -> Function:
     """Compiled by Numba into its caller, so that the caller's loop can be vectorised."""
-    return cast(Function, numba.njit(error_model="numpy", forceinline=True)(function))
+    compile_it = numba.njit(error_model="numpy", forceinline=True)
+    return cast(Function, compile_it(_with_callees(function)))
 
 
 def separate(function: Function) -> Function:
     """Compiled by Numba as a function of its own: for rows that a vector loop leaves."""
-    return cast(Function, numba.njit(error_model="numpy")(function))
+    return cast(Function, numba.njit(error_model="numpy")(_with_callees(function)))
 
 
 def compiled(function: Loop) -> Loop:

@@ -12,9 +12,9 @@ from typing import NamedTuple
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import TURN
+from dubins_study.study.words import POSE_BRANCHES, TURN
 
-WORDS6 = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
+WORDS6 = POSE_BRANCHES[1:]
 # What the rounding of both headings, of their sines and cosines and of the circles' centres does
 # to a pose beside what `body_coordinates` counts (docs/derivation.md, section 14).
 PER_HEADINGS = 16.0 * EPS
@@ -24,16 +24,19 @@ _NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordina
 
 
 class PoseShortest(NamedTuple):
-    """The shortest path of a branch: letters that have a length, segments, and every tied word.
+    """The shortest path of a branch: its word in `WORDS6`, and the three segments.
 
-    Segments are in units of the radius (for an arc: its angle in rad), one for each letter of
-    `WORDS6[word_index]`.
+    Segments are in units of the radius (for an arc: its angle in rad).
     """
 
-    word: str
     word_index: int
     segments: tuple[float, float, float]
-    words: tuple[str, ...]
+
+    @property
+    def word(self) -> str:
+        """The letters that have a length."""
+        letters = zip(WORDS6[self.word_index], self.segments, strict=True)
+        return "".join(letter for letter, length in letters if length > 0)
 
     @property
     def total(self) -> float:
@@ -259,43 +262,17 @@ def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[floa
     )
 
 
-# what a compiled caller has to know of, since the functions above call it by name
-CALLED = (
-    *(_turn, _on_side, _principal, body_pose, word_in_body, shortest_in_body, pose_delta),
-    *(_left_straight_left, _left_straight_right, _left_right_left),
-)
-
-
 def shortest_to_pose(
     start: Pose, end: Pose, radius: float, branch: str = "best"
 ) -> PoseShortest | None:
-    """The shortest path of a branch, `best` or one of `WORDS6`; None where the branch has none.
-
-    Words tie if their lengths could be equal for an end within delta.
-    """
-    question = leg(start, end, radius)
-    if branch != "best":
+    """The shortest path of a branch, `best` or one of `WORDS6`; None where the branch has none."""
+    x, y, a, b, delta = leg(start, end, radius)
+    if branch == "best":
+        _, index, t, p, q = pose_shortest(x, y, a, b, delta)
+    else:
         index = WORDS6.index(branch)
-        segments = pose_segments(*question[:4], index, question.delta)
-        if math.isnan(segments[0]):
-            return None
-        return PoseShortest(_letters(index, segments), index, segments, (branch,))
-    length, index, *best = pose_shortest(*question)
-    others = (pose_segments(*question[:4], other, question.delta) for other in range(6))
-    # a shift by delta of both coordinates and of the heading moves a length by less than 4 delta
-    words = [
-        _letters(other, segments)
-        for other, segments in enumerate(others)
-        if sum(segments) <= length + 8.0 * question.delta
-    ]
-    t, p, q = best
-    word = _letters(index, (t, p, q))
-    return PoseShortest(word, index, (t, p, q), tuple(dict.fromkeys([word, *words])))
-
-
-def _letters(index: int, segments: tuple[float, float, float]) -> str:
-    """The letters of a word that have a length."""
-    return "".join(c for c, length in zip(WORDS6[index], segments, strict=True) if length > 0)
+        t, p, q = pose_segments(x, y, a, b, index, delta)
+    return None if math.isnan(t) else PoseShortest(index, (t, p, q))
 
 
 def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Path | None:

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from numba.extending import register_jitable
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.body_coordinates import EPS
@@ -90,10 +89,7 @@ _STEEP = 0.1
 # chords of acos(d / 4) through d = 0, 3 and 4: from the first, its fall, and four times the last's
 _CHORD = (math.pi / 2, (math.pi / 2 - math.acos(0.75)) / 3.0, 4.0 * math.acos(0.75))
 
-for _called in pose.CALLED:
-    register_jitable(_called)
 pose_shortest, pose_segments = separate(pose.pose_shortest), separate(pose.pose_segments)
-pose_gradient = separate(pose.pose_gradient)
 _pose_delta = inlined(pose.pose_delta)
 
 
@@ -295,28 +291,26 @@ def _curves_only(
     return t2 if left else t1, p2 if left else p1, q2 if left else q1, 4 + left, clear
 
 
-class _Scratch(NamedTuple):
-    """What the loops over a block hand on: arrays of shape (`_BLOCK`,)."""
-
-    X: FloatArray
-    Y: FloatArray
-    sine: FloatArray
-    cosine: FloatArray
-    turn: FloatArray
-    best: FloatArray
-    least: FloatArray
-    waiting: NDArray[np.int64]
-
-
 @inlined
-def _best_block(begin: int, end: int, legs: PoseArrays, rows: PoseRows, scratch: _Scratch) -> int:
+def _best_block(
+    begin: int,
+    end: int,
+    legs: PoseArrays,
+    rows: PoseRows,
+    scratch: FloatArray,
+    waiting: NDArray[np.int64],
+) -> int:
     """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
 
-    Returns how many rows are left: delicate ones, and those without a finite length.
+    Returns how many rows are left: delicate ones, and those without a finite length. What the loops
+    hand on is in `scratch`, shape (7, `_BLOCK`), and `waiting`, shape (`_BLOCK`,).
     """
     x, y, heading, tx, ty, radius, final = legs
     length, _, _, _, _ = rows
-    X, Y, sine, cosine, turn, best, least, waiting = scratch
+    X, Y, sine, cosine, turn, best, least = (
+        *(scratch[0], scratch[1], scratch[2], scratch[3]),
+        *(scratch[4], scratch[5], scratch[6]),
+    )
     low, n = np.uint64(begin), np.uint64(end - begin)
     left = 0
     for j in range(n):
@@ -368,14 +362,11 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 def _best_rows(legs: PoseArrays, rows: PoseRows) -> None:
     n = legs.x.size
     for chunk in numba.prange((n + _CHUNK - 1) // _CHUNK):
-        scratch = _Scratch(
-            *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK)),
-            *(np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK), np.empty(_BLOCK, np.int64)),
-        )
+        scratch, waiting = np.empty((7, _BLOCK)), np.empty(_BLOCK, np.int64)
         last = min((chunk + 1) * _CHUNK, n)
         for begin in range(chunk * _CHUNK, last, _BLOCK):
             end = min(begin + _BLOCK, last)
-            if _best_block(begin, end, legs, rows, scratch):
+            if _best_block(begin, end, legs, rows, scratch, waiting):
                 for i in range(begin, end):
                     if not rows.length[i] <= _LARGEST:
                         _exactly(i, -1, legs, rows)
