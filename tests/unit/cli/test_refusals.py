@@ -59,8 +59,8 @@ REFUSALS = {
     # a misspelt radius would export another problem
     "export 1 2 --raduis 25": "unexpected extra argument(s) (--raduis 25)",
     "run paper --jobs 0": "jobs is 0",
-    "run paper --repeats 0": "dubins-study: repeats is 0: expected a number of at least 1",
-    "run paper --memory-limit 0": "dubins-study: memory_limit is 0.0: expected a number of at",
+    "run paper --repeats 0": "dubins-study: repeats is 0: expected greater than or equal to 1",
+    "run paper --memory-limit 0": "dubins-study: memory_limit is 0.0: expected greater than",
     "report /nowhere": "/nowhere",
 }
 

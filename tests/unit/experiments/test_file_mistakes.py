@@ -72,8 +72,8 @@ def test_values_of_a_request_have_no_line(tmp_path):
         plan_run(Request(file, repeats=0, time_limit_s=-1.0))
 
     assert str(error.value) == (
-        "repeats is 0: expected a number of at least 1; "
-        "time_limit is -1.0: expected a number above 0"
+        "repeats is 0: expected greater than or equal to 1; "
+        "time_limit is -1.0: expected greater than 0"
     )
 
 

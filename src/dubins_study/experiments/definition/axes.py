@@ -21,39 +21,25 @@ from dubins_study.study.angle import parse_angle
 from dubins_study.study.values import real_number
 
 
-def _no_text(expected: str) -> BeforeValidator:
-    """Refuse `true` and `false`, which Python would take for 1 and 0, and texts such as "2"."""
-
-    def check(value: object) -> object:
-        if isinstance(value, bool | str):
-            raise ValueError(expected)
-        return value
-
-    return BeforeValidator(check)
-
-
-def _number_or_angle(value: object) -> object:
-    """Read a text such as "120deg" as an angle in radians; refuse booleans."""
-    if isinstance(value, bool):
-        raise ValueError("expected a number")
+def _angle_of_text(value: object) -> object:
+    """Read a text such as "120deg" as an angle in radians."""
     return parse_angle(value) if isinstance(value, str) else value
 
 
 Number = Annotated[
     float,
-    BeforeValidator(_number_or_angle),
-    Field(allow_inf_nan=False),
+    BeforeValidator(_angle_of_text),
+    Field(allow_inf_nan=False, strict=True),
     WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
 ]
-_WHOLE = _no_text("expected a whole number")
-Count = Annotated[int, _WHOLE, Field(ge=1, le=10**9)]
+Count = Annotated[int, Field(ge=1, le=10**9, strict=True)]
 # Of the values of an axis, which are written out where it is read: no experiment has more cells.
-_AxisCount = Annotated[int, _WHOLE, Field(ge=1, le=2_000_000)]
+_AxisCount = Annotated[int, Field(ge=1, le=2_000_000, strict=True)]
 # Of a sampled route.
-LegCount = Annotated[int, _WHOLE, Field(ge=1, le=10**4)]
-Seed = Annotated[int, _WHOLE, Field(ge=0, lt=2**63)]
-Gibibytes = Annotated[float, _no_text("expected a number"), Field(ge=0.25, le=2**20)]
-Seconds = Annotated[float, _no_text("expected a number"), Field(gt=0, allow_inf_nan=False)]
+LegCount = Annotated[int, Field(ge=1, le=10**4, strict=True)]
+Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
+Gibibytes = Annotated[float, Field(ge=0.25, le=2**20, strict=True)]
+Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 # Name of a section of the report. Only the report knows which sections exist.
 SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 

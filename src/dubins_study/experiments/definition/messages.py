@@ -39,28 +39,6 @@ def line_of(path: KeyPath, text: str) -> int | None:
     return text.count("\n", 0, place) + 1 if place else None
 
 
-_WHOLE, _NUMBER, _TEXT = "expected a whole number", "expected a number", "expected a text"
-# pydantic's type of error -> the end of our sentence.
-_EXPECTED = {
-    "too_short": "expected at least one",
-    "string_too_short": "expected a text that is not empty",
-    "string_too_long": "expected a text of at most {max_length} characters",
-    "string_pattern_mismatch": "expected a name of small letters, digits and hyphens",
-    "list_type": "expected a list",
-    "string_type": _TEXT,
-    "model_type": "expected a table",
-    "dict_type": "expected a table",
-    "int_type": _WHOLE,
-    "int_parsing_size": _WHOLE,
-    "int_from_float": _WHOLE,
-    "float_type": _NUMBER,
-    "finite_number": "expected a finite number",
-    "greater_than": "expected a number above {gt}",
-    "greater_than_equal": "expected a number of at least {ge}",
-    "less_than": "expected a number below {lt}",
-    "less_than_equal": "expected a number of at most {le}",
-    "literal_error": "expected {expected}",
-}
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,80}")
 _MAX_QUOTED_CHARS = 80
 _MAX_MESSAGE_CHARS = 320
@@ -125,9 +103,9 @@ def _sentence(path: KeyPath, error: Any, known: TableKeys) -> str:
     if kind == "extra_forbidden":
         near = did_you_mean(path[-1], _keys_beside(path, known)).rstrip()
         return f"{key}: unknown key{'; ' if near else ''}{near}"
-    message = error["msg"].removeprefix("Value error, ")
-    if kind in _EXPECTED:
-        message = _EXPECTED[kind].format(**error.get("ctx", {}))
+    message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+    if kind in ("model_type", "dict_type"):
+        message = "expected a table"
     return f"{key}{_quoted(error['input'])}: {message:.{_MAX_MESSAGE_CHARS}}"
 
 
