@@ -54,6 +54,7 @@ EXAMPLES = """\
 dubins-study solve 10 5 --from 0 0 120deg --radius 1
 dubins-study solve -6 3 --solver 'turn-rate-qp[n=100]' --plot path.svg
 dubins-study solve 0.5 0 --branch LR --json
+dubins-study solve 10 5 --via 4 1 --via 6 -2 --final-heading 90deg
 dubins-study solvers
 dubins-study solvers ipopt
 dubins-study solvers --json
