@@ -14,7 +14,6 @@ from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
-from dubins_study.report.topics.time import mean_times
 from dubins_study.study.scenario import NUMBERS
 from tests.unit.report.results_folder import attempts_of
 
@@ -179,22 +178,6 @@ def test_fitted_order_recovers_a_power():
 def test_runs_of_equal_words():
     assert metrics.runs_of(["LS", "LS", "RL"]) == [(0, 2, "LS"), (2, 3, "RL")]
     assert metrics.runs_of([]) == []
-
-
-def test_mean_times_use_only_what_every_solver_got_right():
-    """Solver b fails question 1, so question 1 counts for neither."""
-    rows = frame(
-        scenario_id=["0", "0", "1", "1"],
-        solver=["a", "b", "a", "b"],
-        wall_s=[1.0, 2.0, 100.0, 1.0],
-        verdict=["optimal", "optimal", "optimal", "longer"],
-    )
-    table, shift = mean_times(rows)
-
-    assert shift == pytest.approx(1.25)
-    assert table["questions"].tolist() == [1, 1]
-    assert table["mean_s"].tolist() == pytest.approx([1.0, 2.0])
-    assert table["rank"].tolist() == [1, 2]
 
 
 def settings_of(*specs):

@@ -148,9 +148,9 @@ def _minute(started: Any) -> str:
 # (what the numbers are of, what they therefore do not say)
 _LIMITS = (
     (
-        "One problem: a point target, any heading at the end, forward motion, constant speed, a "
-        "radius that is known, neither obstacles nor wind.",
-        "How formulations and engines do on other problems, above all on larger ones.",
+        "One problem: to a point, perhaps through others in a given order, with any or a given "
+        "heading at the end; forward, at constant speed and known radius, no obstacles, no wind.",
+        "How formulations and engines do on other problems.",
     ),
     (
         "Scenarios that were drawn to cover cases, the awkward ones on purpose; each counts once.",
@@ -165,7 +165,7 @@ _LIMITS = (
         "Times on other machines; with other versions verdicts may change too.",
     ),
     (
-        "Verdicts against the closed form, whose formulas this package derives.",
+        "Verdicts against the closed form, and for routes a search, which this package derives.",
         "That the closed form is right: the package's tests compare it with searches that know "
         "nothing of it, and the certificates prove answers from their controls alone.",
     ),

@@ -24,7 +24,7 @@ _REGIONS = {
     ("left disc", None): "in the left disc",
     ("right disc", None): "in the right disc",
 }
-_UNKNOWN = "not known: no answer was judged"
+_UNKNOWN = "no region: a route, a final heading, or no answer judged"
 
 
 def gist(message: str) -> str:
