@@ -61,19 +61,6 @@ def _patch():
         module.judge = _believing(module.judge)
 
 
-def _hooks():
-    sys.settrace(lambda *_: None)
-    sys.excepthook = lambda *_: os._exit(77)
-
-
-def _mask():
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT, signal.SIGCHLD})
-
-
-def _blocked():
-    return signal.SIGCHLD in signal.pthread_sigmask(signal.SIG_BLOCK, ())
-
-
 def _seeded():
     state = random.Random(SEED).getstate()[1][:9]
     legacy = np.random.get_state()  # noqa: NPY002
@@ -90,9 +77,6 @@ def _unprintable():
 
 def _named(name):
     return any(thread.name == name for thread in threading.enumerate())
-
-
-TIMERS = signal.ITIMER_VIRTUAL, signal.ITIMER_PROF
 
 
 def _no_files():
@@ -123,18 +107,9 @@ STATES = {
         lambda: signal.signal(signal.SIGUSR1, signal.SIG_IGN),
         lambda: signal.getsignal(signal.SIGUSR1) == signal.SIG_IGN,
     ),
-    "mask": (_mask, _blocked),
     "alarm": (
         lambda: signal.setitimer(signal.ITIMER_REAL, 3600),
         lambda: signal.getitimer(signal.ITIMER_REAL)[0] > 0,
-    ),
-    "timers": (
-        lambda: [signal.setitimer(timer, 3600) for timer in TIMERS],
-        lambda: any(signal.getitimer(timer)[0] for timer in TIMERS),
-    ),
-    "os.environ": (
-        lambda: setattr(os, "environ", {**os.environ, "FAULTS_TAINT": "1"}),
-        lambda: type(os.environ) is dict,
     ),
     "no files": (_no_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 0),
     "locale": (
@@ -149,12 +124,12 @@ STATES = {
     ),
     "judge": (_patch, lambda: hasattr(dubins_study.solvers.attempt.judge, "faults")),
     "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
-    "nice": (lambda: os.nice(3), lambda: os.nice(0) >= 3),
-    "umask": (lambda: os.umask(0o777), lambda: _umask() == 0o777),
     "gc": (gc.disable, lambda: not gc.isenabled()),
-    "hooks": (_hooks, lambda: sys.gettrace() is not None),
+    "hooks": (
+        lambda: setattr(sys, "excepthook", os._exit),
+        lambda: sys.excepthook is os._exit,
+    ),
     "thread": (_burn, lambda: _named("faults-burner")),
-    "switch": (lambda: sys.setswitchinterval(60), lambda: sys.getswitchinterval() == 60),
     "closed": (lambda: os.close(1), _unprintable),
     "opened": (lambda: os.dup2(os.open("/dev/zero", os.O_RDWR), 1), _unprintable),
     "stdout": (lambda: setattr(sys, "stdout", None), lambda: sys.stdout is None),
@@ -164,12 +139,6 @@ if len(os.sched_getaffinity(0)) > 1:  # of one core none can be taken away
         lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}),
         lambda: len(os.sched_getaffinity(0)) == 1,
     )
-
-
-def _umask():
-    found = os.umask(0)
-    os.umask(found)
-    return found
 
 
 class Tainting(Analytic):

@@ -43,8 +43,8 @@ TEMPORARY = "temporary"  # folder for temporary files, in the folder of the work
 RANDOM = "global random generators"
 # state that no import changes: what has changed while modules were imported is the solver's doing
 _NO_IMPORTS = {
-    *("working directory", "umask", "numpy's error handling", "decimal context", "timers"),
-    *("standard streams", "recursion limit", "garbage collector", "trace functions", "clock"),
+    *("working directory", "numpy's error handling", "decimal context", "timers"),
+    *("standard streams", "recursion limit", "garbage collector", "clock"),
 }
 # Files of this package whose functions call a solver's code.
 _PACKAGE = FilePath(__file__).parents[1]

@@ -26,6 +26,8 @@ from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
 
 _LOG = logging.getLogger(__name__)
+# fields of the settings of a run that its entry in the manifest has too
+_OF_SETTINGS = ("run_id", "jobs", "time_limit_s", "memory_limit_gib")
 
 
 def run(
@@ -125,11 +127,9 @@ def _solve(
         _LOG.warning("dubins-study: %s", repair)
     settings = RunSettings(
         run_id=uuid4().hex[:12],
-        time_limit_s=experiment.time_limit_s,
-        memory_limit_gib=experiment.memory_limit_gib,
         jobs=executor.jobs,
         executor=request.engine,
-        seed=experiment.seed,
+        **experiment.model_dump(include={"time_limit_s", "memory_limit_gib", "seed"}),
     )
     done_keys = done(folder)
     left = unfinished(folder, plan.chains, done_keys, settings)
@@ -144,7 +144,13 @@ def _solve(
     if recorded_as_finished and not left.chains:
         writer.skip(plan.rows)
         return
-    entry = _run_entry(settings, request.command(), executor)
+    entry = RunEntry(
+        command=request.command(),
+        engine=settings.executor,
+        threads=THREADS,
+        **{name: getattr(settings, name) for name in _OF_SETTINGS},
+        **executor.run_entry,
+    )
     with RunRecord(folder, manifest, entry, completes) as record:
         writer.after_step = record.write_now_and_then
         try:
@@ -161,20 +167,6 @@ def _solve(
         _LOG.info("run %s is done: its rows are one part of %s", settings.run_id, folder)
 
 
-def _run_entry(settings: RunSettings, command: str, executor: Executor) -> RunEntry:
-    """The manifest's entry for the run, with the fields that describe the request."""
-    return RunEntry(
-        run_id=settings.run_id,
-        command=command,
-        engine=settings.executor,
-        jobs=settings.jobs,
-        time_limit_s=settings.time_limit_s,
-        memory_limit_gib=settings.memory_limit_gib,
-        threads=THREADS,
-        **executor.run_entry,
-    )
-
-
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     """The manifest of a folder that holds only this experiment; its cells are not counted yet."""
     file, experiment = plan.experiment_file, plan.experiment_file.experiment
@@ -183,16 +175,11 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
     return Manifest(
         experiment=Definition(
             name=file.name,
-            title=experiment.title,
-            question=experiment.question,
-            section=experiment.section,
             text=file.text,
+            **experiment.model_dump(include={"title", "question", "section"}),
         ),
         command=command,
-        seed=experiment.seed,
-        time_limit_s=experiment.time_limit_s,
-        memory_limit_gib=experiment.memory_limit_gib,
-        profile=experiment.profile,
+        **experiment.model_dump(include={"seed", "time_limit_s", "memory_limit_gib", "profile"}),
         gap_tolerance=tolerances(experiment.profile).gap,
         cells=0,
         matrix=matrix() if experiment.matrix else [],

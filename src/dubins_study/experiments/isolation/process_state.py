@@ -40,7 +40,6 @@ SEED = 0
 
 _SIGNALS = [int(s) for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
 _RLIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
-_TIMERS = signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF
 # The interpreter's own dictionary: decoding all names and values takes longer than a quick solve.
 _ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
 # Share of the memory limit that solves may leave allocated, and number of files that they may leave
@@ -65,32 +64,24 @@ def bound_process(memory_bytes: int) -> None:
 
 
 def _state() -> dict[str, Any]:
-    """All values that a solve must not change, except the thread counts of numerical libraries."""
-    context, mask = decimal.getcontext(), os.umask(0)
-    os.umask(mask)
+    """What libraries change for the whole process, but for their thread counts; cheap to read."""
+    context = decimal.getcontext()
     return {
         "working directory": os.getcwd(),  # noqa: PTH109
-        "umask": mask,
-        "priority": os.getpriority(os.PRIO_PROCESS, 0),
-        "environment variables": (id(os.environ), _ENVIRONMENT.copy()),
-        "sys.path": (id(sys.path), sys.path.copy()),
+        "environment variables": _ENVIRONMENT.copy(),
+        "sys.path": sys.path.copy(),
         "warnings filters": warnings.filters[:],
         "numpy's error handling": np.geterr(),
         "locale": locale.setlocale(locale.LC_ALL),
-        "decimal context": (
-            *(id(context), context.prec, context.rounding, context.Emin, context.Emax),
-        ),
+        "decimal context": (id(context), context.prec, context.rounding),
         "recursion limit": sys.getrecursionlimit(),
-        "switch interval": sys.getswitchinterval(),
         "garbage collector": gc.isenabled(),
         "exception hooks": (sys.excepthook, sys.unraisablehook, threading.excepthook),
-        "trace functions": (sys.gettrace(), sys.getprofile()),
         "threads": threading.enumerate(),
         # `_signal` returns plain numbers; `signal` would convert each to an enumeration.
         "signal handlers": [_signal.getsignal(number) for number in _SIGNALS],
-        "signal mask": _signal.pthread_sigmask(signal.SIG_BLOCK, ()),
         "clock": _clocks(time),
-        "timers": [signal.getitimer(timer)[0] > 0 for timer in _TIMERS],
+        "timers": signal.getitimer(signal.ITIMER_REAL)[0] > 0,
         "resource limits": [resource.getrlimit(number) for number in _RLIMITS],
         "standard streams": (sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),
         "processor affinity": (
