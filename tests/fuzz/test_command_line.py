@@ -63,6 +63,10 @@ _COMMANDS: dict[str, tuple[st.SearchStrategy[list[str]], list[st.SearchStrategy[
             _option("--branch", st.sampled_from(["best", "LS", "RL", "SL"])),
             _option("--profile", st.sampled_from(["default", "accurate", "no"])),
             st.just(["--strict"]),
+            _option("--via", _NUMBERS, _NUMBERS).map(lambda words: [*words, "--time-limit", "0.2"]),
+            _option("--final-heading", _NUMBERS),
+            _option("--via-file", _PLACES),
+            _option("--geojson", _PLACES),
         ],
     ),
     "export": (
