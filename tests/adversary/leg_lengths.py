@@ -13,6 +13,7 @@ import numpy as np
 
 Array = Any  # numpy arrays, in compiled code
 _TWO_PI = 2 * math.pi
+_ROUNDS = 300  # of a descent, which may creep along an edge for ever; a few dozen are usual
 
 
 @numba.njit(cache=True)
@@ -118,7 +119,7 @@ def downhill(
     best = route_length(legs, headings, gap)
     tried, found = headings.copy(), np.empty(6)
     step, least = steps
-    while step > least:
+    for _ in range(_ROUNDS):
         before = best
         for move in range(4 * n):
             tried[:] = headings
@@ -134,20 +135,20 @@ def downhill(
                 best = length
                 headings[:] = tried
                 continue
-            for way in (1, -1):  # a neighbour follows, forwards or backwards
-                j = i + way
-                if not 0 <= j < n or not free[j]:
-                    continue
-                leg, back = min(i, j), 0.0 if way == 1 else math.pi
-                was = tried[j]
-                x, y = way * legs[leg, 0], way * legs[leg, 1]
-                for k in range(_arrivals(x, y, tried[i] + back, found)):
-                    tried[j] = found[k] + back
-                    length = route_length(legs, tried, gap)
-                    if length < best:
-                        best = length
-                        headings[:] = tried
-                tried[j] = was
+            way = 1 if rng.random() < 0.5 else -1  # a neighbour follows, forwards or backwards
+            j = i + way
+            if not 0 <= j < n or not free[j]:
+                continue
+            leg, back = min(i, j), 0.0 if way == 1 else math.pi
+            x, y = way * legs[leg, 0], way * legs[leg, 1]
+            for k in range(_arrivals(x, y, tried[i] + back, found)):
+                tried[j] = found[k] + back
+                length = route_length(legs, tried, gap)
+                if length < best:
+                    best = length
+                    headings[:] = tried
         if best >= before * (1.0 - 1e-15):
             step *= 0.4
+            if step < least:
+                break
     return best

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 _FINE, _EACH = 10_000, 20  # headings a turn, and how many of them in each window
-_BEST, _RANDOM = 30, 10  # windows at a point
+_BEST, _RANDOM = 25, 5  # windows at a point
 _STARTS, _FINISHED = 1_000, 8  # how many go downhill, and how many of them to the end
 _WHOLE = 200  # one route in so many is tried on the whole grid, without windows
 _LIMIT = 1.0  # s; of the search, whose bound has to hold whenever it ends
@@ -166,8 +166,8 @@ def whole_grid(legs: Array, ends: list[Array | None]) -> float:
 def attacked(asked: Asked, rng: Rng) -> tuple[float, float, float]:
     """The least lengths that are found: on the fine grid, downhill, and with hidden arcs left out.
 
-    The grid has 500 headings at a point, and then the fine ones in the 30 windows about those
-    through which the shortest chains go and in 10 random windows. Downhill from the best chain
+    The grid has 500 headings at a point, and then the fine ones in the 25 windows about those
+    through which the shortest chains go and in 5 random windows. Downhill from the best chain
     through each window, from chains beside the best of all, and from anywhere.
     """
     legs = np.diff(asked.points, axis=0)
