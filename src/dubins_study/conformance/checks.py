@@ -105,7 +105,7 @@ def _frames(interview: Interview) -> Checked:
         raise NotApplicableError("the solver has no solve_frame")
     scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
     rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
-    return _wrong(interview, rows), f"{len(rows)} rows"
+    return _wrong(interview, rows, tuple(Kind)), f"{len(rows)} rows"
 
 
 # name -> what is looked at, and the function that does; simple questions first

@@ -222,9 +222,7 @@ class Interview:
 
     def ask_frame(self, questions: list[Question]) -> list[Seen]:
         """The judged answers to questions that are put as one frame."""
-        rows = self._ask(questions, self.limit, as_frame=True)
-        self.seen += rows
-        return rows
+        return self._ask(questions, self.limit, as_frame=True)
 
     def restart(self) -> None:
         """Ask the next question in a new process."""
