@@ -15,8 +15,9 @@ from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge
+from dubins_study.study.check.visits import visits_of
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.path import Path
+from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import (
     ANSWER,
     SCENARIO,
@@ -79,6 +80,13 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
             return ()
         optimum = shortest(self.scenario, self.branch)
         return () if optimum is None else optimum.words
+
+    @property
+    def visits(self) -> tuple[float, ...]:
+        """Arc lengths at which the path is nearest to each via point, for `path.at`."""
+        if self.path is None or not drivable(self.path):
+            return ()
+        return visits_of(self.scenario, self.path).at
 
     @property
     def curvatures(self) -> list[float] | None:

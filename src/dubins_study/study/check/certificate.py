@@ -12,8 +12,9 @@ from typing import Any
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.extremal import Extremal, measure
+from dubins_study.study.check.extremal import Extremal, measure, measure_pose
 from dubins_study.study.check.reference import reference_of
+from dubins_study.study.check.visits import visits_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
@@ -95,7 +96,8 @@ def certify(
         tolerances: those of the judgement.
     """
     if not scenario.one_free_leg:
-        return _certify_reference(scenario, judged, branch, lower_bound, tolerances)
+        bound = math.nan if lower_bound is None else lower_bound
+        return _certify_reference(scenario, path, judged, branch, bound, multipliers, tolerances)
     radius = scenario.radius
     interval = enclose(scenario, branch)
     costates, cut = None, None
@@ -126,47 +128,72 @@ def certify(
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,
-        costate_error=None if costates is None else _costate_error(costates, multipliers),
         false_bound=false_bound,
-        **({} if costates is None else costates._asdict()),
+        **_columns(costates, multipliers),
     )
 
 
 def _certify_reference(
     scenario: Scenario,
+    path: Path | None,
     judged: Judgement,
     branch: str,
-    lower_bound: float | None,
+    lower_bound: float,
+    multipliers: tuple[float, float] | None,
     tolerances: Tolerances,
 ) -> Certificate:
-    """Certify an answer to a scenario with via points or a final heading, by its reference alone.
+    """Certify an answer to a scenario with via points or a final heading.
 
-    A route that nothing is said about is not searched for.
+    The interval alone proves that a path is the shortest; Pontryagin's conditions, that it is an
+    extremal. A route that nothing is said about is not searched for.
     """
-    if scenario.via and judged.gap is None and lower_bound is None:
+    if scenario.via and judged.gap is None and math.isnan(lower_bound):
         return Certificate(proof=Proof.NONE)
     interval = reference_of(scenario, branch, tolerances.search_s).enclosure
     scale = max(interval.low, scenario.radius)
     allowed = tolerances.gap * scale
     arriving = None if judged.gap is None else judged.length
-    false_bound = (
-        lower_bound is not None
-        and lower_bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
-    )
+    false_bound = lower_bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
+    costates = None
+    if path is not None and arriving is not None:
+        costates = _costates(scenario, path, tolerances)
     proof = Proof.NONE
     if judged.verdict is Verdict.NONE_EXISTS and not interval.exists:
         proof = Proof.PROVED
-    elif arriving is not None and interval.holds(arriving, allowed):
-        if judged.verdict is Verdict.OPTIMAL:
+    elif arriving is not None:
+        near = interval.holds(arriving, allowed)
+        residual = math.inf if costates is None else costates.pmp_residual
+        if near and judged.verdict is Verdict.OPTIMAL:
             proof = Proof.PROVED
-        elif lower_bound is not None and not false_bound and abs(arriving - lower_bound) <= allowed:
+        elif near and not false_bound and abs(arriving - lower_bound) <= allowed:
             proof = Proof.BOUNDED
+        elif residual <= PMP_TOLERANCE + PMP_ROUNDING * arriving / scenario.radius:
+            proof = Proof.EXTREMAL
     return Certificate(
         proof=proof,
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         false_bound=false_bound,
+        **_columns(costates, multipliers),
     )
+
+
+def _costates(scenario: Scenario, path: Path, tolerances: Tolerances) -> Extremal | None:
+    """The costates of a path that arrives."""
+    if not scenario.via:
+        return measure_pose(path, scenario.radius)
+    # SciPy's linear programs, which one leg needs none of
+    from dubins_study.study.check.route_extremal import route_extremal
+
+    at = visits_of(scenario, path, tolerances.miss).at
+    return route_extremal(path, at, scenario.radius, scenario.final_heading is None)
+
+
+def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
+    """What the costates are in a row's columns."""
+    if costates is None:
+        return {}
+    return {"costate_error": _costate_error(costates, multipliers), **costates._asdict()}
 
 
 def _costate_error(costates: Extremal, multipliers: tuple[float, float] | None) -> float | None:

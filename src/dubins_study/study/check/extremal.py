@@ -16,7 +16,6 @@ CS and CC at full rate have them in closed form (`two_arcs.costates`), which is 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import compress, pairwise
 from operator import mul, or_
 from typing import NamedTuple
@@ -31,6 +30,7 @@ from dubins_study.study.check.two_arcs import (
     NO_TURN,
     Word,
     costates,
+    pose_costates,
     word_of,
 )
 from dubins_study.study.path import FEW, FloatArray, Path, corners
@@ -51,12 +51,12 @@ class Extremal(NamedTuple):
     path's length in radii where that exceeds 1, so that they are errors of angles.
     """
 
-    costate_x: float  # nu1 and nu2 in the world frame with nu0 = 1, or of norm 1 if abnormal
+    costate_x: float  # nu1, nu2 at the end, in the world frame; nu0 = 1, or norm 1 if abnormal
     costate_y: float
     abnormal: bool  # nu0 = 0
     hamiltonian: float  # max |H| over the path
     sign_margin: float  # least -u nu3 over the turning pieces; below 0 a turn goes the wrong way
-    transversality: float  # |nu3| at the end
+    transversality: float | None  # |nu3| at the end; None where a final heading is given
     pmp_residual: float  # the worst of all violations, those of nu3 = 0 on straights included
 
     @property
@@ -95,6 +95,30 @@ def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
     return Extremal(x, y, abnormal, H, margin, 0.0, max(H, -margin)), cut
 
 
+def measure_pose(path: Path, radius: float) -> Extremal | None:
+    """The costates of a path that can be driven, of a leg with a given final heading."""
+    driven = pieces(path, radius)
+    if not driven.u.size or not math.isfinite(float((np.abs(driven.u) + 1) @ driven.length)):
+        return None
+    word = _pose_word(driven.u.tolist(), driven.length.tolist())
+    if word is None:
+        return extremal(driven, free=False)
+    x, y, abnormal, H, margin = pose_costates(path.start.heading, *word)
+    return Extremal(x, y, abnormal, H, margin, None, max(H, -margin))
+
+
+def _pose_word(u: list[float], length: list[float]) -> list[float] | None:
+    """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
+    arcs = list(zip(u, length, strict=True))
+    if arcs[0][0] == 0.0:
+        arcs.insert(0, _NO_PIECE)
+    if len(arcs) == 2 and arcs[1][0] != 0.0:
+        arcs.insert(1, _NO_PIECE)
+    (u1, l1), (u2, l2), (u3, l3) = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
+    full = len(arcs) <= 3 and {u1, u2, u3} <= {-1.0, 0.0, 1.0}
+    return [u1, l1, u2, l2, u3, l3] if full and (u2 == 0.0 or u1 == u3 == -u2) else None
+
+
 def _word(rates: list[float], lengths: list[float]) -> Word | None:
     """The word S, C, CS or CC at full rate that pieces are; None if they are another path."""
     if not 0 < len(rates) <= 2:
@@ -122,13 +146,17 @@ def pieces(path: Path, radius: float) -> Pieces:
     allows, it is another path, and the driven one's own pieces stand.
     """
     rate, scaled = path.curvature * radius, path.length / radius
+    return Pieces(path.start.heading, *that_matter(rate, scaled))
+
+
+def that_matter(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rates and lengths (radii) of the pieces that matter, as `pieces` has them."""
     if rate.size <= FEW and _apart(rate.tolist(), scaled.tolist()):
-        return Pieces(path.start.heading, rate, scaled)
+        return rate, scaled
     if not scaled.all():
         rate, scaled = rate[scaled != 0], scaled[scaled != 0]
     merged = _merged(rate, scaled)
-    u, length = merged if _is_same(merged, (rate, scaled)) else (rate, scaled)
-    return Pieces(path.start.heading, u, length)
+    return merged if _is_same(merged, (rate, scaled)) else (rate, scaled)
 
 
 def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -177,20 +205,19 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
     return u[first], joined
 
 
-def extremal(driven: Pieces) -> Extremal | None:
-    """The costates that fit a path best, and how well; None where the conditions overflow."""
-    # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
-    halves = np.where((driven.u != 0) & (np.abs(driven.u) < 1 - FULL_RATE), 2, 1)
-    rates = np.repeat(driven.u, halves)
-    u = rates.tolist()
+def extremal(driven: Pieces, free: bool = True) -> Extremal | None:
+    """The costates that fit a path best, and how well; None where the conditions overflow.
+
+    `free` says whether its final heading is.
+    """
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    poses = corners(_ORIGIN, rates, np.repeat(driven.length / halves, halves))
-    stretch = max(1.0, float(driven.length.sum()))
-    hamiltonian, straight, ends = _conditions(u, poses, stretch)
-    if stretch > 1 / EPS or not math.isfinite(sum(map(sum, hamiltonian))):
-        return None  # rates times positions are lost in rounding, or overflow
-    # the row of zeros keeps the matrix as high as it is wide
-    matrix = np.array([*hamiltonian, *straight, ends[0], (0.0,) * 4, *ends[1:]])
+    asked = conditions(driven.u, driven.length, _ORIGIN)
+    if asked is None:
+        return None
+    hamiltonian, straight, arcs = asked.hamiltonian, asked.straight, asked.arcs
+    ends = asked.ends if free else []
+    # rows of zeros keep the matrix as high as it is wide
+    matrix = np.array([*hamiltonian, *straight, *ends, *[(0.0,) * 4] * 3])
     null_vector = np.linalg.svd(matrix, full_matrices=False)[2][-1].tolist()
     size = max(abs(null_vector[0]), math.hypot(null_vector[1], null_vector[2]))
     if not size > 0:
@@ -198,14 +225,13 @@ def extremal(driven: Pieces) -> Extremal | None:
     null_vector = [c / size for c in null_vector]
     abnormal = abs(null_vector[0]) < ABNORMAL
     signs = (1.0, -1.0) if abnormal else (math.copysign(1.0, null_vector[0]),)
-    arcs = [(a, b) for k, (_, _, a), (_, _, b) in zip(u, poses, poses[1:], strict=False) if k != 0]
     signed = [[sign * c for c in null_vector] for sign in signs]
-    margins = [_sign_margin(one, arcs) for one in signed]
+    margins = [sign_margin(one, arcs) for one in signed]
     margin = max(margins)
     best = signed[margins.index(margin)]
-    H = _largest(hamiltonian, best)
+    H = largest(hamiltonian, best)
     nu0, nu1, nu2, nu3 = best
-    transversality = abs(nu3) / stretch
+    transversality = abs(nu3) / asked.stretch if free else None
     if not abnormal:
         nu1, nu2 = nu1 / nu0, nu2 / nu0
     c, s = math.cos(driven.heading), math.sin(driven.heading)
@@ -216,43 +242,58 @@ def extremal(driven: Pieces) -> Extremal | None:
         hamiltonian=H,
         sign_margin=margin,
         transversality=transversality,
-        pmp_residual=max(H, transversality, _largest(straight, best), -margin),
+        pmp_residual=max(H, transversality or 0.0, largest(straight, best), -margin),
     )
 
 
-def _conditions(
-    u: list[float], poses: Sequence[Sequence[float]], stretch: float
-) -> tuple[list[Row], list[Row], list[Row]]:
-    """The linear conditions on the costates of a path that begins at the origin.
+class Conditions(NamedTuple):
+    """The conditions on the costates of a path, linear in nu0, nu1, nu2 and nu3 at its end."""
 
-    H on every piece, nu3 at the ends of straights (divided by `stretch`), and what fixes the end;
-    u are the rates of n pieces, poses the x, y (radii) and heading (rad) at their n + 1 ends.
-    """
+    hamiltonian: list[Row]  # H on every piece
+    straight: list[Row]  # nu3 at the ends of straights, divided by `stretch`
+    arcs: list[tuple[float, float]]  # headings (rad) at the ends of the turns
+    stretch: float  # the path's length, or 1 (radii)
+    ends: list[Row]  # nu3 at a free end, and what fixes the end of a single arc
+    start: Row  # nu3 at the start
+
+
+def conditions(u: FloatArray, length: FloatArray, start: Pose) -> Conditions | None:
+    """The conditions of n pieces of rates u; None where they are lost in rounding or overflow."""
+    # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
+    halves = np.where((u != 0) & (np.abs(u) < 1 - FULL_RATE), 2, 1)
+    rates = np.repeat(u, halves)
+    poses = corners(start, rates, np.repeat(length / halves, halves))
+    stretch = max(1.0, float(length.sum()))
     end_x, end_y, end = poses[-1]
     nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
+    pieces = rates.tolist()
     hamiltonian = [  # constant along a piece: one row for each
         (1.0, math.cos(theta) + k * along, math.sin(theta) + k * across, k)
-        for k, (_, _, theta), (_, along, across, _) in zip(u, poses, nu3, strict=False)
+        for k, (_, _, theta), (_, along, across, _) in zip(pieces, poses, nu3, strict=False)
     ]
-    straight = [abs(k) < 1 - FULL_RATE for k in u]
+    if stretch > 1 / EPS or not math.isfinite(sum(map(sum, hamiltonian))):
+        return None
+    straight = [abs(k) < 1 - FULL_RATE for k in pieces]
     touching = map(or_, [*straight, False], [False, *straight])
     still = [
         (0.0, along / stretch, across / stretch, 1.0 / stretch)
         for _, along, across, _ in compress(nu3, touching)
     ]
+    turns = zip(pieces, poses, poses[1:], strict=False)
+    arcs = [(a, b) for k, (_, _, a), (_, _, b) in turns if k != 0]
     ends = [nu3[-1]]
-    if len(u) == 1 and not straight[0]:
+    if len(pieces) == 1 and not straight[0]:
         # a single arc has a family of costates; the one of a straight of no length after it
         ends.append((0.0, -math.sin(end), math.cos(end), 0.0))
-    return hamiltonian, still, ends
+    return Conditions(hamiltonian, still, arcs, stretch, ends, nu3[0])
 
 
-def _largest(rows: list[Row], nu: list[float]) -> float:
+def largest(rows: list[Row], nu: list[float]) -> float:
     """The worst violation of some conditions."""
     return max((abs(sum(map(mul, row, nu))) for row in rows), default=0.0)
 
 
-def _sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
+def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
 
     `arcs` are the headings (rad) at their ends.

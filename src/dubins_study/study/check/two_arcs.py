@@ -101,8 +101,7 @@ def costates(
 ) -> tuple[float, float, bool, float, float, float]:
     """The costates of a word S, C, CS or CC in closed form, and how well they satisfy Pontryagin.
 
-    What is measured comes from positions and headings, not from the word (docs/derivation.md,
-    sections 9 and 10).
+    The final heading is free: nu3 is 0 at the end (docs/derivation.md, sections 9 and 10).
 
     Args:
         heading: of the start (rad).
@@ -111,37 +110,89 @@ def costates(
 
     Returns:
         nu1 and nu2 in the world frame, with nu0 = 1 or of norm 1 if abnormal; whether nu0 = 0;
-        max |H|, sign margin and cut margin. nu3 is 0 at the end.
+        max |H|, sign margin and cut margin.
     """
-    middle = turn1 * first
-    end = middle + turn2 * second
-    if turn2 != 0.0:  # CC: along or against the chord of the second arc
-        half = math.cos(second / 2)
-        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
+    if turn2 != 0.0:
         longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
         cut = min(min(second - math.pi, _TURN - second), longest - first)
-    else:  # CS: against the final heading
-        nu0, rho, phi = 1.0, -1.0, end
+    else:
         cut = math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
+    x, y, abnormal, worst, margin = _inflected(heading, turn1, first, turn2, second, 0.0, 0.0)
+    return x, y, abnormal, worst, margin, cut
+
+
+def pose_costates(
+    heading: float,
+    turn1: float,
+    first: float,
+    turn2: float,
+    second: float,
+    turn3: float,
+    third: float,
+) -> tuple[float, float, bool, float, float]:
+    """The costates of a leg with a given final heading, a path CSC or CCC or a part of one.
+
+    Where S vanishes, or an arc of CCC, there are many: then those of CSC are taken, which satisfy
+    Pontryagin's conditions whatever the arcs (docs/derivation.md, section 9).
+
+    Args:
+        heading: of the start (rad).
+        turn1, turn2, turn3: rates +1, 0 or -1 of the pieces; turn2 is 0 in CSC.
+        first, second, third: their lengths in radii, 0 for what is not there.
+
+    Returns:
+        As `costates`, without the cut margin.
+    """
+    if turn2 != 0.0 and first == 0.0:
+        turn1, first, turn2, second = turn2, second, 0.0, 0.0
+    elif turn2 != 0.0 and third == 0.0:
+        turn2, second, turn3, third = 0.0, 0.0, turn2, second
+    if second == 0.0 and turn1 == turn3:
+        first, third = first + third, 0.0
+    return _inflected(heading, turn1, first, turn2, second, turn3, third)
+
+
+def _inflected(
+    heading: float,
+    turn1: float,
+    first: float,
+    turn2: float,
+    second: float,
+    turn3: float,
+    third: float,
+) -> tuple[float, float, bool, float, float]:
+    """Costates with nu3 = 0 at both ends of the second piece, and how well they satisfy Pontryagin.
+
+    What is measured comes from positions and headings, not from the word.
+    """
+    middle = turn1 * first
+    last = middle + turn2 * second
+    if turn2 != 0.0:  # along or against the chord of the arc
+        half = math.cos(second / 2)
+        nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
+    else:  # against the heading of S
+        nu0, rho, phi = 1.0, -1.0, middle
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
     along, across = math.cos(phi), math.sin(phi)
     nu1, nu2 = rho * along, rho * across
-    nu3 = nu2 * (x1 + x2) - nu1 * (y1 + y2)  # at the start
-    middle_nu3 = nu2 * x2 - nu1 * y2
-    H1 = nu0 + nu1 + turn1 * nu3
-    H2 = nu0 + rho * math.cos(middle - phi) + turn2 * middle_nu3
-    margin1 = _least(nu0, rho, -phi, middle - phi) if turn1 != 0.0 else math.inf
-    margin2 = _least(nu0, rho, middle - phi, end - phi) if turn2 != 0.0 else math.inf
-    margin = min(margin1, margin2)
-    on_straight = abs(middle_nu3) if turn2 == 0.0 else 0.0
-    worst = max(max(abs(H1), abs(H2)), on_straight / max(1.0, first + second))
+    start_nu3, last_nu3 = nu2 * x1 - nu1 * y1, nu1 * y2 - nu2 * x2
+    H1 = nu0 + nu1 + turn1 * start_nu3
+    H2 = nu0 + rho * math.cos(middle - phi)
+    H3 = nu0 + rho * math.cos(last - phi) + turn3 * last_nu3
+    margin1 = _least(nu0, rho, -phi, middle - phi) if turn1 * first != 0.0 else math.inf
+    margin2 = _least(nu0, rho, middle - phi, last - phi) if turn2 * second != 0.0 else math.inf
+    end = last + turn3 * third
+    margin3 = _least(nu0, rho, last - phi, end - phi) if turn3 * third != 0.0 else math.inf
+    margin = min(min(margin1, margin2), margin3)
+    inflected = abs(last_nu3) / max(1.0, first + second + third)
+    worst = max(max(abs(H1), abs(H2)), max(abs(H3), inflected))
     abnormal = nu0 < ABNORMAL
     size = rho if abnormal else rho / nu0
     # turned by the heading apart: added to a heading of many turns, phi would lose its digits
     c, s = math.cos(heading), math.sin(heading)
     x, y = size * (c * along - s * across), size * (s * along + c * across)
-    return x, y, abnormal, worst, 0.0 if margin == math.inf else margin, cut
+    return x, y, abnormal, worst, 0.0 if margin == math.inf else margin
 
 
 def _displacement(turn: float, length: float, heading: float) -> tuple[float, float]:
@@ -152,7 +203,7 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
 
 
 def _least(nu0: float, rho: float, a: float, b: float) -> float:
-    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal._sign_margin`."""
+    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal.sign_margin`."""
     low, high = min(a, b), max(a, b)
     if rho < 0.0:  # least where the cosine is greatest
         passed = math.floor(high / _TURN) > math.floor(low / _TURN)
@@ -162,4 +213,4 @@ def _least(nu0: float, rho: float, a: float, b: float) -> float:
 
 
 # what a compiled caller has to know of, since the functions above call it by name
-CALLED = (nearest_rate, _displacement, _least)
+CALLED = (nearest_rate, _displacement, _least, _inflected)

@@ -12,7 +12,7 @@ from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.reference import reference_of, visited
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
-from dubins_study.study.check.visits import Visits, legs, visits
+from dubins_study.study.check.visits import Visits, legs, visits_of
 from dubins_study.study.closed_form.shortest import (
     Shortest,
     margin,
@@ -293,8 +293,7 @@ class _Seen(NamedTuple):
 def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
     radius, length = scenario.radius, path.total_length
     end, miss, excess = _measured(scenario, path, branch)
-    rounding = DRIVEN * (scenario.extent + length)
-    seen = visits(path, scenario.via, radius, tolerances.miss * radius + rounding)
+    seen = visits_of(scenario, path, tolerances.miss)
     miss = max(miss, seen.miss)
     turned, blur = 0.0, 0.0
     if scenario.final_heading is not None:

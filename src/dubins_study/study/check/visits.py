@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
 # radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
@@ -67,6 +68,12 @@ def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowe
         found.append(min(nearest * radius, path.total_length))
     points = path.at(np.array(found))[:, :2].tolist() if found else []
     return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
+
+
+def visits_of(scenario: Scenario, path: Path, miss: float = ARRIVES) -> Visits:
+    """How a path visits a scenario's via points, which it may miss by some radii and rounding."""
+    rounding = DRIVEN * (scenario.extent + path.total_length)
+    return visits(path, scenario.via, scenario.radius, miss * scenario.radius + rounding)
 
 
 class _Pieces:

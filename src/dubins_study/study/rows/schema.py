@@ -182,15 +182,15 @@ class Certificate:
     reference_low: float | None = column("proven bounds of the shortest length", "length")
     reference_high: float | None = column("both null where provably no path exists", "length")
     costate_x: float | None = column(
-        "nu1 of the path, with nu0 = 1 unless abnormal", "1", detail=True
+        "nu1 at the path's end, with nu0 = 1 unless abnormal", "1", detail=True
     )
-    costate_y: float | None = column("nu2 of the path", "1", detail=True)
+    costate_y: float | None = column("nu2 at the path's end", "1", detail=True)
     abnormal: bool = column("nu0 = 0: the costates are of norm 1", default=False, detail=True)
     hamiltonian: float | None = column("largest absolute H on the path", "1", detail=True)
     sign_margin: float | None = column(
         "least -u nu3 over turns; below 0, no extremal", "1", detail=True
     )
-    transversality: float | None = column("absolute nu3 at the end", "1", detail=True)
+    transversality: float | None = column("absolute nu3 at a free end", "1", detail=True)
     pmp_residual: float | None = column(
         "worst violation of Pontryagin's conditions", "1", detail=True
     )

@@ -1,0 +1,170 @@
+"""Pontryagin's conditions of a route: those of its legs, which its via points join.
+
+At a via point nu1 and nu2 may jump; nu3 does not, nor H, which is zero on every leg. With nu0 = 1
+all conditions on nu1 and nu2 of each leg and on nu3 at its end are linear, but for the signs of nu3
+on arcs, which are so for each heading on them. A leg of three segments has one solution, a leg of
+fewer may have many, of which its neighbours choose. So the costates are those whose worst violation
+of all conditions is least: a linear program (docs/derivation.md, section 9).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, takewhile
+from operator import attrgetter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.sparse import coo_array, hstack, vstack
+
+from dubins_study.study.check.extremal import (
+    Conditions,
+    Extremal,
+    conditions,
+    largest,
+    sign_margin,
+    that_matter,
+)
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Pose
+
+_BESIDE = 1e-5  # radii; what is shorter between a via point and the end of a piece is nothing
+_EXACT = 1e-10  # the least tolerance that HiGHS takes
+_EXTREMAL = 1e-7  # a residual up to which nu3 is not let jump
+_CUTS = 20  # rounds of adding headings at which the sign on an arc is asked for
+
+
+def route_extremal(path: Path, at: Sequence[float], radius: float, free: bool) -> Extremal | None:
+    """The costates that fit a route best, those of its last leg, and how well all of them do.
+
+    The path is one that can be driven, `at` has the arc lengths of its via points, and `free` says
+    whether its final heading is. None where the conditions overflow.
+    """
+    legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
+    if len(legs) <= len(at):
+        return None
+    fits = [_measured(legs, free, path.start.heading, ())]
+    if (fits[0] is None or fits[0].pmp_residual > _EXTREMAL) and (jumps := _jumps(legs, free)):
+        fits.append(_measured(legs, free, path.start.heading, jumps))
+    known = [fit for fit in fits if fit is not None]
+    return min(known, key=attrgetter("pmp_residual"), default=None)
+
+
+def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
+    """The legs before which nu3 may jump: where a chain of single arcs from a given heading ends.
+
+    A single arc to a point on the turning circle of a given heading is shorter than all paths of
+    other headings there by up to a turn. So that heading is as good as given.
+    """
+    arcs = [len(leg.hamiltonian) == len(leg.arcs) == 1 for leg in legs]
+    first = list(takewhile(lambda i: arcs[i - 1], range(1, len(legs))))
+    last = () if free else takewhile(lambda i: arcs[i], range(len(legs) - 1, 0, -1))
+    return (*first, *last)
+
+
+def _measured(
+    legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int]
+) -> Extremal | None:
+    """How well the costates that fit best do."""
+    fitted = route_costates(legs, free, jumps)
+    if fitted is None:
+        return None
+    costates = [[1.0, *of_leg] for of_leg in fitted.tolist()]
+    pairs = list(zip(costates, legs, strict=True))
+    margin = min((sign_margin(nu, leg.arcs) for nu, leg in pairs if leg.arcs), default=0.0)
+    equations, constants = _equations(legs, free, jumps)
+    _, nu1, nu2, nu3 = costates[-1]
+    c, s = math.cos(heading), math.sin(heading)
+    return Extremal(
+        costate_x=nu1 * c - nu2 * s,
+        costate_y=nu1 * s + nu2 * c,
+        abnormal=False,
+        hamiltonian=max(largest(leg.hamiltonian, nu) for nu, leg in pairs),
+        sign_margin=margin,
+        transversality=abs(nu3) / legs[-1].stretch if free else None,
+        pmp_residual=max(float(np.abs(equations @ fitted.ravel() + constants).max()), -margin),
+    )
+
+
+def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Conditions | None]:
+    """The conditions of each leg, seen from where it begins, in the frame of the path's start."""
+    rate, ends = path.curvature * radius, np.concatenate(([0.0], np.cumsum(path.length))) / radius
+    turned = 0.0
+    cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
+    nearest = ends[np.abs(ends[:, None] - cuts).argmin(axis=0)]
+    cuts = np.where(np.abs(nearest - cuts) <= _BESIDE, nearest, cuts)
+    for begin, end in pairwise(cuts):
+        lengths = np.minimum(ends[1:], end) - np.maximum(ends[:-1], begin)
+        on = lengths > 0.0
+        leg = that_matter(rate[on], lengths[on])
+        yield conditions(*leg, Pose(0.0, 0.0, turned))
+        turned += float(rate[on] @ lengths[on])
+
+
+def route_costates(
+    legs: Sequence[Conditions], free: bool, jumps: Sequence[int] = ()
+) -> FloatArray | None:
+    """nu1 and nu2 of each leg and nu3 at its end, shape (n, 3), in the frame of the path's start.
+
+    nu3 may jump before the legs `jumps`. None if the linear program cannot be solved.
+    """
+    equations, constants = _equations(legs, free, jumps)
+    n = equations.shape[1]
+    headings = [(i, heading) for i, leg in enumerate(legs) for arc in leg.arcs for heading in arc]
+    for _ in range(_CUTS):
+        # variables: the costates, then the worst violation
+        rows = vstack([equations, -equations, -_signs(headings, n)])
+        solved = linprog(
+            np.append(np.zeros(n), 1.0),
+            hstack([rows, np.full((rows.shape[0], 1), -1.0)]),
+            np.concatenate([-constants, constants, np.ones(len(headings))]),
+            bounds=[(None, None)] * n + [(0.0, None)],
+            options={"primal_feasibility_tolerance": _EXACT, "dual_feasibility_tolerance": _EXACT},
+        )
+        if solved.x is None:
+            return None
+        *costates, worst = solved.x
+        fitted: FloatArray = np.reshape(costates, (-1, 3))
+        # inside an arc the sign is worst where it passes the heading opposite to (nu1, nu2)
+        more = [
+            (i, math.atan2(-nu2, -nu1))
+            for i, (leg, (nu1, nu2, nu3)) in enumerate(zip(legs, fitted.tolist(), strict=True))
+            if sign_margin([1.0, nu1, nu2, nu3], leg.arcs) < -worst - 10 * _EXACT
+        ]
+        if not more:
+            break
+        headings += more
+    return fitted
+
+
+def _equations(
+    legs: Sequence[Conditions], free: bool, jumps: Sequence[int]
+) -> tuple[coo_array, FloatArray]:
+    """What is zero on an extremal: a matrix times the costates, and constants."""
+    # leg, constant, and factors of nu3 at the end of the leg before and of nu1, nu2, nu3 of the leg
+    rows: list[tuple[int, float, tuple[float, ...]]] = []
+    for i, leg in enumerate(legs):
+        rows += [(i, one, (0.0, *nu)) for one, *nu in (*leg.hamiltonian, *leg.straight)]
+        if i > 0 and i not in jumps:  # nu3 is continuous
+            rows.append((i, 0.0, tuple(c / leg.stretch for c in (-1.0, *leg.start[1:]))))
+    if free:
+        rows.append((len(legs) - 1, 0.0, (0.0, 0.0, 0.0, 1.0 / legs[-1].stretch)))
+    columns = np.array([3 * i for i, _, _ in rows])[:, None] + np.arange(-1, 3)
+    constants = np.array([constant for _, constant, _ in rows])
+    return _matrix([row for _, _, row in rows], columns, 3 * len(legs)), constants
+
+
+def _signs(headings: Sequence[tuple[int, float]], n: int) -> coo_array:
+    """What is at least -1 on an extremal: (nu1, nu2) along headings (rad) on arcs of legs."""
+    rows = [(math.cos(heading), math.sin(heading)) for _, heading in headings]
+    columns = np.array([3 * i for i, _ in headings], np.intp)[:, None] + np.arange(2)
+    return _matrix(rows, columns, n)
+
+
+def _matrix(rows: Sequence[tuple[float, ...]], columns: NDArray[np.intp], n: int) -> coo_array:
+    """A sparse matrix of n columns from the numbers in some columns of each row."""
+    numbers = np.array(rows, np.float64).reshape(columns.shape)
+    at = np.repeat(np.arange(len(rows)), columns.shape[1]), np.maximum(columns, 0).ravel()
+    return coo_array((numbers.ravel(), at), shape=(len(rows), n))
