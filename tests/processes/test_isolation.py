@@ -56,19 +56,6 @@ class Backwards(Analytic):
         time.sleep(0.2)  # so that the machine's speed is measured meanwhile
         replace("perf_counter", [5.0, 3.0, 1.0])
         return super().solve(model, limit)
-class Endless(Backwards):
-    def build(self, question):
-        replace("perf_counter", [float("inf")])
-        return question
-class Ahead(Analytic):
-    def build(self, question):
-        replace("perf_counter", [1e9, 2e9, 3e9])
-        return question
-class Frozen(Analytic):
-    def solve(self, model, limit):
-        replace("monotonic", [0.0])
-        time.sleep(0.2)
-        return super().solve(model, limit)
 """
 TEXT = """
 title = "isolation"
@@ -100,22 +87,14 @@ def test_every_row_is_right(tmp_path, name):
     assert set(rows["verdict"]) == {"optimal"}
 
 
-@pytest.mark.parametrize("name", ["Backwards", "Endless", "Ahead"])
-def test_times_that_cannot_be_are_refused(tmp_path, name):
+def test_times_that_cannot_be_are_refused(tmp_path):
     """The row is `raised`, and the rows of others can be read and compared."""
-    rows = load_results(asked(tmp_path, CLOCKS, name, "slsqp"))
+    rows = load_results(asked(tmp_path, CLOCKS, "Backwards", "slsqp"))
     assert set(rows[rows["solver"] == "slsqp"]["outcome"]) == {"returned"}
     refused = rows[rows["solver"] != "slsqp"]
     assert len(refused) == 12
     assert set(refused["outcome"]) == {"raised"}
     assert refused["message"].str.contains("_s is ").all(), set(refused["message"])
-
-
-def test_a_clock_that_stands_still_ends_no_solve(tmp_path):
-    """The pool counts from what it has seen itself: twelve solves take longer than the limit."""
-    rows = read_rows(asked(tmp_path, CLOCKS, "Frozen"), ["outcome"])
-
-    assert set(rows["outcome"].to_pylist()) == {"returned"}
 
 
 HELD_UP = """
