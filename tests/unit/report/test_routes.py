@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
+from dubins_study.report.topics.decision import decision_section
 from dubins_study.report.topics.routes import (
     by_legs,
     printed_routes,
@@ -21,7 +22,8 @@ SHORT, FAR = "legs of 1 radius", "legs of 9 radii"
 
 def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes):
     """A judged attempt at a route; which one is a number."""
-    via = {"via_x": [9.0] * (legs - 1), "via_y": [1.0 * i for i in range(legs - 1)]}
+    points = [float(n) for n in range(legs - 1)] or None
+    via = {"via_x": points, "via_y": points and [9.0 for _ in points]}
     engine = {"claim": Claim.LOCAL, "formulation": "headings", "wall_s": 0.25}
     named = {"scenario_id": f"{label}{legs}-{number}", "verdict": verdict, "gap": gap}
     given = named | via | engine | {"region": None, "margin": None, "label": label} | changes
@@ -30,7 +32,7 @@ def row(number, solver, legs, verdict="optimal", label=SHORT, gap=0.0, **changes
 
 def rows():
     """Of `a` three routes of 3 legs: right, longer, undecided; of 1 leg right and not returned."""
-    gone = {"scenario_id": "lost", "label": SHORT, "formulation": "headings", "via_x": []}
+    gone = {"scenario_id": "lost", "label": SHORT, "formulation": "headings"}
     return [
         row(0, "a", 3),
         row(1, "a", 3, "longer", gap=0.5, false_claim=True),
@@ -91,6 +93,18 @@ def test_a_page_of_all_kinds_of_routes(results, tmp_path):
     page = topic_page(results("routes", [*open_, *gone]), tmp_path / "out", "routes")
 
     assert 'id="routes"' in page.read_text(encoding="utf-8")
+
+
+def test_nothing_is_recommended_by_the_region_of_a_route(load_rows):
+    """The targets of one leg alone lie in regions."""
+    made = [*rows(), *(attempt(scenario, "ipopt") for scenario in paper_scenarios())]
+    one_leg = [row for row in made if row["via_x"] is None]
+
+    parts = ("both", made), ("alone", one_leg)
+    assert decision_section(load_rows("routes", rows()[:3])) is None
+    both, alone = (decision_section(load_rows(name, each)) for name, each in parts)
+    assert both.lead == alone.lead
+    assert both.blocks[0].texts() == alone.blocks[0].texts()
 
 
 def test_published_lengths(load_rows):

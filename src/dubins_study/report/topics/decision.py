@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -246,7 +247,15 @@ _NUMBERS = ("solver", "share", "low", "high", "wall_s")
 
 
 def decision_section(results: Results) -> Section | None:
-    """A table of choices; without attempts to choose from, a sentence that says so."""
+    """A table of choices; without attempts to choose from, a sentence that says so.
+
+    Only a question of one leg with a free final heading has a region.
+    """
+    plain = results.rows[["via_x", "final_heading"]].isna().all(axis="columns")
+    if not plain.all():
+        if not plain.any():
+            return None
+        results = replace(results, rows=results.rows[plain])
     attempts = compared(results)
     if attempts is None:
         text = (
