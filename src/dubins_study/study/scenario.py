@@ -235,14 +235,11 @@ def _check_neighbours(points: list[tuple[float, float]]) -> None:
     """Refuse a route with a leg between equal points, which has no length to be driven."""
     for place, (point, following) in enumerate(pairwise(points)):
         if point == following:
-            if place == len(points) - 2:
-                number, via, other = place, point, "the target"
-            else:
-                number, via = place + 1, following
-                other = f"via point {place}" if place else "the start"
-            expected = "expected a point apart from the points before and after it"
+            vias = [f"via point {number}" for number in range(1, len(points) - 1)]
+            before, this = ["the start", *vias, "the target"][place : place + 2]
             raise ScenarioError(
-                f"via point {number} is {short(via)}, the same point as {other}; {expected}"
+                f"{this} is {short(following)}, the same point as {before}; "
+                "expected a point apart from the points before and after it"
             )
 
 

@@ -86,7 +86,10 @@ def test_a_scenario_comes_back_from_its_pickle_its_repr_and_its_copy(scenario):
     [
         ([(0, -0.0)], r"via point 1 is \(0.0, -0.0\), the same point as the start; expected a po"),
         ([(1, 2), (1, 2)], r"via point 2 is \(1.0, 2.0\), the same point as via point 1; expected"),
-        ([(1, 2), (10, 5)], r"via point 2 is \(10.0, 5.0\), the same point as the target; expec"),
+        (
+            [(1, 2), (10, 5)],
+            r"the target is \(10.0, 5.0\), the same point as via point 2; expected",
+        ),
         ("12", "via is '12'; expected pairs of numbers, such as"),
         ({(1, 2)}, "via is .*; expected pairs of numbers"),
         ([1, 2], r"via is \[1, 2\]; expected pairs of numbers"),

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from dubins_study.experiments.definition.axes import WAY
-from dubins_study.study.values import did_you_mean, nearest
+from dubins_study.study.values import did_you_mean, nearest, short
 
 # Steps from the file to a value: keys of tables, numbers of items of lists, or an item's text.
 KeyPath = tuple[str | int, ...]
@@ -106,7 +106,8 @@ def _sentence(path: KeyPath, error: Any, known: TableKeys) -> str:
     message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     if kind in ("model_type", "dict_type"):
         message = "expected a table"
-    return f"{key}{_quoted(error['input'])}: {message:.{_MAX_MESSAGE_CHARS}}"
+    value = "" if isinstance(error["input"], dict) else f" is {short(error['input'])}"
+    return f"{key}{value}: {message:.{_MAX_MESSAGE_CHARS}}"
 
 
 def _key(path: KeyPath) -> str:
@@ -118,13 +119,3 @@ def _step(step: object) -> str:
     """One step of a dotted key; quoted and shortened if it is not a plain key."""
     text = str(step)
     return text if _BARE_KEY.fullmatch(text) else f"{text[:_MAX_QUOTED_CHARS]!r}"
-
-
-def _quoted(value: object) -> str:
-    """` is VALUE`, shortened; nothing for a table."""
-    if isinstance(value, dict):
-        return ""
-    try:
-        return f" is {value!r:.{_MAX_QUOTED_CHARS}}"
-    except ValueError:  # Python refuses to print an integer of more than 4300 digits
-        return " holds an integer of thousands of digits"
