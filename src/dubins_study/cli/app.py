@@ -7,8 +7,6 @@ Results go to stdout, everything else to stderr. Exit code 0: done; 1: done, but
 from __future__ import annotations
 
 import errno
-import functools
-import inspect
 import os
 import re
 import sys
@@ -86,20 +84,33 @@ Quiet = Annotated[
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="every step on stderr")]
 
 
+def _verbosity(quiet: Quiet = False, verbose: Verbose = False) -> None:
+    set_verbosity(Verbosity(verbose - quiet))
+
+
+_of_all = typer.Typer(add_completion=False)
+_of_all.command()(_verbosity)
+_SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --verbose
+
+
 class _Command(TyperCommand):
-    """A command that takes none of its options for the value of another one.
+    """A command with --quiet and --verbose that takes no option for the value of another one.
 
     Without it, `run paper --out --restart` writes a folder called `--restart`.
     """
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
+        self.params += _SHARED
         for option in self.params:
             if option.name in PAIRS:
                 option.nargs = 2
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         rest = super().parse_args(ctx, args)
+        shared = {name: ctx.params.pop(name, False) for name in ("quiet", "verbose")}
+        if any(shared.values()):  # otherwise what stands before the command's name holds
+            _verbosity(**shared)
         options = [p for p in self.get_params(ctx) if p.param_type_name == "option"]
         names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
         for option in options:
@@ -135,7 +146,7 @@ class CommandLine(typer.Typer):
         name = function.__name__.replace("_", "-")
         epilog = _epilog(f"{self._words} {name}".strip())
         add = self.command(name, cls=_Command, epilog=epilog, context_settings=context)
-        add(_with_verbosity(function))
+        add(function)
 
 
 def examples(words: str) -> list[str]:
@@ -148,26 +159,6 @@ def examples(words: str) -> list[str]:
 def _epilog(words: str) -> str:
     # \b keeps the lines of a paragraph as they are
     return "\n".join(["\b", "Examples:", *(f"  {line}" for line in examples(words))])
-
-
-def _with_verbosity(function: Callable[..., None]) -> Callable[..., None]:
-    """The command with the options --quiet and --verbose, which a command itself need not read."""
-
-    @functools.wraps(function)
-    def command(*arguments: Any, quiet: bool, verbose: bool, **options: Any) -> None:
-        if quiet or verbose:  # otherwise what stands before the command's name holds
-            set_verbosity(Verbosity(verbose - quiet))
-        function(*arguments, **options)
-
-    signature = inspect.signature(function, eval_str=True)
-    shared = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
-        for name, kind in (("quiet", Quiet), ("verbose", Verbose))
-    ]
-    parameters = [*signature.parameters.values(), *shared]
-    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    command.__annotations__ = {p.name: p.annotation for p in parameters}
-    return command
 
 
 def _print_version(asked: bool) -> None:
@@ -190,7 +181,7 @@ def _options(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    set_verbosity(Verbosity(verbose - quiet))
+    _verbosity(quiet, verbose)
 
 
 # a target such as -6 3 is no option
