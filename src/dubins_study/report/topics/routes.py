@@ -112,7 +112,9 @@ def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
         "Right: the path passes all points in order, and its proven gap is within the run's "
         "tolerance.",
         f"Undecided are {count(rows['undecided'].sum())} of {count(len(rows))} attempts: the check "
-        "does not know the shortest length well enough, and they enter no share.",
+        "does not know the shortest length well enough, and they enter no share."
+        if rows["undecided"].any()
+        else "",
         f"The search with a proof closes {count(own['claim'].eq('optimal').sum())} of its "
         f"{count(len(own))} attempts within its limit."
         if len(own)
@@ -322,7 +324,7 @@ _PRINTED = (
     *columns(count, legs="legs"),
     *columns(kind="text", source="source", verdict="verdict"),
     *columns(_beginning, printed="printed"),
-    *columns(repr, length="ours", low="proven: at least", high="at most"),
+    *columns(digits(12), length="ours", low="proven: at least", high="at most"),
     *columns(digits(2), difference="printed − ours"),
 )
 _COMPARED = ("length", "reference_low", "reference_high")
