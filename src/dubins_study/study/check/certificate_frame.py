@@ -6,6 +6,7 @@ closed form never returns, and balls enclose some lengths in a thousand.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,10 +14,16 @@ import numpy as np
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.extremal import MEASURED, measure
+from dubins_study.study.check.extremal import MEASURED, measure, measure_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, with_final_headings
+from dubins_study.study.check.two_arcs import FULL_RATE
+from dubins_study.study.check.verdict_frame import (
+    VERDICTS,
+    FrameJudgement,
+    three_arcs,
+    with_final_headings,
+)
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
@@ -30,8 +37,11 @@ if TYPE_CHECKING:
 
 _costates = inlined(two_arcs.costates)
 _word_of = inlined(two_arcs.word_of)
+_pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nearest_rate)
 
 PROOFS = tuple(Proof)
+_TURN = 2 * math.pi
+_NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
 _DEFAULT = Tolerances()
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
 
@@ -76,11 +86,13 @@ def certify_frame(
     measured, abnormal = np.full((len(MEASURED), n), np.nan), np.zeros(n, np.bool_)
     poses = with_final_headings(frame)
     radius = frame["radius"].to_numpy()
+    _measure(frame, paths, poses, measured, abnormal)
     if poses:
+        measured[:, ~np.isfinite(judged.gap)] = np.nan
+        abnormal &= np.isfinite(judged.gap)
         legs = PoseArrays(*(frame[name].to_numpy() for name in PoseArrays._fields))
         low, high, left = bound_pose_rows(legs, branch)
     else:
-        _measure(frame, paths, measured, abnormal)
         arrays = ScenarioArrays(*(frame[name].to_numpy() for name in ScenarioArrays._fields))
         low, high, left = bound_rows(arrays, branch)
     intervals = {
@@ -123,11 +135,16 @@ def certify_frame(
     return FrameCertificate(proof, low, high, measured, abnormal, false_bound)
 
 
-def _measure(frame: pd.DataFrame, paths: Paths, measured: FloatArray, abnormal: BoolArray) -> None:
+def _measure(
+    frame: pd.DataFrame, paths: Paths, poses: bool, measured: FloatArray, abnormal: BoolArray
+) -> None:
     """Fill `measured` and `abnormal`, whose rows are NaN where nothing can be measured."""
     heading, radius = (loop_input(frame[name]) for name in ("heading", "radius"))
-    curvature, length = map(loop_input, (paths.curvature, paths.length))
-    left = _measure_words(heading, radius, curvature, length, measured, abnormal)
+    if poses:
+        left = _measure_legs(heading, radius, *three_arcs(paths), measured, abnormal)
+    else:
+        curvature, length = map(loop_input, (paths.curvature, paths.length))
+        left = _measure_words(heading, radius, curvature, length, measured, abnormal)
     if paths.returned is not None:
         left &= paths.returned
         measured[:, ~paths.returned] = np.nan
@@ -135,7 +152,10 @@ def _measure(frame: pd.DataFrame, paths: Paths, measured: FloatArray, abnormal: 
         path = paths.path(row, scenario)
         if path is None or not drivable(path):
             continue
-        best, cut = measure(path, scenario.radius)
+        if poses:
+            best, cut = measure_pose(path, scenario.radius), None
+        else:
+            best, cut = measure(path, scenario.radius)
         if best is not None:
             abnormal[row] = best.abnormal
             measured[:-1, row] = [getattr(best, name) for name in MEASURED[:-1]]
@@ -178,4 +198,43 @@ def _measure_words(
         measured[4, i] = 0.0
         measured[5, i] = max(H, -margin)
         measured[6, i] = cut
+    return left
+
+
+@compiled
+def _measure_legs(
+    heading: FloatArray,
+    radius: FloatArray,
+    curvature: FloatArray,
+    length: FloatArray,
+    measured: FloatArray,
+    abnormal: BoolArray,
+) -> BoolArray:
+    """Measure rows of CSC and CCC at full rate, of three arcs to a final heading.
+
+    Arguments and result as those of `_measure_words`. What is left has an arc next to nothing, or a
+    middle one next to half a turn, where the costates are abnormal, or next to a full one.
+    """
+    n = heading.size
+    left = np.zeros(n, np.bool_)
+    for i in range(n):
+        R = radius[i]
+        a, b, c = length[0, i] / R, length[1, i] / R, length[2, i] / R
+        u, v, w = curvature[0, i] * R, curvature[1, i] * R, curvature[2, i] * R
+        turn1, turn2, turn3 = _nearest(u), _nearest(v), _nearest(w)
+        clear = ((a == 0.0) | (a > _NEXT_TO)) & ((b == 0.0) | (b > _NEXT_TO))
+        clear &= ((c == 0.0) | (c > _NEXT_TO)) & ((a > 0.0) | (b > 0.0) | (turn1 == turn3))
+        full = max(abs(u - turn1), max(abs(v - turn2), abs(w - turn3))) <= FULL_RATE
+        curved = (turn1 == -turn2) & (turn3 == -turn2) & (min(b - math.pi, _TURN - b) > _NEXT_TO)
+        word = (turn1 * turn3 != 0.0) & ((turn2 == 0.0) | curved)
+        if not (clear & full & word & (a + b + c > 0.0)):
+            left[i] = True
+            continue
+        x, y, abnormal[i], H, margin = _pose_costates(heading[i], turn1, a, turn2, b, turn3, c)
+        measured[0, i], measured[1, i] = x, y
+        measured[2, i] = H
+        measured[3, i] = margin
+        measured[4, i] = math.nan
+        measured[5, i] = max(H, -margin)
+        measured[6, i] = math.nan
     return left

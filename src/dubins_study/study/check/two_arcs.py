@@ -210,7 +210,3 @@ def _least(nu0: float, rho: float, a: float, b: float) -> float:
         return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
     passed = math.floor((high - math.pi) / _TURN) > math.floor((low - math.pi) / _TURN)
     return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))
-
-
-# what a compiled caller has to know of, since the functions above call it by name
-CALLED = (nearest_rate, _displacement, _least, _inflected)

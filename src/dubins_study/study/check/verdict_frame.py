@@ -162,6 +162,13 @@ def judge_frame(
     return result._replace(false_claim=false)
 
 
+def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
+    """Controls as of paths of three arcs, shape (3, n): the last may have no length."""
+    none = np.zeros((3 - len(paths.curvature), len(paths)))
+    curvature, length = (np.concatenate([a, none]) for a in (paths.curvature, paths.length))
+    return loop_input(curvature), loop_input(length)
+
+
 def with_final_headings(frame: pd.DataFrame) -> bool:
     """Whether the rows of a checked frame of one kind have final headings."""
     return bool(frame["final_heading"].notna().any())
@@ -198,11 +205,9 @@ def _judge_poses(
     """Judge paths of up to three arcs that are to end with a heading."""
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
     best, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
-    none = np.zeros((3 - len(paths.curvature), len(paths)))
-    controls = (np.concatenate([array, none]) for array in (paths.curvature, paths.length))
     word = POSE_BRANCHES.index(branch)
     limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, word)
-    _judge_pose_rows(len(paths))(legs, *map(loop_input, controls), best, bounds, limits, result)
+    _judge_pose_rows(len(paths))(legs, *three_arcs(paths), best, bounds, limits, result)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
     if paths.returned is not None:
