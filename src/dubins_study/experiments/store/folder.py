@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
-from typing import NamedTuple
 
 import pyarrow as pa
 
@@ -25,19 +24,6 @@ from dubins_study.study.values import plain
 
 # Name of the folder for damaged parts.
 DAMAGED = "damaged"
-_KIND = ["solver", "code_digest", "outcome", "verdict", "run_id"]
-
-
-class RowCount(NamedTuple):
-    """The number of rows of one kind, and the sum of their wall times (s)."""
-
-    solver: str
-    code_digest: str
-    outcome: str
-    verdict: str
-    run_id: str
-    rows: int
-    wall_s: float
 
 
 def prepare_folder(folder: FilePath) -> None:
@@ -165,21 +151,14 @@ def compact(folder: FilePath, run_id: str) -> None:
             part.unlink()
 
 
-def count_rows(folder: FilePath) -> tuple[list[RowCount], int]:
-    """A folder's rows by kind, each cell once, and the number of damaged parts, left out."""
-    columns = _with_key([*_KIND, "wall_s"])
+def whole_rows(folder: FilePath, columns: list[str]) -> tuple[pa.Table, int]:
+    """As `read_rows` of the parts that are whole, and the number of damaged ones."""
+    columns = _with_key(columns)
     tables: list[pa.Table] = []
-    counts: list[RowCount] = []
     damaged = 0
     for file in part_files(folder):
         try:
             tables.append(read_part(file, columns))
         except DamagedPartError:
             damaged += 1
-    grouped = _unique_rows(tables, columns).group_by(_KIND)
-    kinds = grouped.aggregate([([], "count_all"), ("wall_s", "sum")])
-    for *made_by, rows, wall_s in zip(*(c.to_pylist() for c in kinds.columns), strict=True):
-        # a spoilt row may lack any of them
-        solver, code_digest, outcome, verdict, run_id = (text or "" for text in made_by)
-        counts.append(RowCount(solver, code_digest, outcome, verdict, run_id, rows, wall_s or 0.0))
-    return counts, damaged
+    return _unique_rows(tables, columns), damaged

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
-from dubins_study.experiments.store.folder import DAMAGED, RowCount, count_rows
+import pandas as pd
+
+from dubins_study.experiments.store.folder import DAMAGED, whole_rows
 from dubins_study.experiments.store.lock import is_locked, lock_holder
 from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
@@ -16,6 +17,7 @@ from dubins_study.study.rows.parts import ResultsError, folder_paths
 
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
+_COLUMNS = ["outcome", "verdict", "run_id", "wall_s"]  # beside those of the key
 _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "engine"}
 
 
@@ -79,55 +81,58 @@ def status(folder: str | FilePath) -> Status:
     for attempt in range(_MAX_TRIES):
         live, manifest = is_locked(place), read_manifest(place)
         try:
-            counts, damaged = count_rows(place)
+            table, damaged = whole_rows(place, _COLUMNS)
         except ResultsError:
             if not live or attempt == _MAX_TRIES - 1:
                 raise
         else:
             break
-    return _status(place, manifest, counts, damaged, live)
+    # a spoilt row may lack any of them
+    rows = table.to_pandas().fillna({"outcome": "", "verdict": "", "wall_s": 0.0})
+    return _status(place, manifest, rows, damaged, live)
 
 
 def _status(
-    folder: FilePath, manifest: Manifest, counts: list[RowCount], damaged: int, live: bool
+    folder: FilePath, manifest: Manifest, rows: pd.DataFrame, damaged: int, live: bool
 ) -> Status:
-    digests = manifest.code_digests
-    current = [count for count in counts if digests.get(count.solver) == count.code_digest]
-    rows, failing = Counter[str](), Counter[str]()
-    verdicts = defaultdict[str, Counter[str]](Counter)
-    for count in sorted(current):
-        rows[count.solver] += count.rows
-        returned = count.outcome == "returned"
-        if not returned:
-            failing[count.outcome] += count.rows
-        verdicts[count.solver][count.verdict if returned else count.outcome] += count.rows
+    current = rows[rows["code_digest"] == rows["solver"].map(manifest.code_digests)]
+    done = _counts(current["solver"])
+    failed = current["outcome"][current["outcome"] != "returned"]
+    endings = current["verdict"].where(current["outcome"] == "returned", current["outcome"])
     left = {
-        spec: entry.cells - rows[spec]
+        spec: entry.cells - done.get(spec, 0)
         for spec, entry in manifest.solvers.items()
-        if entry.cells > rows[spec]
+        if entry.cells > done.get(spec, 0)
     }
     runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
-    seconds, unknown = _time_left(left, current, _overhead(counts, runs), jobs)
+    solve_s = current.groupby("solver")["wall_s"].mean().to_dict()
+    known = {spec: cells for spec, cells in left.items() if spec in solve_s}
+    overhead_s = _overhead(rows, runs)
+    seconds = sum(n * (solve_s[spec] + overhead_s) for spec, n in known.items()) / jobs
     pid = lock_holder(folder).get("pid", 0) if live else None
     aside = folder / DAMAGED
     return Status(
         folder=str(folder),
         cells=manifest.cells,
-        done=rows.total(),
+        done=len(current),
         left=left,
-        failing=dict(failing.most_common()),
-        verdicts={spec: dict(of_solver) for spec, of_solver in verdicts.items()},
-        stale=sum(count.rows for count in counts) - rows.total(),
+        failing=_counts(failed),
+        verdicts={str(s): _counts(group) for s, group in endings.groupby(current["solver"])},
+        stale=len(rows) - len(current),
         damaged=damaged,
         aside=len(list(aside.glob("*.parquet"))) if aside.is_dir() else 0,
         finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
-        seconds_left=seconds,
-        unknown=unknown,
+        seconds_left=seconds if known or not left else None,
+        unknown=[spec for spec in left if spec not in known],
         runs=runs,
     )
+
+
+def _counts(values: pd.Series[str]) -> dict[str, int]:
+    return {str(value): int(count) for value, count in values.value_counts().items()}
 
 
 def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
@@ -139,28 +144,11 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
     return [*ended, *runs[len(ended) :]]
 
 
-def _time_left(
-    left: Mapping[str, int], counts: Sequence[RowCount], overhead_s: float, jobs: int
-) -> tuple[float | None, list[str]]:
-    """Estimated seconds for the cells that are left, and the solvers without any row."""
-    rows, wall_s = Counter[str](), defaultdict[str, float](float)
-    for count in counts:
-        rows[count.solver] += count.rows
-        wall_s[count.solver] += count.wall_s
-    known = {spec: cells for spec, cells in left.items() if rows[spec]}
-    unknown = [spec for spec in left if spec not in known]
-    if unknown and not known:
-        return None, unknown
-    seconds = (n * (wall_s[spec] / rows[spec] + overhead_s) for spec, n in known.items())
-    return sum(seconds) / jobs, unknown
-
-
-def _overhead(counts: Sequence[RowCount], runs: Sequence[RunEntry]) -> float:
+def _overhead(rows: pd.DataFrame, runs: Sequence[RunEntry]) -> float:
     """Mean seconds per cell in addition to its solve, over all runs that recorded a duration."""
     run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
-    timed = [count for count in counts if count.run_id in run_s]
-    rows = sum(count.rows for count in timed)
-    if not rows:
+    timed = rows[rows["run_id"].isin(run_s)]
+    if timed.empty:
         return 0.0
-    total_s = sum(run_s[run_id] for run_id in {count.run_id for count in timed})
-    return max(0.0, (total_s - sum(count.wall_s for count in timed)) / rows)
+    total_s = sum(run_s[run_id] for run_id in timed["run_id"].unique())
+    return max(0.0, (total_s - float(timed["wall_s"].sum())) / len(timed))
