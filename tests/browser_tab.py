@@ -40,8 +40,7 @@ class Tab:
 def scenario_in(page: Page) -> Scenario:
     """The scenario that the page shows."""
     state = page.evaluate("window.explorer.state()")
-    state.pop("written")
-    return Scenario(**state)
+    return Scenario(**{name: state[name] for name in state if not name.endswith("written")})
 
 
 def shown(page: Page) -> dict[str, dict[str, str]]:

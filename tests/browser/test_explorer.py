@@ -13,10 +13,13 @@ from dubins_study.study.angle import parse_angle
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import region_of, shortest
 
+# Of one leg with a free final heading; the others are tested with routes.
+ON_MAP = [preset for preset in PRESETS if ";" not in preset.text]
+
 
 def test_every_example_shows_what_the_package_computes(explorer):
     page = explorer()
-    for preset in PRESETS:
+    for preset in ON_MAP:
         page.get_by_role("button", name=preset.name, exact=True).click()
         x, y, heading, target_x, target_y, radius = preset.text.split(",")
         numbers = [float(n) for n in (target_x, target_y, radius)]
@@ -27,7 +30,7 @@ def test_every_example_shows_what_the_package_computes(explorer):
 def test_the_examples_show_what_their_titles_say():
     """The tie, the disc, and the jump between just outside and just inside."""
     cases = {}
-    for preset in PRESETS:
+    for preset in ON_MAP:
         x, y, heading, *rest = preset.text.split(",")
         cases[preset.name] = Scenario(float(x), float(y), heading, *map(float, rest))
     best = {name: shortest(case) for name, case in cases.items()}
@@ -73,7 +76,7 @@ def test_fields_and_their_refusals(explorer):
     """A number that no scenario may have is refused in words; the picture stays as it was."""
     page = explorer("0,0,0deg,3,2,1")
     page.get_by_label("target x").fill("-7.5")
-    page.get_by_label("heading, deg").fill("45")
+    page.get_by_label("heading, deg", exact=True).fill("45")
     page.get_by_label("start y").fill("0.25")
     scenario = scenario_in(page)
     assert (scenario.target_x, scenario.heading, scenario.y) == (-7.5, math.radians(45), 0.25)

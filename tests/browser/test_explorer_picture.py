@@ -84,7 +84,8 @@ def test_forced_colours_leave_every_line_s_sample(explorer):
     )
     forced = explorer(forced_colors="active")
     samples, plain = (
-        page.locator(".explorer .sample").evaluate_all(styles) for page in (forced, explorer())
+        page.locator(".explorer-words .sample").evaluate_all(styles)
+        for page in (forced, explorer())
     )
 
     assert forced.evaluate("matchMedia('(forced-colors: active)').matches")

@@ -145,7 +145,7 @@ def test_in_every_frame_of_a_drag_the_line_is_that_of_its_scenario(explorer):
 
 def _word_of_frame(frame: dict[str, Any]) -> str:
     """The word that a frame of the page shows, which is the package's for its fields, like all."""
-    values = {name: float(text) for name, text in frame["fields"].items()}
+    values = {name: float(text) for name, text in frame["fields"].items() if text}
     scenario = Scenario(**values | {"heading": math.radians(values["heading"])})
     answer = solve(scenario)
     match = re.fullmatch(r"Shortest: (\w+), length (\S+) \((\S+) R\)\.", frame["summary"])

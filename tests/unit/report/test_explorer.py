@@ -52,7 +52,7 @@ def test_the_page_of_its_own_asks_for_nothing(tmp_path, explorer):
     assert explorer in text
     assert odd_parts(text) == []
     assert "@import" not in text
-    assert len(text) < 120_000
+    assert len(text) < 140_000  # of which the map 110 000, routes the rest
 
 
 PROBLEM = Scenario(0, 0, "70deg", 3.7, -0.15, 1)

@@ -38,11 +38,12 @@ STYLES = (
 )
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
-    *("tolerances", "dubins", "dubins-certificate", "svg", "page", "tables"),
+    *("tolerances", "dubins", "dubins-certificate", "dubins-pose", "dubins-route"),
+    *("svg", "page", "tables"),
     *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
     *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),
-    *("explorer-scene", "explorer-handles", "explorer-answers", "explorer-sweep"),
-    *("explorer-copies", "explorer"),
+    *("explorer-answers", "explorer-legs", "explorer-route", "explorer-scene", "explorer-handles"),
+    *("explorer-sweep", "explorer-copies", "explorer"),
 )
 EXPLORER_STYLES = ("styles/base", "styles/explorer")
 EXPLORER_SCRIPTS = tuple(

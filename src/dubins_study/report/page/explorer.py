@@ -1,4 +1,4 @@
-"""The explorer: every word's path to a target that the reader drags; a section and a page."""
+"""The explorer: paths to a target, and routes, that the reader drags; a section and a page."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Preset(NamedTuple):
     """An example that a button shows."""
 
     name: str  # the button's text
-    text: str  # x, y, heading, target x, target y and radius as the page's address has them
+    text: str  # the scenario as the page's address has it
     title: str  # what there is to see
 
 
@@ -48,6 +48,8 @@ PRESETS = (
     Preset("Inside a disc", "0,0,0deg,0,1,1", "At the left circle's centre: RL, which turns away"),
     Preset("Just outside", "0,0,0deg,0.2958,0.0437,1", "0.001 R outside the left circle: LS"),
     Preset("Just inside", "0,0,0deg,0.2952,0.0456,1", "0.001 R inside the left circle: RL"),
+    Preset("Pose", "0,0,30deg,4,1,1;final=180deg", "A final heading is given: six words"),
+    Preset("Route", "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg", "Two points to pass on the way"),
 )
 FIELDS = (
     ("target_x", "target x"),
@@ -56,6 +58,7 @@ FIELDS = (
     ("radius", "radius R"),
     ("x", "start x"),
     ("y", "start y"),
+    ("final_heading", "final heading, deg"),
 )
 COPIES = (("command", "Command line"), ("python", "Python"), ("link", "Link to this scenario"))
 
@@ -81,7 +84,7 @@ def explorer_section(results: Results) -> Section:
         "Map: the shortest word of every target; the length jumps across the heavy half circles. "
         "Bold: the shortest path; thin: other words'. Tab reaches the handles; arrow keys move "
         "them, + and − change the radius. Certificates: of Pontryagin's conditions and the cut; "
-        "clear of its cut, an extremal is shortest."
+        "clear of its cut, an extremal is shortest. Via points and a final heading make it a route."
     )
     lead = "Drag the target across a turning circle to see the shortest path jump to another word."
     widget = Widget("explorer", caption, _explorer())

@@ -214,5 +214,5 @@ window.dubins = (() => {
     return poses(start, rates, steps).map(({x, y}) => [x, y]);
   }
 
-  return {words, lengths, shortest, polyline, poses, region, margin, local, refusal};
+  return {words, lengths, shortest, polyline, poses, region, margin, local, refusal, rightLeftPair};
 })();

@@ -19,13 +19,21 @@ window.explorerNumbers = (() => {
     return plain.length > 5 ? powered(value, 4) : plain;
   }
 
-  return {number, brief};
+  const degrees = (angle, digits = 4) => `${number(angle * 180 / Math.PI, digits)}°`;
+
+  // The pieces of a path in words: turns as angles, straights in radii.
+  function segments({word, segments: lengths}) {
+    return [...word].map((letter, i) => (letter === "S"
+      ? `S\u00a0${number(lengths[i], 5)}\u00a0R` : `${letter}\u00a0${degrees(lengths[i])}`)).join(", ");
+  }
+
+  return {number, brief, degrees, segments};
 })();
 
 // window.explorerAnswers(root): the explorer's table and sentences. Everything is set as text.
 window.explorerAnswers = (root) => {
   const {set, write} = window.svgElements;
-  const SHORTEST = "shortest", DEGREES = 180 / Math.PI;
+  const SHORTEST = "shortest";
   const rows = new Map();
   for (const row of root.querySelectorAll("tr[data-branch]")) {
     const cells = {};
@@ -38,16 +46,7 @@ window.explorerAnswers = (root) => {
   const summary = root.querySelector("[data-answer=summary]");
   const spoken = root.querySelector("[data-answer=spoken]");
 
-  const {number} = window.explorerNumbers;
-  const degrees = (angle, digits = 4) => `${number(angle * DEGREES, digits)}°`;
-
-  function segmentsOf(entry) {
-    if (!entry.word) return "nothing: the target is at the start";
-    const parts = [...entry.word].map((letter, i) => (letter === "S"
-      ? `S\u00a0${number(entry.segments[i], 5)}\u00a0R`
-      : `${letter}\u00a0${degrees(entry.segments[i])}`));
-    return parts.join(", ");
-  }
+  const {number, degrees, segments: segmentsOf} = window.explorerNumbers;
 
   // Why a word has no path.
   function absence(branch, {X, Y}) {
@@ -104,7 +103,7 @@ window.explorerAnswers = (root) => {
       set(cells.mark, {title: entry.optimal ? "the shortest path" : ""});
       const {certificate} = entry;
       const texts = entry.exists ? {
-        path: segmentsOf(entry),
+        path: segmentsOf(entry) || "nothing: the target is at the start",
         radii: number(entry.length / scenario.radius),
         length: number(entry.length),
         over: over(entry, best),

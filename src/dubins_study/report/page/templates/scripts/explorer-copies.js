@@ -23,16 +23,22 @@ window.explorerCopies = (root) => {
     }
   }
 
-  function command({x, y, written, target_x, target_y, radius}) {
-    // a heading of more than a turn is taken only with its unit
-    const heading = written.replace("°", "deg").replace(/\d$/, "$&rad").replace(/\s/g, "");
-    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${heading} --radius ${radius}`;
+  // A heading as the command takes it: one of more than a turn only with its unit.
+  const asOption = (written) => written.replace("°", "deg").replace(/\d$/, "$&rad").replace(/\s/g, "");
+
+  function command({x, y, written, target_x, target_y, radius, via, final_written}) {
+    const points = via.map(([u, v]) => ` --via ${u} ${v}`).join("");
+    const final = final_written && ` --final-heading ${asOption(final_written)}`;
+    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${asOption(written)}${points}${final} --radius ${radius}`;
   }
 
-  function python({x, y, written, target_x, target_y, radius}) {
-    const heading = /[a-z°]/i.test(written.replace(/e[+-]?\d+$/i, "")) ? `"${written}"` : written;
-    return `from dubins_study import Scenario, solve\n\nanswer = solve(Scenario(${x}, ${y}, ${heading}, `
-      + `${target_x}, ${target_y}, radius=${radius}))\nprint(answer.word, answer.length, answer.verdict)`;
+  const asPython = (written) => (/[a-z°]/i.test(written.replace(/e[+-]?\d+$/i, "")) ? `"${written}"` : written);
+
+  function python({x, y, written, target_x, target_y, radius, via, final_written}) {
+    const points = via.length ? `, via=[${via.map(([u, v]) => `(${u}, ${v})`).join(", ")}]` : "";
+    const final = final_written && `, final_heading=${asPython(final_written)}`;
+    return `from dubins_study import Scenario, solve\n\nanswer = solve(Scenario(${x}, ${y}, ${asPython(written)}, `
+      + `${target_x}, ${target_y}, radius=${radius}${points}${final}))\nprint(answer.word, answer.length, answer.verdict)`;
   }
 
   return {

@@ -1,34 +1,45 @@
 "use strict";
-// window.explorerHandles(scene, model): the handles of target, start heading and turning radius, for
-// mouse, touch and keyboard.
+// window.explorerHandles(scene, model): the handles of target, via points, headings and turning
+// radius, for mouse, touch and keyboard.
 //
 // `model` is {state(), side(), change(values, view), rest()}: `change` is called for every move, with
 // the view "keep" in a drag; `rest` is called once a drag has ended. `place(places)` moves the handles
-// to pixels of the plane, `speak(scenario, summary)` sets what screen readers say, `dragged()` says
-// whether one is being dragged, `pointed(event)` returns the values of a target under the pointer.
+// to pixels of the plane and hides those that have none, `speak(scenario, summary)` sets what screen
+// readers say, `dragged()` says whether one is being dragged, `pointed(event)` returns the place under
+// the pointer: its pixel, and the plane's point [x, y] as exactly as one can point.
 window.explorerHandles = (scene, model) => {
   const {element, set, write} = window.svgElements, {svg} = scene, DEGREE = Math.PI / 180;
   const ROUGH = 10; // steps of an arrow key with shift, and of page up and down
+  const TWICE_MS = 400; // between two presses that remove what a handle stands for
+  const MOVED_BY = "arrow keys move it by a twentieth of R, with shift by half of R";
+  const TURNED_BY = "arrow keys turn it by 1 degree, with shift by 10";
   // Handles in the order of tabs; later ones lie over earlier ones.
   const LABELS = {
-    heading: ["Start heading", "arrow keys turn it by 1 degree, with shift by 10", "θ"],
+    heading: ["Start heading", TURNED_BY, "θ"],
     radius: ["Turning radius", "arrow keys change it by 1 percent, with shift by 10", "R"],
-    target: ["Target", "arrow keys move it by a twentieth of R, with shift by half of R", "T"],
   };
+  for (let number = 1; number <= window.explorerHandles.MOST_VIA; number += 1) {
+    LABELS[`via-${number}`] = [`Via point ${number}`, `${MOVED_BY}, Delete removes it`, String(number)];
+  }
+  Object.assign(LABELS, {
+    final: ["Final heading", `${TURNED_BY}, Delete sets it free`, "φ"],
+    target: ["Target", MOVED_BY, "T"],
+  });
   const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
   const PAGES = {PageUp: [0, 1], PageDown: [0, -1]};
   const RADIUS_KEYS = {"+": [1, 0], "=": [1, 0], "-": [-1, 0], "_": [-1, 0]};
   const handles = {};
   let dragged = null, pointer = null, offset = {x: 0, y: 0}, centres = {};
+  let moved = false, pressed = {name: "", time: 0}; // of the last press: did it drag, of what, when
 
   const short = (value) => Number(value.toPrecision(12)); // 0.1 + 0.2 is 0.3 here
 
-  // A heading (rad) in whole or tenth degrees, within half a turn.
+  // A heading (rad) in whole or tenth degrees, within half a turn, and as people write it.
   function turned(radians) {
     let degrees = Math.round(radians / DEGREE * 10) / 10 % 360;
     if (degrees > 180) degrees -= 360;
     if (degrees <= -180) degrees += 360;
-    return {written: `${degrees}deg`, heading: degrees * DEGREE};
+    return [degrees * DEGREE, `${degrees}deg`];
   }
 
   // A coordinate as exactly as a pointer can point.
@@ -37,19 +48,28 @@ window.explorerHandles = (scene, model) => {
     return Number(value.toFixed(digits));
   }
 
-  // What a pointer's place in the plane means, and what n steps of an arrow key do.
+  // What a pointer's place in the plane means, and what n steps of an arrow key do: for a place that
+  // `at` returns and `to` changes, and for a heading.
+  const placed = (at, to) => ({
+    drag: (point) => to(rounded(point.x), rounded(point.y)),
+    key: ([i, j], n) => {
+      const [x, y] = at(model.state()), step = 0.05 * n * model.state().radius;
+      return to(short(x + i * step), short(y + j * step));
+    },
+  });
+  const pointing = (from, angle, to) => ({
+    drag: (point) => {
+      const [x, y] = from(model.state());
+      return to(...turned(Math.atan2(point.y - y, point.x - x)));
+    },
+    key: ([i, j], n) => to(...turned(angle(model.state()) + (j - i) * n * DEGREE)), // left, up: counter-clockwise
+  });
+  const target = ({target_x, target_y}) => [target_x, target_y];
   const MOVES = {
-    target: {
-      drag: (point) => ({target_x: rounded(point.x), target_y: rounded(point.y)}),
-      key: ([i, j], n) => {
-        const {target_x, target_y, radius} = model.state(), step = 0.05 * n * radius;
-        return {target_x: short(target_x + i * step), target_y: short(target_y + j * step)};
-      },
-    },
-    heading: {
-      drag: (point) => turned(Math.atan2(point.y - model.state().y, point.x - model.state().x)),
-      key: ([i, j], n) => turned(model.state().heading + (j - i) * n * DEGREE), // left, up: counter-clockwise
-    },
+    target: placed(target, (target_x, target_y) => ({target_x, target_y})),
+    heading: pointing(({x, y}) => [x, y], ({heading}) => heading, (heading, written) => ({heading, written})),
+    final: pointing(target, (state) => state.final_heading,
+      (final_heading, final_written) => ({final_heading, final_written})),
     radius: {
       drag: (point) => {
         const across = model.side() * scene.into(model.state(), point).left / 2;
@@ -58,6 +78,27 @@ window.explorerHandles = (scene, model) => {
       key: ([i, j], n) => ({radius: Number((model.state().radius * (1 + 0.01 * n) ** (i + j)).toPrecision(4))}),
     },
   };
+  for (const name in LABELS) {
+    const i = viaOf(name);
+    if (i >= 0) MOVES[name] = placed(({via}) => via[i], (x, y) => ({via: model.state().via.with(i, [x, y])}));
+  }
+
+  // The place of a via point's handle in the list of via points; -1 of other handles.
+  function viaOf(name) {
+    return name.startsWith("via-") ? Number(name.slice(4)) - 1 : -1;
+  }
+
+  // What is left without the via point or the final heading of a handle; null for the others.
+  function without(name) {
+    if (name === "final") return {final_heading: null, final_written: ""};
+    return viaOf(name) < 0 ? null : {via: model.state().via.toSpliced(viaOf(name), 1)};
+  }
+
+  function remove(name) {
+    if (!model.change(without(name), "keep")) return;
+    const left = centres[name] ? name : "target";
+    handles[left].focus({preventScroll: true});
+  }
 
   // Pixels of the plane under a pointer.
   function pixelsOf(event) {
@@ -66,7 +107,7 @@ window.explorerHandles = (scene, model) => {
   }
 
   function handle(name) {
-    const [label, help, letter] = LABELS[name], heading = name === "heading";
+    const [label, help, letter] = LABELS[name], heading = ["heading", "final"].includes(name);
     const made = element("g", {class: `handle ${name}`, tabindex: 0, role: "slider",
       "aria-label": `${label}: ${help}`, "aria-valuemin": heading ? -180 : 0,
       "aria-valuemax": heading ? 180 : 1e13}, svg);
@@ -78,6 +119,7 @@ window.explorerHandles = (scene, model) => {
     for (const type of ["pointerup", "pointercancel"]) {
       made.addEventListener(type, (event) => event.pointerId === pointer && end());
     }
+    made.addEventListener("click", (event) => clicked(event));
     made.addEventListener("keydown", (event) => press(event, name));
     return made;
   }
@@ -85,7 +127,8 @@ window.explorerHandles = (scene, model) => {
   // Handles may lie over each other: the one whose middle is nearest is dragged.
   function nearest({x, y}) {
     const distance = (name) => Math.hypot(centres[name].x - x, centres[name].y - y);
-    return Object.keys(LABELS).reduce((best, name) => (distance(name) <= distance(best) ? name : best));
+    return Object.keys(LABELS).filter((name) => centres[name])
+      .reduce((best, name) => (distance(name) <= distance(best) ? name : best));
   }
 
   // The pointer keeps its distance from the middle, so that a press alone moves nothing.
@@ -95,13 +138,15 @@ window.explorerHandles = (scene, model) => {
     const at = pixelsOf(event);
     dragged = nearest(at);
     pointer = event.pointerId;
+    moved = false;
     offset = {x: centres[dragged].x - at.x, y: centres[dragged].y - at.y};
     handles[dragged].setPointerCapture(event.pointerId);
     handles[dragged].focus({preventScroll: true, focusVisible: false});
   }
 
   function drag(event) {
-    const {x, y} = pixelsOf(event);
+    const {x, y} = pixelsOf(event), at = centres[dragged];
+    if (x + offset.x !== at.x || y + offset.y !== at.y) moved = true;
     model.change(MOVES[dragged].drag(scene.pointAt(x + offset.x, y + offset.y)), "keep");
   }
 
@@ -110,8 +155,19 @@ window.explorerHandles = (scene, model) => {
     model.rest();
   }
 
+  // A second press of the same handle: by time and not by `dblclick`, which touch may not send.
+  function clicked(event) {
+    const name = nearest(pixelsOf(event)), twice = pressed.name === name && event.timeStamp - pressed.time < TWICE_MS;
+    pressed = moved || twice ? {name: "", time: 0} : {name, time: event.timeStamp};
+    if (twice && !moved && without(name)) remove(name);
+  }
+
   function press(event, name) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (["Delete", "Backspace"].includes(event.key) && without(name)) {
+      event.preventDefault();
+      remove(name);
+    }
     const radius = RADIUS_KEYS[event.key], page = PAGES[event.key], step = ARROWS[event.key];
     if (!radius && !page && !step) return;
     event.preventDefault();
@@ -121,17 +177,21 @@ window.explorerHandles = (scene, model) => {
 
   function place(places) {
     centres = places;
-    for (const name in places) set(handles[name], {transform: `translate(${places[name].x} ${places[name].y})`});
+    for (const name in LABELS) {
+      set(handles[name], {display: places[name] ? "inline" : "none"});
+      if (places[name]) set(handles[name], {transform: `translate(${places[name].x} ${places[name].y})`});
+    }
   }
 
   function speak(scenario, summary) {
-    const {number} = window.explorerNumbers, {X, Y} = window.dubins.local(scenario);
-    const degrees = scenario.heading / DEGREE;
+    const {number} = window.explorerNumbers, {x, y, radius, via, final_heading} = scenario;
+    const place = ([px, py]) => [Math.hypot(px - x, py - y) / radius, `${number(px)}, ${number(py)}`];
+    const angle = (radians) => [radians / DEGREE, `${number(radians / DEGREE, 5)} degrees`];
     const values = {
-      target: [Math.hypot(X, Y), `${number(scenario.target_x)}, ${number(scenario.target_y)}`],
-      heading: [degrees, `${number(degrees, 5)} degrees`],
-      radius: [scenario.radius, number(scenario.radius)],
+      target: place(target(scenario)), heading: angle(scenario.heading), radius: [radius, number(radius)],
     };
+    via.forEach((point, i) => { values[`via-${i + 1}`] = place(point); });
+    if (final_heading !== null) values.final = angle(final_heading);
     for (const [name, [value, text]] of Object.entries(values)) {
       set(handles[name], {"aria-valuenow": short(value), "aria-valuetext": `${text}. ${summary}`});
     }
@@ -139,10 +199,11 @@ window.explorerHandles = (scene, model) => {
 
   for (const name in LABELS) handles[name] = handle(name);
   return {
-    place, speak, dragged: () => dragged !== null,
+    place, speak, rounded, dragged: () => dragged !== null,
     pointed(event) {
-      const {x, y} = pixelsOf(event);
-      return MOVES.target.drag(scene.pointAt(x, y));
+      const pixel = pixelsOf(event), {x, y} = scene.pointAt(pixel.x, pixel.y);
+      return {pixel, point: [rounded(x), rounded(y)]};
     },
   };
 };
+window.explorerHandles.MOST_VIA = 12;

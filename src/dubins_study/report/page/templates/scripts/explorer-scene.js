@@ -1,15 +1,18 @@
 "use strict";
 // window.explorerScene(stage): the plane of the explorer, drawn into an SVG inside the element `stage`.
 //
-// `fit(scenario, entries)` chooses the part of the plane that is shown, `draw(scenario, entries)`
-// draws it. The map of words is known in closed form (docs/derivation.md, section 6): LS to the left
-// of the start's axis and RS to its right, but RL inside the left turning circle and LR inside the
-// right one. A view is {x, y, scale}: the plane's point in the middle, and pixels per length unit.
+// `fit(scenario, answer)` chooses the part of the plane that is shown, `draw(scenario, answer, side)`
+// draws it. For one leg whose final heading is free that is the map of words, known in closed form
+// (docs/derivation.md, section 6), and a path of each word: LS to the left of the start's axis and RS
+// to its right, but RL inside the left turning circle and LR inside the right one. Otherwise it is the
+// path as `explorer-route.js` draws it. A view is {x, y, scale}: the plane's point in the middle, and
+// pixels per length unit.
 window.explorerScene = (stage) => {
   const {element, set, write} = window.svgElements;
   const EDGE = 34; // pixels between what is shown and the picture's edge
-  const HEADING_ARM = 62; // pixels from the start to the heading's handle
+  const HEADING_ARM = 62, FINAL_ARM = 46; // pixels from start and target to their heading's handles
   const BRANCHES = ["RL", "LR", "RS", "LS"]; // later ones are drawn over earlier ones
+  const NEAR_PATH = 14; // pixels; a click nearer to the path means the path
   const FAR = 1e5; // pixels; more than any screen has
   let width = 720, height = 500, view = {x: 0, y: 0, scale: 40};
 
@@ -37,7 +40,7 @@ window.explorerScene = (stage) => {
       hatches[word] = element(region.tagName, {fill: `url(#explorer-hatch-${word})`, class: "hatch"}, map);
     }
   }
-  const ahead = element("line", {class: "axis"}, map), behind = element("line", {class: "axis tie"}, map);
+  const axis = element("line", {class: "axis"}, map), behind = element("line", {class: "axis tie"}, map);
   const fronts = [1, -1].map(() => element("path", {class: "front"}, map));
   const regionTexts = {};
   for (const word of Object.keys(regions)) {
@@ -49,7 +52,7 @@ window.explorerScene = (stage) => {
     write(text, word);
     return text;
   });
-  const arm = element("line", {class: "heading-arm"}, lines);
+  const [arm, finalArm] = [0, 1].map(() => element("line", {class: "heading-arm"}, lines));
   const radiusLine = element("line", {class: "radius-line"}, lines);
   const paths = {}, pathTexts = {};
   for (const branch of BRANCHES) {
@@ -82,26 +85,33 @@ window.explorerScene = (stage) => {
   const radiusSide = (scenario) => (into(scenario, {x: scenario.target_x, y: scenario.target_y}).left > 0 ? -1 : 1);
 
   function handlePlaces(scenario, side) {
-    const {x, y, heading, target_x, target_y, radius} = scenario;
-    const far = outOf(scenario, 0, 2 * side * radius);
-    return {
-      target: {x: px(target_x), y: py(target_y)},
-      heading: {x: px(x) + HEADING_ARM * Math.cos(heading), y: py(y) - HEADING_ARM * Math.sin(heading)},
-      radius: {x: px(far.x), y: py(far.y)},
+    const {x, y, heading, target_x, target_y, radius, via, final_heading} = scenario;
+    const far = outOf(scenario, 0, 2 * side * radius), at = (u, v) => ({x: px(u), y: py(v)});
+    const places = {
+      target: at(target_x, target_y), heading: ahead(at(x, y), heading, HEADING_ARM), radius: at(far.x, far.y),
     };
+    via.forEach((point, i) => { places[`via-${i + 1}`] = at(...point); });
+    if (final_heading !== null) places.final = ahead(places.target, final_heading, FINAL_ARM);
+    return places;
   }
 
-  // Choose the view: start, both circles, the target and every path are in it.
-  function fit(scenario, entries) {
+  // The pixel at a distance from another, along a heading.
+  function ahead({x, y}, heading, distance) {
+    return {x: x + distance * Math.cos(heading), y: y - distance * Math.sin(heading)};
+  }
+
+  // Choose the view: start, both circles, all points and every path that is drawn are in it.
+  function fit(scenario, {drawn}) {
     const points = [{x: scenario.x, y: scenario.y}, {x: scenario.target_x, y: scenario.target_y}];
+    for (const [x, y] of scenario.via) points.push({x, y});
     for (const side of [1, -1]) {
       const centre = outOf(scenario, 0, side * scenario.radius);
       for (const [i, j] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
         points.push({x: centre.x + i * scenario.radius, y: centre.y + j * scenario.radius});
       }
     }
-    for (const entry of entries) {
-      const line = window.dubins.polyline(scenario, entry.curvatures, entry.lengths, 24);
+    for (const entry of drawn) {
+      const line = window.dubins.polyline(entry.start || scenario, entry.curvatures, entry.lengths, 24);
       for (const [x, y] of line) points.push({x, y});
     }
     const xs = points.map((p) => p.x), ys = points.map((p) => p.y);
@@ -153,10 +163,8 @@ window.explorerScene = (stage) => {
       const top = outOf(scenario, 0, 2 * side * radius);
       set(fronts[i], {d: `M${sx} ${sy}A${r} ${r} 0 0 ${side > 0 ? 0 : 1} ${px(top.x)} ${py(top.y)}`});
     });
-    set(ahead, {x1: sx, y1: sy, x2: sx + FAR * cos, y2: sy - FAR * sin});
+    set(axis, {x1: sx, y1: sy, x2: sx + FAR * cos, y2: sy - FAR * sin});
     set(behind, {x1: sx, y1: sy, x2: sx - FAR * cos, y2: sy + FAR * sin});
-    set(start, {cx: sx, cy: sy});
-    set(arm, {x1: sx, y1: sy, x2: sx + HEADING_ARM * cos, y2: sy - HEADING_ARM * sin});
     placeRegionTexts(scenario, r, places);
   }
 
@@ -202,7 +210,7 @@ window.explorerScene = (stage) => {
   // A place on a path for its name, away from handles and other names if there is one.
   function freePlace(scenario, entry, taken) {
     const spots = [0.55, 0.45, 0.65, 0.35, 0.75, 0.25].map((share) => {
-      const {x, y} = along(scenario, entry, share * entry.length);
+      const {x, y} = along(entry.start || scenario, entry, share * entry.length);
       return {x: px(x), y: py(y)};
     });
     const room = (spot) => Math.min(...taken.map(({x, y}) => Math.hypot(x - spot.x, y - spot.y)));
@@ -220,10 +228,20 @@ window.explorerScene = (stage) => {
     return window.dubins.poses(scenario, entry.curvatures, lengths).pop();
   }
 
-  function draw(scenario, entries, side) {
+  const route = window.explorerRoute(svg, lines, signs);
+
+  function draw(scenario, answer, side) {
     const places = handlePlaces(scenario, side), centre = outOf(scenario, 0, side * scenario.radius);
-    drawMap(scenario, places);
-    drawPaths(scenario, entries, places);
+    svg.classList.toggle("routed", answer.kind !== "point");
+    if (answer.kind === "point") {
+      drawMap(scenario, places);
+      drawPaths(scenario, answer.entries, places);
+    } else route.draw(scenario, answer.drawn, {px, py, scale: view.scale, freePlace, taken: Object.values(places)});
+    const sx = px(scenario.x), sy = py(scenario.y), {heading, target, final} = places;
+    set(start, {cx: sx, cy: sy});
+    set(arm, {x1: sx, y1: sy, x2: heading.x, y2: heading.y});
+    set(finalArm, {visibility: final ? "visible" : "hidden"});
+    if (final) set(finalArm, {x1: target.x, y1: target.y, x2: final.x, y2: final.y});
     const from = {x: px(centre.x), y: py(centre.y)};
     set(radiusLine, {x1: from.x, y1: from.y, x2: places.radius.x, y2: places.radius.y});
     set(radiusText, {x: (from.x + places.radius.x) / 2 + 6, y: (from.y + places.radius.y) / 2 + 4,
@@ -231,11 +249,29 @@ window.explorerScene = (stage) => {
     return places;
   }
 
+  // The leg whose drawn path passes within a few pixels of one; the last leg if none does.
+  function legAt(scenario, {drawn}, {x, y}) {
+    const distances = drawn.map((entry) => {
+      const line = window.dubins.polyline(entry.start || scenario, entry.curvatures, entry.lengths, 60);
+      const pixels = line.map(([u, v]) => [px(u) - x, py(v) - y]);
+      return Math.min(...pixels.slice(1).map((end, i) => fromOrigin(pixels[i], end)));
+    });
+    const least = Math.min(...distances);
+    return least < NEAR_PATH ? distances.indexOf(least) : drawn.length - 1;
+  }
+
+  // Distance of the origin from the line between two points.
+  function fromOrigin([x1, y1], [x2, y2]) {
+    const dx = x2 - x1, dy = y2 - y1, square = dx * dx + dy * dy;
+    const share = square > 0 ? Math.max(0, Math.min(1, -(x1 * dx + y1 * dy) / square)) : 0;
+    return Math.hypot(x1 + share * dx, y1 + share * dy);
+  }
+
   // The plane's point under a point of the picture.
   const pointAt = (x, y) => ({x: view.x + (x - width / 2) / view.scale, y: view.y - (y - height / 2) / view.scale});
 
   return {
-    svg, fit, fits, resize, draw, pointAt, radiusSide, into,
+    svg, fit, fits, resize, draw, pointAt, legAt, radiusSide, into,
     pixel: () => 1 / view.scale, // length unit
   };
 };

@@ -6,24 +6,27 @@
   const root = document.querySelector("[data-explorer]");
   if (!root) return;
   const {set: setAttributes} = window.svgElements;
+  const {MOST_VIA} = window.explorerHandles;
   const HASH = "#explore=", DEGREE = Math.PI / 180;
   const SETTLED_MS = 250; // after the last change: address, spoken summary
   const LARGEST = 1e100; // beyond it, squares of pixels and scales of axes overflow
   const NUMBERS = ["x", "y", "target_x", "target_y", "radius"];
+  const FORM = "x, y, heading, target x, target y, radius; then ;via=x,y,x,y... and ;final=heading";
   const scene = window.explorerScene(root.querySelector(".explorer-stage")), {svg} = scene;
   const handles = window.explorerHandles(scene, {
     state: () => state, side: () => side, change: changed, rest: () => set({}),
   });
-  const answers = window.explorerAnswers(root), copies = window.explorerCopies(root);
+  const answers = window.explorerAnswers(root), legs = window.explorerLegs(root), copies = window.explorerCopies(root);
   const sweep = window.explorerSweep(root.querySelector(".explorer-sweep"),
     (radius) => changed({radius: Number(radius.toPrecision(3))}));
   const fields = {};
   for (const input of root.querySelectorAll("input[name]")) fields[input.name] = input;
-  const problem = root.querySelector("[data-answer=problem]");
+  const problem = root.querySelector("[data-answer=problem]"), more = root.querySelector(".explorer-more");
+  const finalButton = root.querySelector("[data-final]");
 
-  // The scenario, and the heading as people write it ("120deg", or a number: rad). `touched` says
+  // The scenario, and its headings as people write them ("120deg", or a number: rad). `touched` says
   // whether a reader changed anything: only then the address follows.
-  let state = null, entries = [], side = 1, settle = 0, frame = 0, touched = false;
+  let state = null, answer = null, side = 1, settle = 0, frame = 0, touched = false;
 
   // Angle in rad of "120deg" or of a number in rad; NaN if it is neither.
   function angle(text) {
@@ -32,13 +35,22 @@
     return ["deg", "°"].includes(match[2]) ? Number(match[1]) * DEGREE : Number(match[1]);
   }
 
-  // The scenario of "x,y,heading,target x,target y,radius"; an error says why there is none.
+  // The scenario of a text of FORM; an error says why there is none.
   function parsed(text) {
-    const parts = text.split(",");
-    if (parts.length !== 6 || parts.some((part) => !part.trim())) throw new RangeError(`${text} has not six parts`);
+    const [leg, ...options] = text.split(";"), parts = leg.split(",");
+    if (parts.length !== 6 || parts.some((part) => !part.trim())) throw new RangeError(`${leg} has not six parts`);
     const [x, y, written, target_x, target_y, radius] = parts;
     const scenario = {x: Number(x), y: Number(y), heading: angle(written),
-      target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim()};
+      target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim(),
+      via: [], final_heading: null, final_written: ""};
+    for (const option of options) {
+      const [name, value = ""] = option.split("="), numbers = value.split(",");
+      if (name === "via" && numbers.length % 2 === 0 && numbers.every((number) => number.trim())) {
+        for (let i = 0; i < numbers.length; i += 2) scenario.via.push([Number(numbers[i]), Number(numbers[i + 1])]);
+      } else if (name === "final" && value) {
+        Object.assign(scenario, {final_heading: angle(value), final_written: value.trim()});
+      } else throw new RangeError(`${option} is neither via=x,y,... nor final=heading`);
+    }
     const message = refusal(scenario);
     if (message) throw new RangeError(message);
     return scenario;
@@ -46,6 +58,20 @@
 
   // Why a scenario cannot be shown; "" if it can be.
   function refusal(scenario) {
+    const {x, y, target_x, target_y, via, final_heading} = scenario;
+    if (Number.isNaN(final_heading)) return "final heading is not an angle; expected one such as 90deg";
+    if (via.length > MOST_VIA) return `there are ${via.length} via points; expected at most ${MOST_VIA}: the command takes more`;
+    const points = [[x, y], ...via, [target_x, target_y]];
+    for (let i = 1; i < points.length; i += 1) {
+      const [x1, y1] = points[i - 1], [x2, y2] = points[i];
+      const message = refusalOfLeg({...scenario, x: x1, y: y1, target_x: x2, target_y: y2});
+      if (message) return i < points.length - 1 ? `via point ${i}: ${message}` : message;
+      if (via.length && x1 === x2 && y1 === y2) return "a via point is equal to the point before or after it; expected another place";
+    }
+    return "";
+  }
+
+  function refusalOfLeg(scenario) {
     const message = window.dubins.refusal(scenario);
     if (message) return message;
     const name = NUMBERS.find((each) => Math.abs(scenario[each]) > LARGEST);
@@ -54,7 +80,27 @@
       ? `radius is ${scenario.radius}; expected at least ${1 / LARGEST}, which can be drawn` : "";
   }
 
-  const listed = ({x, y, written, target_x, target_y, radius}) => [x, y, written, target_x, target_y, radius].join(",");
+  function listed({x, y, written, target_x, target_y, radius, via, final_written}) {
+    const leg = [x, y, written, target_x, target_y, radius].join(",");
+    return leg + (via.length ? `;via=${via.join(",")}` : "") + (final_written && `;final=${final_written}`);
+  }
+
+  // The paths: of every word to a point or to a pose, or of every leg of a route; `drawn` are those in
+  // the plane.
+  function answerTo(scenario) {
+    const {target_x, target_y, radius, via, final_heading} = scenario;
+    if (via.length) {
+      const {entries, headings} = window.dubins.route(scenario);
+      return {kind: "route", entries, headings, drawn: entries};
+    }
+    if (final_heading === null) {
+      const entries = window.dubins.words(scenario);
+      return {kind: "point", entries, drawn: entries};
+    }
+    const end = {x: target_x, y: target_y, heading: final_heading};
+    const entries = window.dubins.pose.words(scenario, end, radius);
+    return {kind: "pose", entries, drawn: [entries.find((entry) => entry.optimal)]};
+  }
 
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
@@ -62,9 +108,9 @@
     if (message || Object.keys(change).length) problem.textContent = message;
     if (message) return false;
     state = next;
-    entries = window.dubins.words(state);
+    answer = answerTo(state);
     if (!handles.dragged()) side = scene.radiusSide(state);
-    if (view === "fit" || (view !== "keep" && !scene.fits(state))) scene.fit(state, entries);
+    if (view === "fit" || (view !== "keep" && !scene.fits(state))) scene.fit(state, answer);
     refresh();
     return true;
   }
@@ -77,15 +123,21 @@
 
   let summary = "";
   function refresh() {
-    handles.place(scene.draw(state, entries, side));
-    summary = answers.fill(state, entries);
+    const onMap = answer.kind === "point";
+    if (!onMap && root.dataset.kind === "point") more.open = true; // the command that proves is there
+    root.dataset.kind = answer.kind;
+    handles.place(scene.draw(state, answer, side));
+    summary = onMap ? answers.fill(state, answer.entries) : legs.fill(state, answer);
     handles.speak(state, summary);
     for (const name of NUMBERS) show(fields[name], state[name]);
     stepRadius(state.radius);
     show(fields.heading, Number((state.heading / DEGREE).toPrecision(12)));
+    const {final_heading} = state;
+    show(fields.final_heading, final_heading === null ? "" : Number((final_heading / DEGREE).toPrecision(12)));
+    setAttributes(finalButton, {"aria-pressed": String(final_heading !== null)});
     copies.fill(state, `${location.href.split("#")[0]}${HASH}${listed(state)}`);
     cancelAnimationFrame(frame); // once a frame is enough for what is drawn beside the plane
-    frame = requestAnimationFrame(() => sweep.draw(state, entries.find((entry) => entry.optimal).length));
+    if (onMap) frame = requestAnimationFrame(() => sweep.draw(state, answer.entries.find((entry) => entry.optimal).length));
     clearTimeout(settle);
     settle = setTimeout(settled, SETTLED_MS);
   }
@@ -109,14 +161,38 @@
     if (touched && !handles.dragged()) history.replaceState(null, "", `${HASH}${listed(state)}`);
   }
 
-  svg.addEventListener("click", (event) => { // a click beside the handles sets the target
-    if (!event.target.closest(".handle")) changed(handles.pointed(event), "keep");
+  // A click beside the handles sets the target on the map of words, and adds a via point otherwise.
+  svg.addEventListener("click", (event) => {
+    if (event.target.closest(".handle")) return;
+    const {pixel, point} = handles.pointed(event);
+    if (answer.kind === "point") changed({target_x: point[0], target_y: point[1]}, "keep");
+    else changed({via: state.via.toSpliced(scene.legAt(state, answer, pixel), 0, point)}, "keep");
+  });
+  // A via point in the middle of the longest leg.
+  root.querySelector("[data-add]").addEventListener("click", () => {
+    const {x, y, target_x, target_y, via} = state, points = [[x, y], ...via, [target_x, target_y]];
+    const lengths = points.slice(1).map(([u, v], i) => Math.hypot(u - points[i][0], v - points[i][1]));
+    const longest = lengths.indexOf(Math.max(...lengths)), [[x1, y1], [x2, y2]] = points.slice(longest);
+    changed({via: via.toSpliced(longest, 0, [handles.rounded((x1 + x2) / 2), handles.rounded((y1 + y2) / 2)])});
+  });
+  // The final heading is set free, or given as what it is, in whole degrees.
+  finalButton.addEventListener("click", () => {
+    const {kind, entries, headings} = answer;
+    const last = kind === "route" ? headings.at(-1)
+      : window.dubins.poses(state, ...["curvatures", "lengths"].map((name) => entries.find((entry) => entry.optimal)[name])).at(-1).heading;
+    const degrees = Math.round(Math.atan2(Math.sin(last), Math.cos(last)) / DEGREE);
+    changed(state.final_heading === null ? {final_heading: degrees * DEGREE, final_written: `${degrees}deg`}
+      : {final_heading: null, final_written: ""});
   });
   for (const [name, input] of Object.entries(fields)) {
     input.addEventListener("input", () => {
-      if (!input.value.trim()) return;
-      const value = Number(input.value);
-      changed(name === "heading" ? {heading: value * DEGREE, written: `${value}deg`} : {[name]: value}, "fit");
+      const value = Number(input.value), empty = !input.value.trim();
+      if (empty && (name !== "final_heading" || input.validity.badInput)) return;
+      changed({
+        heading: {heading: value * DEGREE, written: `${value}deg`},
+        final_heading: empty ? {final_heading: null, final_written: ""}
+          : {final_heading: value * DEGREE, final_written: `${value}deg`},
+      }[name] || {[name]: value}, "fit");
     });
     input.addEventListener("blur", () => { // a number that was refused gives way to the last good one
       problem.textContent = "";
@@ -134,7 +210,7 @@
       set(parsed(decodeURIComponent(location.hash.slice(HASH.length))), "fit");
     } catch (error) { // no scenario, or no text in percent-encoding
       problem.textContent = `The address holds no scenario: ${error.message}. `
-        + "Expected: x, y, heading, target x, target y, radius.";
+        + `Expected: ${FORM}.`;
     }
     root.scrollIntoView({behavior: "instant"});
   }
@@ -155,5 +231,5 @@
   addEventListener("hashchange", fromAddress);
   resize();
   fromAddress();
-  window.explorer = {set, state: () => state, entries: () => entries, sweep};
+  window.explorer = {set, state: () => state, entries: () => answer.entries, sweep};
 })();

@@ -1,0 +1,198 @@
+"""Routes in the explorer: via points and a final heading by mouse, finger and keyboard."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from contextlib import redirect_stdout
+from io import StringIO
+from typing import Any
+
+import pytest
+from browser_tab import PHONE, centre, drag, number, scenario_in
+from typer.testing import CliRunner
+
+from dubins_study import Scenario, solve
+from dubins_study.cli.app import app
+from dubins_study.report.page.explorer import PRESETS
+from dubins_study.study.closed_form.pose import shortest_to_pose
+from dubins_study.study.scenario import Pose
+
+ROUTE = "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg"
+POSE = "0,0,30deg,4,1,1;final=180deg"
+
+
+def summary(page: Any) -> tuple[str, str, float]:
+    """What the line says: `Shortest` or `Found`, the words, the length."""
+    title, _, rest = page.locator("[data-answer=summary]").inner_text().partition(": ")
+    words, _, length = rest.partition(", length ")
+    return title, words, number(length.partition(" (")[0])
+
+
+def legs(page: Any) -> list[list[str]]:
+    """The cells of the table's rows that are shown."""
+    rows: list[list[str]] = page.locator(".explorer-legs tbody tr:visible").evaluate_all(
+        "rows => rows.map(row => [...row.cells].map(cell => cell.textContent))"
+    )
+    return rows
+
+
+def clicked(page: Any, dx: float, dy: float, name: str = "target") -> None:
+    """Click beside a handle."""
+    x, y = centre(page, name)
+    page.mouse.click(x + dx, y + dy)
+
+
+def test_a_route_and_its_copies(explorer):
+    """The address, the command and the Python are of one route, whose length the page shows."""
+    page = explorer(ROUTE)
+    expected = Scenario(0, 0, "30deg", 10, 5, via=[(4, 1), (6, -2)], final_heading="90deg")
+    assert scenario_in(page) == expected
+    answer = solve(expected)
+    assert summary(page) == ("Found", answer.word, pytest.approx(answer.length, rel=6e-6))
+    assert [row[0] for row in legs(page)] == ["start → 1", "1 → 2", "2 → T"]
+    assert sum(number(row[3]) for row in legs(page)) == pytest.approx(answer.length, rel=2e-5)
+    assert page.locator("[data-answer=place]").inner_text().startswith("Not proved: ")
+    page.wait_for_function("document.querySelector('[data-copy=link]').textContent")
+    assert page.locator("[data-copy=link]").inner_text().endswith(f"#explore={ROUTE}")
+
+    command = shlex.split(page.locator("[data-copy=command]").inner_text())  # in view
+    printed = CliRunner().invoke(app, [*command[1:], "--json"])
+    assert json.loads(printed.stdout)["length"] == pytest.approx(answer.length, rel=1e-9)
+    names: dict[str, Any] = {}
+    with redirect_stdout(StringIO()):
+        exec(page.locator("[data-copy=python]").text_content(), names)  # our own text
+    assert names["answer"].scenario == expected
+
+
+def test_one_leg_with_a_final_heading_has_six_words(explorer):
+    """Exact, and it says so."""
+    page = explorer(POSE)
+    best = shortest_to_pose(Pose(0, 0, math.radians(30)), Pose(4, 1, math.pi), 1.0)
+    assert best is not None
+    assert summary(page) == ("Shortest", best.word, pytest.approx(best.total, rel=6e-6))
+    assert page.locator("[data-answer=place]").inner_text().startswith("Exact: ")
+    assert [row[0].rstrip(" ✓") for row in legs(page)] == ["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"]
+    assert [row[0] for row in legs(page) if row[4] == "shortest"] == [f"{best.word} ✓"]
+    drag(page, "final", 30, 40)
+    turned = scenario_in(page)
+    assert turned.final_heading != math.pi
+    assert summary(page)[2] == pytest.approx(solve(turned).length, rel=6e-6)
+
+
+def test_examples_of_routes(explorer):
+    page = explorer()
+    for preset in PRESETS:
+        if ";" in preset.text:
+            page.get_by_role("button", name=preset.name, exact=True).click()
+            scenario = scenario_in(page)
+            assert bool(scenario.via) == ("via" in preset.text)
+            assert summary(page)[2] == pytest.approx(solve(scenario).length, rel=6e-6)
+
+
+def test_click_to_add_drag_to_move_double_click_to_remove(explorer):
+    """On the map of words a click still sets the target; twelve via points are the most."""
+    page = explorer("0,0,0deg,8,0,1")
+    clicked(page, -30, -60)
+    assert scenario_in(page).one_free_leg
+    page.get_by_role("button", name="Add a via point").click()
+    assert len(scenario_in(page).via) == 1
+    clicked(page, -60, 60)
+    assert len(scenario_in(page).via) == 2
+    before, length = scenario_in(page), summary(page)[2]
+    assert before.via[1][1] < before.target_y
+    drag(page, "via-2", 25, -90)
+    after = scenario_in(page)
+    assert (after.via[0], after.target_x) == (before.via[0], before.target_x)
+    assert after.via[1][0] > before.via[1][0]
+    assert after.via[1][1] > before.via[1][1]
+    assert summary(page)[2] != length
+    page.mouse.dblclick(*centre(page, "via-1"))
+    assert scenario_in(page).via == (after.via[1],)
+    for _ in range(11):
+        page.get_by_role("button", name="Add a via point").click()
+    assert len(scenario_in(page).via) == 12
+    page.get_by_role("button", name="Add a via point").click()
+    assert "expected at most 12" in page.locator("[data-answer=problem]").inner_text()
+    assert len(legs(page)) == 13
+
+
+def test_a_click_on_the_path_adds_to_that_leg(explorer):
+    """Here in the middle of the first of two legs, which is straight."""
+    page = explorer("0,0,0deg,12,4,1;via=8,0")
+    to_x, to_y = centre(page, "via-1")
+    start = page.locator(".explorer-plane .start").bounding_box()
+    page.mouse.click((start["x"] + to_x) / 2 + 40, (start["y"] + to_y) / 2 + 3)
+    first, second = scenario_in(page).via
+    assert 3 < first[0] < 8
+    assert second == (8, 0)
+
+
+def test_a_route_by_keyboard(explorer):
+    """Tab goes from point to point in order; Delete removes a point, or sets the heading free."""
+    page = explorer(ROUTE)
+    page.locator(".handle.via-1").focus()
+    assert page.locator(".handle.via-1").get_attribute("aria-valuetext").startswith("4, 1. Found: ")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Shift+ArrowUp")
+    assert scenario_in(page).via == ((3.95, 1), (6, -1.5))
+    page.keyboard.press("Tab")
+    page.keyboard.press("ArrowUp")
+    assert scenario_in(page).final_heading == math.radians(91)
+    assert page.get_by_role("slider").count() == 6
+    page.keyboard.press("Delete")
+    assert scenario_in(page).final_heading is None
+    page.locator(".handle.via-1").focus()
+    page.keyboard.press("Delete")
+    page.keyboard.press("Delete")
+    assert scenario_in(page).one_free_leg
+    assert page.locator(".handle.target").evaluate("e => e === document.activeElement")
+    assert summary(page)[0] == "Shortest"
+    assert page.locator(".explorer-map").is_visible()
+
+
+def test_the_final_heading_is_free_or_given(explorer):
+    """By the button, which keeps the path, and by the field, where nothing is free."""
+    page = explorer("0,0,0deg,6,3,1")
+    length, button = summary(page)[2], page.get_by_role("button", name="Final heading", exact=True)
+    assert button.get_attribute("aria-pressed") == "false"
+    button.click()
+    assert button.get_attribute("aria-pressed") == "true"
+    assert summary(page)[2] == pytest.approx(length, rel=1e-3)  # whole degrees
+    field = page.get_by_label("final heading, deg")
+    field.fill("-45")
+    assert scenario_in(page).final_heading == math.radians(-45)
+    field.fill("")
+    assert scenario_in(page).final_heading is None
+    button.click()
+    button.click()
+    assert scenario_in(page).one_free_leg
+
+
+def test_a_finger_adds_moves_and_removes(explorer):
+    page = explorer(ROUTE, viewport=PHONE, has_touch=True, is_mobile=True)
+    x, y = centre(page, "via-2")
+    page.touchscreen.tap(x - 40, y + 30)
+    assert len(scenario_in(page).via) == 3
+    x, y = centre(page, "via-3")
+    page.touchscreen.tap(x, y)
+    page.touchscreen.tap(x, y)
+    assert scenario_in(page).via == ((4, 1), (6, -2))
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_broken_route_is_refused_in_words(explorer):
+    reasons = {
+        "0,0,0,1,1,1;via=1,2,3": "via=1,2,3 is neither via=x,y,... nor final=heading",
+        "0,0,0,1,1,1;to=3": "to=3 is neither",
+        "0,0,0,1,1,1;via=a,b": "via point 1: target_x is NaN; expected a finite number",
+        "0,0,0,1,1,1;via=2,2,2,2": "a via point is equal to the point before or after it",
+        "0,0,0,1,1,1;final=north": "final heading is not an angle",
+        f"0,0,0,1,1,1;via={','.join(map(str, range(26)))}": "expected at most 12",
+    }
+    for text, reason in reasons.items():
+        page = explorer(text)
+        assert reason in page.locator("[data-answer=problem]").inner_text()
+        assert scenario_in(page).one_free_leg  # the first example
