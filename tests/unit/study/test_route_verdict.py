@@ -262,6 +262,26 @@ def test_missing_by_a_little_buys_no_turn(via):
     assert solve(scenario).verdict is Verdict.OPTIMAL
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
+    """A point computed to lie on the start's circle, inside or outside by rounding."""
+    rng = np.random.default_rng(seed)
+    arc = Path(Pose(*rng.uniform(-5, 5, 3)), [1.0], [rng.uniform(0.3, 3)])
+    x, y, heading = arc.end
+    away = rng.uniform(3, 8, 2) * (math.cos(heading), math.sin(heading))
+    there = solve(Scenario(*arc.end, x + away[0], y + away[1])).path
+    path = Path(arc.start, [1.0, *there.curvature], [*arc.length, *there.length])
+    scenario = Scenario(*arc.start, x + away[0], y + away[1], via=[(x, y)])
+    quick = Tolerances(search_s=0.5)
+
+    found = judge(scenario, path, tolerances=quick)
+
+    assert found.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+    certificate = certify(scenario, path, found, tolerances=quick)
+    assert certificate.reference_low <= path.total_length * (1 + 1e-9)
+    assert certificate.proof in (Proof.PROVED, Proof.EXTREMAL)
+
+
 # Symmetries of the question, through the whole of `solve`.
 
 
