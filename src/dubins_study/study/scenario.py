@@ -17,7 +17,7 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import FULL_TURN, AngleError, parse_angle
-from dubins_study.study.values import real_number, short
+from dubins_study.study.values import did_you_mean, real_number, short
 from dubins_study.study.words import (
     BRANCHES,
     FINAL_HEADING,
@@ -286,9 +286,21 @@ def _problem(name: str, value: float) -> str | None:
     return None
 
 
-def missing_columns(names: Sequence[str]) -> str:
-    """The beginning of a sentence about columns that a table of scenarios lacks."""
-    return f"missing column{'s' if len(names) > 1 else ''} {', '.join(map(repr, names))}"
+def column_problems(names: Sequence[Any]) -> list[str]:
+    """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
+    required = [name for name in COLUMNS if name not in DEFAULTS]
+    expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(DEFAULTS)}"
+    problems = []
+    if missing := [name for name in required if name not in names]:
+        several = "s" if len(missing) > 1 else ""
+        problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
+    for name in dict.fromkeys(names):
+        if name not in COLUMNS:
+            near = did_you_mean(name, [known for known in COLUMNS if known not in names])
+            problems.append(f"unknown column {short(name)}; {near}{expected}")
+        elif names.count(name) > 1:
+            problems.append(f"column {name!r} appears twice")
+    return problems
 
 
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
@@ -305,13 +317,8 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     if not isinstance(frame, pd.DataFrame):
         raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
     names = list(frame.columns)
-    expected = f"expected columns {', '.join(COLUMNS)}"
-    if missing := [name for name in COLUMNS if name not in names and name not in DEFAULTS]:
-        raise ScenarioError(f"{missing_columns(missing)}; {expected}")
-    if unknown := [name for name in names if name not in (*COLUMNS, "via")]:
-        raise ScenarioError(f"unknown column {unknown[0]!r}; {expected}")
-    if len(set(names)) < len(names):
-        raise ScenarioError(f"a column appears twice; {expected}")
+    if problems := column_problems([name for name in names if name != "via"]):
+        raise ScenarioError(problems[0])
     if "via" in names and {*VIA} & {*names}:
         raise ScenarioError("via points are given twice; expected via, or via_x and via_y")
     columns = _columns_of_numbers(frame) or _columns_row_by_row(frame)
@@ -339,14 +346,11 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     )
     if any(column is None for column in columns.values()):
         return None
-    places, radius = (
-        [columns[name] for name in ("x", "y", "target_x", "target_y")],
-        columns["radius"],
-    )
+    places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
+    largest = LARGEST_EXTENT * columns["radius"]
     # no row can be worse than the worst of every column together
     worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
-    fits = worst <= LARGEST_EXTENT * radius.min()
-    if not fits and np.any(sum(map(np.abs, places)) > LARGEST_EXTENT * radius):
+    if worst > largest.min() and np.any(sum(map(np.abs, places)) > largest):
         return None
     return columns
 

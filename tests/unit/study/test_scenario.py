@@ -172,12 +172,12 @@ def test_a_label_is_a_text(label):
 
 def test_columns():
     frame = pd.DataFrame([GOOD])
-    with pytest.raises(ScenarioError, match="missing column 'radius'; expected columns x, y"):
+    with pytest.raises(ScenarioError, match="missing column 'radius'; expected the columns x, y"):
         check_frame(frame.drop(columns="radius"))
-    with pytest.raises(ScenarioError, match="missing columns 'y', 'radius'; expected columns x, y"):
+    with pytest.raises(ScenarioError, match="missing columns 'y', 'radius'; expected the columns"):
         check_frame(frame.drop(columns=["radius", "y"]))
-    with pytest.raises(ScenarioError, match="unknown column 'radios'"):
-        check_frame(frame.assign(radios=1))
+    with pytest.raises(ScenarioError, match="unknown column 'lable'; did you mean 'label'"):
+        check_frame(frame.assign(lable="a"))
     with pytest.raises(ScenarioError, match="expected a DataFrame"):
         check_frame([GOOD])
 

@@ -18,11 +18,11 @@ from dubins_study.study.scenario import (
     Scenario,
     ScenarioError,
     check_frame,
-    missing_columns,
+    column_problems,
     numbers_of,
     scenario_of,
 )
-from dubins_study.study.values import did_you_mean, plain, short
+from dubins_study.study.values import plain, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,11 +30,6 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
 _MOST_BYTES = 2**30
-_REQUIRED = [name for name in COLUMNS if name not in DEFAULTS]
-_EXPECTED = (
-    f"expected the columns {', '.join(_REQUIRED)} and, if wanted, {', '.join(DEFAULTS)}; from "
-    "pandas with index=False"
-)
 # Where a row stands, such as `line 7`, and its values by column.
 _Row = tuple[str, dict[str, Any]]
 
@@ -168,15 +163,7 @@ def _parquet_rows(file: FilePath) -> list[_Row]:
 
 def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
     """Refuse columns that are missing, unknown or twice there, all of them at once."""
-    sentences = []
-    if missing := [name for name in _REQUIRED if name not in head]:
-        sentences.append(f"{missing_columns(missing)}; {_EXPECTED}")
-    for name in dict.fromkeys(head):
-        if name not in COLUMNS:
-            near = did_you_mean(name, [known for known in COLUMNS if known not in head])
-            sentences.append(f"unknown column {short(name)}; {near}{_EXPECTED}")
-        elif head.count(name) > 1:
-            sentences.append(f"column {name!r} appears twice")
+    sentences = [f"{problem}; from pandas with index=False" for problem in column_problems(head)]
     if len(head) == 1 and ";" in head[0]:
         sentences = ["the columns are separated by semicolons; expected commas"]
     if sentences:
