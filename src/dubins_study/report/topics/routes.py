@@ -161,7 +161,7 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
     caption = (
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
         "and as colour the median gap. Below, median times of each formulation's surest engines, "
-        "failures included; at one leg they are little more than the floor. Dotted: the limit."
+        "failures included; an engine's floor is at most that at one leg. Dotted: the limit."
     )
     return Picture("routes", caption, figure, "Success, gap and time against the number of legs")
 
