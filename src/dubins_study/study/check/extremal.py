@@ -30,6 +30,7 @@ from dubins_study.study.check.two_arcs import (
     NO_TURN,
     Word,
     costates,
+    nearest_rate,
     pose_costates,
     word_of,
 )
@@ -109,14 +110,19 @@ def measure_pose(path: Path, radius: float) -> Extremal | None:
 
 def _pose_word(u: list[float], length: list[float]) -> list[float] | None:
     """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
-    arcs = list(zip(u, length, strict=True))
+    rates, total = [nearest_rate(k) for k in u], sum(length)
+    off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
+    # how far the end lies off what is driven at full rates
+    if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > ARRIVES + DRIVEN * total:
+        return None
+    arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0:
         arcs.insert(1, _NO_PIECE)
     (u1, l1), (u2, l2), (u3, l3) = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
-    full = len(arcs) <= 3 and {u1, u2, u3} <= {-1.0, 0.0, 1.0}
-    return [u1, l1, u2, l2, u3, l3] if full and (u2 == 0.0 or u1 == u3 == -u2) else None
+    named = len(arcs) <= 3 and (u2 == 0.0 or u1 == u3 == -u2)
+    return [u1, l1, u2, l2, u3, l3] if named else None
 
 
 def _word(rates: list[float], lengths: list[float]) -> Word | None:

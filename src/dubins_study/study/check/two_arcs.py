@@ -172,6 +172,13 @@ def _inflected(
         nu0, rho, phi = abs(half), -math.copysign(1.0, half), middle + turn2 * second / 2
     else:  # against the heading of S
         nu0, rho, phi = 1.0, -1.0, middle
+    angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
+    turns = (turn1 * first, turn2 * second, turn3 * third)
+    margin = _least_on_arcs(nu0, rho, angles, turns)
+    abnormal = nu0 < ABNORMAL
+    if abnormal:  # either sign will do
+        other = _least_on_arcs(nu0, -rho, angles, turns)
+        rho, margin = (-rho, other) if other > margin else (rho, margin)
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
     along, across = math.cos(phi), math.sin(phi)
@@ -180,14 +187,8 @@ def _inflected(
     H1 = nu0 + nu1 + turn1 * start_nu3
     H2 = nu0 + rho * math.cos(middle - phi)
     H3 = nu0 + rho * math.cos(last - phi) + turn3 * last_nu3
-    margin1 = _least(nu0, rho, -phi, middle - phi) if turn1 * first != 0.0 else math.inf
-    margin2 = _least(nu0, rho, middle - phi, last - phi) if turn2 * second != 0.0 else math.inf
-    end = last + turn3 * third
-    margin3 = _least(nu0, rho, last - phi, end - phi) if turn3 * third != 0.0 else math.inf
-    margin = min(min(margin1, margin2), margin3)
     inflected = abs(last_nu3) / max(1.0, first + second + third)
     worst = max(max(abs(H1), abs(H2)), max(abs(H3), inflected))
-    abnormal = nu0 < ABNORMAL
     size = rho if abnormal else rho / nu0
     # turned by the heading apart: added to a heading of many turns, phi would lose its digits
     c, s = math.cos(heading), math.sin(heading)
@@ -200,6 +201,20 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
     half = turn * length / 2
     chord = length * (math.sin(half) / half if half != 0.0 else 1.0)
     return chord * math.cos(heading + half), chord * math.sin(heading + half)
+
+
+def _least_on_arcs(
+    nu0: float,
+    rho: float,
+    angles: tuple[float, float, float, float],
+    turns: tuple[float, float, float],
+) -> float:
+    """Least nu0 + rho cos(theta) on three pieces between angles, or infinity without arcs."""
+    margin = math.inf
+    for i in range(3):
+        if turns[i] != 0.0:
+            margin = min(margin, _least(nu0, rho, angles[i], angles[i + 1]))
+    return margin
 
 
 def _least(nu0: float, rho: float, a: float, b: float) -> float:
