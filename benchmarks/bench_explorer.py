@@ -1,9 +1,10 @@
 """How long the explorer's page takes to answer a drag, in Chromium.
 
-500 moves of each handle, by the browser's own input. Three times are taken of each move: the
-handler's, with the layout that it causes; until the frame is painted, as the page itself sees it;
-and the CPU time of the page's thread until the next move, from the browser's trace, which knows
-nothing of what else runs on the machine (but holds some 1 ms of the trace and the driver).
+500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, and
+of a via point and the final heading of routes with five via points. Three times are taken of each
+move: the handler's, with the layout that it causes; until the frame is painted, as the page itself
+sees it; and the CPU time of the page's thread until the next move, from the browser's trace, which
+knows nothing of what else runs on the machine (but holds some 1 ms of the trace and the driver).
 
 The same moves are made three times. The least of the three is the move's own time, since what else
 runs only ever adds; the slowest of these is compared with a frame. Garbage is not collected at the
@@ -32,12 +33,19 @@ from dubins_study.report.page.explorer import write_explorer
 FloatArray = NDArray[np.float64]
 
 FRAME_MS = 16
-HANDLES = ("target", "heading", "radius")
 MOVES = sized(125, 6)  # of each handle from each start
 REPEATS = sized(3, 1)
 _EDGE_PX = 16  # how far the pointer stays from the picture's edge
 # A target in the middle, on a circle, far away, and next to the start.
 STARTS = ("0,0,30deg,2,1.5,1", "0,0,30deg,1,1,1", "0,0,120deg,-100,20,1", "0,0,10deg,0.02,0.01,1")
+# Five via points far apart, 2 R apart, 1 R apart, and in line; the final heading is given.
+ROUTES = (
+    "0,0,30deg,40,0,1;via=8,5,14,-3,20,6,28,-2,33,7;final=90deg",
+    "0,0,0deg,9,0,1;via=2,1,3,3,5,-1,6,2,8,-1;final=-90deg",
+    "0,0,60deg,1,1,1;via=0.9,0.2,0.3,1.1,1.4,0.8,0.6,-0.4,1.7,-0.1;final=180deg",
+    "0,0,0deg,12,0,1;via=2,0,4,0,6,0,8,0,10,0;final=0deg",
+)
+DRAGS = {"target": STARTS, "heading": STARTS, "radius": STARTS, "via-3": ROUTES, "final": ROUTES}
 
 _WATCH = """() => {
   const times = window.times = {handler: [], painted: []}, channel = new MessageChannel();
@@ -100,11 +108,11 @@ def drags(address: str, program: str) -> Iterator[tuple[str, list[Times]]]:
     with sync_playwright() as playwright:
         arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
         browser = playwright.chromium.launch(executable_path=program, args=arguments)
-        for name in HANDLES:
+        for name, starts in DRAGS.items():
             repeats = []
             for _ in range(REPEATS):
                 rows = [
-                    _from_start(browser, f"{address}#explore={start}", name) for start in STARTS
+                    _from_start(browser, f"{address}#explore={start}", name) for start in starts
                 ]
                 repeats.append(Times(*map(np.concatenate, zip(*rows, strict=True))))
             yield name, repeats
@@ -124,7 +132,8 @@ def _moved(browser: Any, page: Any, name: str) -> Times:
     page.locator(".explorer-stage").scroll_into_view_if_needed()
     box = page.locator(".explorer-plane").bounding_box()
     x, y = _middle(page.locator(f".handle.{name} .knob").bounding_box())
-    disc = page.locator("circle[data-word=RL]").bounding_box()
+    near = page.locator("circle[data-word=RL], .handle.via-2 .touch")
+    disc = next(filter(None, (circle.bounding_box() for circle in near.all())))
     page.evaluate(_WATCH)
     page.mouse.move(x, y)
     page.mouse.down()
@@ -146,7 +155,10 @@ def _middle(box: dict[str, float]) -> tuple[float, float]:
 
 
 def _places(box: dict[str, float], disc: dict[str, float]) -> Iterator[tuple[float, float]]:
-    """Pixels: anywhere in the picture, a little further, and next to the left turning circle."""
+    """Pixels: anywhere in the picture, a little further, and next to a circle.
+
+    The circle is the left turning circle, or of a route one around its second via point.
+    """
     chance = random.Random(1)
     (cx, cy), r = _middle(disc), disc["width"] / 2
     x = y = 0.0

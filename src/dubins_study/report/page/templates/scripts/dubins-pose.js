@@ -8,42 +8,45 @@ window.dubins.pose = (() => {
   const RATE = {L: 1, S: 0, R: -1}; // curvature times radius
   const WORDS = ["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"];
   const NEAR_ZERO = 1e-3; // rad; the sign of an angle below this is taken from coordinates, not from it
-  // The segments of the word that was asked for last: numbers instead of a list, since a route asks
-  // for some ten thousand words in every frame of a drag.
-  let t = NaN, p = NaN, q = NaN;
+  // The segments of the word that was asked for last: one array for all, since a route asks for some
+  // ten thousand words in every frame of a drag, and the browser collects what is allocated.
+  const driven = new Float64Array(3);
 
   // What the data are known to, of a leg (dx, dy) whose four coordinates' sizes add up to `extent`.
   const uncertainty = (extent, dx, dy) => EPS * (2 * extent + 12 * (Math.abs(dx) + Math.abs(dy)) + 16);
 
   function total(first, middle, last) {
-    t = first;
-    p = middle;
-    q = last;
+    driven[0] = first;
+    driven[1] = middle;
+    driven[2] = last;
     return first + middle + last;
   }
 
-  // Length of a word, whose segments are then t, p, q; Infinity where it has no path. The end is at
-  // (X, Y) in the start's frame; `s` and `c` are the sine and cosine of its heading there.
-  function word(X, Y, s, c, index, delta) {
+  // Length of a word, whose segments are then `driven`; Infinity where it has no path, or none that is
+  // shorter than `bound`. The end is at (X, Y) in the start's frame; `s` and `c` are the sine and
+  // cosine of its heading there.
+  function word(X, Y, s, c, index, delta, bound) {
     const mirrored = index === 1 || index === 3 || index === 4;
     const form = index < 2 ? leftStraightLeft : index < 4 ? leftStraightRight : leftRightLeft;
-    return form(X, mirrored ? -Y : Y, mirrored ? -s : s, c, delta);
+    return form(X, mirrored ? -Y : Y, mirrored ? -s : s, c, delta, bound);
   }
 
-  function leftStraightLeft(X, Y, s, c, delta) {
+  function leftStraightLeft(X, Y, s, c, delta, bound) {
     const half = 0.5 * delta, x1 = X - s, y1 = Y + (c - 1);
     const x2 = x1 * c + y1 * s, y2 = x1 * s - y1 * c;
+    const straight = Math.sqrt(x1 * x1 + y1 * y1);
+    if (straight >= bound) return Infinity;
     if (Math.abs(y1) <= half && x1 >= -half) return total(0, Math.max(x1, 0), turn(Math.atan2(s, c), half));
     if (Math.abs(y2) <= half && x2 >= -half) return total(turn(Math.atan2(s, c), half), Math.max(x2, 0), 0);
     const first = onSide(Math.atan2(y1, x1), y1 >= 0), last = onSide(Math.atan2(y2, x2), y2 >= 0);
-    return total(first, Math.sqrt(x1 * x1 + y1 * y1), last);
+    return total(first, straight, last);
   }
 
-  function leftStraightRight(X, Y, s, c, delta) {
+  function leftStraightRight(X, Y, s, c, delta, bound) {
     const half = 0.5 * delta, x1 = X + s, y1 = Y - (c + 1);
     const x2 = x1 * c + y1 * s, y2 = y1 * c - x1 * s;
     const square = x1 * x1 + (y1 - 2) * (y1 + 2);
-    if (square < -2 * delta) return Infinity;
+    if (square < -2 * delta || square >= bound * bound) return Infinity;
     if (Math.abs(y1 + 2) <= half && x1 >= -half) return total(0, Math.max(x1, 0), turn(Math.atan2(-s, c), half));
     if (Math.abs(y2 + 2) <= half && x2 >= -half) return total(turn(Math.atan2(s, c), half), Math.max(x2, 0), 0);
     const straight = Math.sqrt(Math.max(square, 0));
@@ -52,11 +55,11 @@ window.dubins.pose = (() => {
     return total(onSide(first, x1 >= 0 && y1 >= -2), straight, onSide(last, x2 >= 0 && y2 >= -2));
   }
 
-  function leftRightLeft(X, Y, s, c, delta) {
+  function leftRightLeft(X, Y, s, c, delta, bound) {
     const half = 0.5 * delta, x1 = X - s, y1 = Y + (c - 1);
     const x2 = x1 * c + y1 * s, y2 = x1 * s - y1 * c;
     const d = Math.sqrt(x1 * x1 + y1 * y1);
-    if (d > 4 + half) return Infinity;
+    if (d > 4 + half || TWO_PI - 0.25 * Math.PI * d >= bound) return Infinity; // a chord of the arcsine
     if (d <= half) return total(turn(Math.atan2(s, c), half), TWO_PI, 0); // one circle
     // |C - (0, -1)|^2 - 4 of the last centre C: zero where the first arc vanishes
     const firstEdge = x1 * x1 + y1 * (y1 + 4), lastEdge = x2 * x2 + y2 * (y2 + 4);
@@ -88,15 +91,15 @@ window.dubins.pose = (() => {
     return angle > 0 ? angle : angle + TWO_PI;
   }
 
-  // The shortest length from (0, 0, a) to (x, y, b), given the sines and cosines of a and b.
-  function shortest(x, y, sinA, cosA, sinB, cosB, delta) {
+  // The shortest length from (0, 0, a) to (x, y, b), given the sines and cosines of a and b; `bound` or
+  // more if it is not below that.
+  function shortest(x, y, sinA, cosA, sinB, cosB, delta, bound = Infinity) {
     const X = x * cosA + y * sinA, Y = y * cosA - x * sinA;
     const s = sinB * cosA - cosB * sinA, c = cosB * cosA + sinB * sinA;
     const tried = x * x + y * y < 16 ? 6 : 4; // three arcs are the shortest only between near points
-    let best = Infinity;
+    let best = bound;
     for (let index = 0; index < tried; index += 1) {
-      if (index === 4 && best <= Math.PI) break; // their middle arc is longer
-      const length = word(X, Y, s, c, index, delta);
+      const length = word(X, Y, s, c, index, delta, best);
       if (length < best) best = length;
     }
     return best;
@@ -113,14 +116,14 @@ window.dubins.pose = (() => {
     const X = x * cosA + y * sinA, Y = y * cosA - x * sinA;
     const s = sinB * cosA - cosB * sinA, c = cosB * cosA + sinB * sinA;
     const entries = WORDS.map((branch, index) => {
-      const exists = word(X, Y, s, c, index, delta) < Infinity, all = [t, p, q];
-      const driven = exists ? [0, 1, 2].filter((i) => all[i] > 0) : [];
-      const segments = driven.map((i) => all[i]);
+      const length = word(X, Y, s, c, index, delta, Infinity) * radius, exists = length < Infinity;
+      const used = exists ? [0, 1, 2].filter((i) => driven[i] > 0) : [];
+      const segments = used.map((i) => driven[i]);
       return {
-        branch, start, exists, segments, word: driven.map((i) => branch[i]).join(""),
-        length: exists ? (all[0] + all[1] + all[2]) * radius : NaN,
-        curvatures: driven.map((i) => RATE[branch[i]] / radius),
-        lengths: segments.map((length) => length * radius),
+        branch, start, exists, segments, word: used.map((i) => branch[i]).join(""),
+        length: exists ? length : NaN,
+        curvatures: used.map((i) => RATE[branch[i]] / radius),
+        lengths: segments.map((segment) => segment * radius),
       };
     });
     const best = Math.min(...entries.filter((entry) => entry.exists).map((entry) => entry.length));

@@ -84,9 +84,10 @@ window.dubins.route = (() => {
         let least = Infinity, before = 0;
         for (let j = 0; j < from.size; j += 1) {
           if (!lengths && from.cost[j] + straight >= least) continue;
-          const length = shortest(x, y, from.sin[j], from.cos[j], to.sin[k], to.cos[k], delta);
+          const bound = lengths ? Infinity : least - from.cost[j];
+          const length = shortest(x, y, from.sin[j], from.cos[j], to.sin[k], to.cos[k], delta, bound);
           if (lengths) lengths[i][j * MOST + k] = length;
-          if (from.cost[j] + length < least) {
+          if (length < bound && from.cost[j] + length < least) {
             least = from.cost[j] + length;
             before = j;
           }

@@ -9,7 +9,8 @@
 // pixels per length unit.
 window.explorerScene = (stage) => {
   const {element, set, write} = window.svgElements;
-  const EDGE = 34; // pixels between what is shown and the picture's edge
+  // Pixels between what is shown and the picture's edge, and with the target's final heading
+  const EDGE = 34, WIDE_EDGE = 62;
   const HEADING_ARM = 62, FINAL_ARM = 46; // pixels from start and target to their heading's handles
   const BRANCHES = ["RL", "LR", "RS", "LS"]; // later ones are drawn over earlier ones
   const NEAR_PATH = 14; // pixels; a click nearer to the path means the path
@@ -116,7 +117,8 @@ window.explorerScene = (stage) => {
     }
     const xs = points.map((p) => p.x), ys = points.map((p) => p.y);
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-    const scale = Math.min((width - 2 * EDGE) / (right - left), (height - 2 * EDGE) / (high - low));
+    const edge = scenario.final_heading === null ? EDGE : WIDE_EDGE;
+    const scale = Math.min((width - 2 * edge) / (right - left), (height - 2 * edge) / (high - low));
     view = {x: (left + right) / 2, y: (low + high) / 2, scale};
   }
 
