@@ -64,7 +64,7 @@ def test_six_words_of_poses_are_the_package_s(in_page):
         assert best is not None
         shortest = min(entry["length"] for entry in entries if entry["exists"])
         assert shortest == pytest.approx(best.total * radius, rel=1e-9, abs=1e-14 * radius)
-        undecided += {entry["word"] for entry in entries if entry["optimal"]} != set(best.words)
+        undecided += best.word not in {entry["word"] for entry in entries if entry["optimal"]}
         assert [entry["branch"] for entry in entries] == list(WORDS6)
         for entry in entries:
             expected = shortest_to_pose(start, end, radius, entry["branch"])
@@ -77,6 +77,7 @@ def test_six_words_of_poses_are_the_package_s(in_page):
             reached = Path(start, entry["curvatures"], entry["lengths"]).end
             allowed = 1e-9 * radius + 100 * leg(start, end, radius).delta * radius
             assert math.hypot(reached.x - end.x, reached.y - end.y) <= allowed
+            assert not entry["optimal"] or entry["length"] <= shortest * (1 + 1e-9) + allowed
             assert abs(math.remainder(reached.heading - end.heading, 2 * math.pi)) <= 1e-9
 
     assert undecided <= 5  # of 30 000; measured: none
