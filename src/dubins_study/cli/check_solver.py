@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import Json, complete_solvers, number
+from dubins_study.cli.terminal.arguments import Json, Profile, complete_solvers, number
 
 
 def check_solver(
@@ -29,6 +29,7 @@ def check_solver(
         float,
         typer.Option(metavar="SECONDS", parser=number, help="seconds that all questions may take"),
     ] = 600.0,
+    profile: Profile = "default",
     as_json: Json = False,
 ) -> None:
     """Check a solver of your own.
@@ -48,6 +49,7 @@ def check_solver(
             checks=check or CHECKS,
             time_limit=time_limit,
             total_time_limit=total_time_limit,
+            profile=profile,
             progress=progress,
         )
     text = report_text(report, output.terminal_width())

@@ -180,17 +180,25 @@ def check_solver(
     try:
         source = (Worker if isolated else InProcess)(absolute, profile)
     except LoadError as error:
-        found = behaviour.broken(str(error), error.frames, spec)
+        found = _asked_in(profile, behaviour.broken(str(error), error.frames, spec))
         not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
         results = (CheckResult("loading", TITLES["loading"], (found,)), *not_asked)
         return ConformanceReport(spec, results, {}, monotonic() - began)
     checked: list[CheckResult] = []
     with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
         for result in _results(interview, names):
-            checked.append(result)
+            findings = tuple(_asked_in(profile, finding) for finding in result.findings)
+            checked.append(replace(result, findings=findings))
             if progress is not None:
                 progress(len(checked), len(names))
     return ConformanceReport(spec, tuple(checked), interview.counts(), monotonic() - began)
+
+
+def _asked_in(profile: str, finding: Finding) -> Finding:
+    """A finding whose command asks in a profile that is not the default."""
+    if profile == "default" or not finding.command:
+        return finding
+    return replace(finding, command=f"{finding.command} --profile {profile}")
 
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:

@@ -424,6 +424,14 @@ def test_every_failure_shows_a_command(kind):
     assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == sum(wanted)
 
 
+def test_commands_ask_in_the_profile_of_the_check():
+    report = check_solver(Confident, checks=["discs"], profile="accurate", isolated=False)
+    commands = [finding.command for result in report for finding in result.findings]
+
+    assert commands
+    assert all(command.endswith(" --profile accurate") for command in commands)
+
+
 @pytest.mark.parametrize(("kind", "width"), [(Raising, 40), (Lost, 64), (Lost, 100)])
 def test_the_report_fits_the_terminal(kind, width):
     """But for tracebacks, and commands, which are copied whole; a line goes on below its text."""
