@@ -1,8 +1,9 @@
 """A short route by local search: the upper bound of the certified search.
 
-A dynamic program over a few headings a point, its grid made finer about the best ones, finds a
-route; Newton's method on the tridiagonal Hessian ends it where no word changes. Everything is in
-units of the turning radius.
+A dynamic program over a few headings a point, of a grid and of edges where a leg loses a segment,
+is done again and again on finer grids about the best ones. Newton's method on the tridiagonal
+Hessian ends it where no word changes, or with multipliers on the edges where it rests. Everything
+is in units of the turning radius.
 """
 
 from __future__ import annotations
@@ -12,23 +13,35 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dubins_study.study.closed_form import pose
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
+from dubins_study.study.closed_form.pose import (
+    pose_curvatures,
+    pose_delta,
+    pose_gradient,
+    pose_shortest,
+)
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.leg_bound import WordArray
-from dubins_study.study.route.leg_words import (
-    between,
-    nearest_segments,
-    shortest_word,
-)
+from dubins_study.study.route.leg_words import between, nearest_segments
 
-_gradient = separate(pose.pose_gradient)
+_gradient, _curvatures = separate(pose_gradient), separate(pose_curvatures)
 
-_GRID = 13  # headings a point
-_FINE, _FINEST = 1e-4, 1e-13  # rad, of grids
-_NEAR = (0.4, 0.1, 0.01, 1e-3)  # radii; a straight below it may be one that vanishes
-_SHORT = (0.0, 0.03, 0.3)  # rad; so may an arc
+_PI, _TWO_PI = math.pi, 2 * math.pi
+_GRID, _MOST = 2, 24  # headings on each side of a point's; and at most in all, with edges
+_ALL, _MOST_OF_ALL = 48, 112  # headings of the whole circle; and at most in all, with edges
+_FINER = 0.5  # of one grid's width to the next
+_REACH = 3.0  # grid widths; edges farther from a heading wait for a wider grid
+_FINE, _FINEST = 1e-6, 1e-13  # rad, of grids
+_NEAR = (1e-3, 0.1)  # radii; a straight below it may be one that vanishes
+_SHORT = (1e-3, 0.1)  # rad; so may an arc
 _LARGEST_STEP = 0.3  # rad, of Newton's method
+
+
+@separate
+def _shortest(x: float, y: float, a: float, b: float) -> tuple[float, int, float, float, float]:
+    """Length, word and segments of a leg, whose data are rounded: on an edge it has both words."""
+    size = abs(x) + abs(y)
+    return pose_shortest(x, y, a, b, pose_delta(size, size))
 
 
 @compiled
@@ -40,45 +53,113 @@ def leg_table(
     for i in range(first.size):
         for j in range(last.size):
             if live[i, j]:
-                lengths[i, j], words[i, j], _, _, _ = shortest_word(
-                    leg[0], leg[1], first[i], last[j]
-                )
+                lengths[i, j], words[i, j], _, _, _ = _shortest(leg[0], leg[1], first[i], last[j])
     return lengths, words
 
 
 @separate
-def _grid_step(legs: FloatArray, headings: FloatArray, free: BoolArray, width: float) -> bool:
-    """Move to the best of `_GRID` headings a point, `width` apart; whether any has changed."""
-    n, centre = legs.shape[0], _GRID // 2
-    cost, back = np.full(_GRID, math.inf), np.empty((n, _GRID), np.int64)
-    for j in range(_GRID):
-        if free[0] or j == centre:
-            cost[j] = 0.0
+def _touching_headings(x: float, y: float, heading: float, back: bool, found: FloatArray) -> int:
+    """Headings at the other end of a leg for which two arcs are a path of it; how many there are.
+
+    Args:
+        x, y: the leg's end, seen from its start.
+        heading: at its start, or at its end if `back`.
+        found: written, shape (4,).
+    """
+    if back:  # driven backwards the leg is one too
+        x, y, heading = -x, -y, heading + _PI
+    n = 0
+    for turn in (1.0, -1.0):
+        dx, dy = x + turn * math.sin(heading), y - turn * math.cos(heading)
+        d = math.hypot(dx, dy)
+        if not 1.0 <= d <= 3.0:
+            continue
+        way = math.atan2(dy, dx)
+        off = math.acos(min(1.0, (3.0 - d * d) / (2.0 * d)))
+        for side in (off, -off):  # from the end to the second circle's centre
+            found[n] = way + side + turn * 0.5 * _PI + (_PI if back else 0.0)
+            n += 1
+    return n
+
+
+@separate
+def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
+    """Headings at one end of a leg, its start or its `end`, for which it is one arc."""
+    d = math.hypot(x, y)
+    if d > 2.0:
+        return 0
+    chord, short = math.atan2(y, x), math.asin(0.5 * d)
+    for k in range(4):
+        half = short if k < 2 else _PI - short
+        found[k] = chord + (half if (k % 2 == 0) == end else -half)
+    return 4
+
+
+@separate
+def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float) -> int:
+    """Add those of m headings that are within reach of the first to the n that are there."""
+    for k in range(m):
+        off = others[k] - headings[0]
+        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        if n < headings.size and abs(off) <= reach:
+            headings[n] = headings[0] + off
+            n += 1
+    return n
+
+
+@separate
+def _step(
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, wide: bool
+) -> bool:
+    """Move to the best chain of some headings a point; whether any has changed.
+
+    They are those of a grid, and those of edges: where a leg is one arc, or two arcs from one of
+    the headings at the point before (after it, if `back`), so that a chain of edges is followed.
+    `wide` is about the whole circle: from given headings and single arcs alone.
+    """
+    grid, most, reach = _GRID, _MOST, _REACH * width
+    if wide:
+        grid, most, reach = _ALL // 2, _MOST_OF_ALL, _PI
+    n = legs.shape[0]
+    tried, sizes = np.empty((n + 1, most)), np.empty(n + 1, np.int64)
+    found = np.empty(4)
+    for place in range(n + 1):
+        i = n - place if back else place
+        some = tried[i]
+        some[0], size = headings[i], 1
+        if free[i]:
+            for k in range(1, grid + 1):
+                some[size], some[size + 1] = headings[i] + k * width, headings[i] - k * width
+                size += 2
+            for leg in range(max(i - 1, 0), min(i + 1, n)):
+                m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, found)
+                size = _add(some, size, found, m, reach)
+            if place > 0:
+                leg, other = (i, i + 1) if back else (i - 1, i - 1)
+                for k in range(1 + 2 * grid if wide and free[other] else 0, sizes[other]):
+                    m = _touching_headings(legs[leg, 0], legs[leg, 1], tried[other, k], back, found)
+                    size = _add(some, size, found, m, reach)
+        sizes[i] = size
+    cost, before = np.zeros(most), np.empty((n, most), np.int64)
     for i in range(n):
-        following = np.full(_GRID, math.inf)
-        for k in range(_GRID):
-            if k != centre and not free[i + 1]:
-                continue
-            b = headings[i + 1] + (k - centre) * width
-            for j in range(_GRID):
-                if not (cost[j] < math.inf):
-                    continue
-                a = headings[i] + (j - centre) * width
-                length = shortest_word(legs[i, 0], legs[i, 1], a, b)[0]
-                # the middle wins where lengths are equal, so that the search comes to rest
-                total = cost[j] + length + (0.0 if j == centre else 1e-14)
+        following = np.full(most, math.inf)
+        for k in range(sizes[i + 1]):
+            for j in range(sizes[i]):
+                length = _shortest(legs[i, 0], legs[i, 1], tried[i, j], tried[i + 1, k])[0]
+                # where lengths are equal nothing moves, so that the search comes to rest
+                total = cost[j] + length + (0.0 if j == 0 else 1e-14)
                 if total < following[k]:
-                    following[k], back[i, k] = total, j
+                    following[k], before[i, k] = total, j
         cost = following
-    k, moved = centre, False
-    for j in range(_GRID):
+    k, moved = 0, False
+    for j in range(sizes[n]):
         if cost[j] < cost[k]:
             k = j
     for i in range(n, -1, -1):
-        moved |= k != centre
-        headings[i] += (k - centre) * width
+        moved |= k != 0
+        headings[i] = tried[i, k]
         if i > 0:
-            k = back[i - 1, k]
+            k = before[i - 1, k]
     return moved
 
 
@@ -87,26 +168,8 @@ def route_length(legs: FloatArray, headings: FloatArray) -> float:
     """The length of the route with these headings."""
     total = 0.0
     for i in range(legs.shape[0]):
-        total += shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])[0]
+        total += _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])[0]
     return total
-
-
-@separate
-def _curvatures(word: int, t: float, p: float, q: float) -> tuple[float, float, float]:
-    """Second derivatives of a word's length by its headings: 11, 12, 22."""
-    if word < 4:
-        a, c = math.sin(t), math.sin(q)
-        return a * (1.0 + a / p), a * c / p, c * (1.0 + c / p)
-    psi = 0.5 * p
-    sine, rho = math.sin(psi), -1.0 / math.cos(psi)
-    u, v = psi - t, q - psi
-    w1, w2, z1, z2 = math.sin(u), -math.sin(v), math.cos(u), -math.cos(v)
-    across, along = 0.25 * rho / sine, 0.25 * sine * rho**3
-    return (
-        rho * math.sin(u) - across * w1 * w1 - along * z1 * z1,
-        -across * w1 * w2 - along * z1 * z2,
-        -rho * math.sin(v) - across * w2 * w2 - along * z2 * z2,
-    )
 
 
 @compiled
@@ -117,7 +180,7 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     for _ in range(40):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
-            _, word, t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
+            _, word, t, p, q = _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
             if not (p > 1e-9):
                 return False
             d1, d2 = _gradient(word, t, p, q)
@@ -159,7 +222,7 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
 def descend(
     legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, finest: float
 ) -> None:
-    """Shorten a route in place, on grids about its headings.
+    """Shorten a route in place, on grids about its headings and along the edges near them.
 
     Args:
         legs: from each point to the next, shape (n, 2).
@@ -168,9 +231,19 @@ def descend(
     """
     while width > finest:
         moves = 0
-        while moves < 8 and _grid_step(legs, headings, free, width):
+        while moves < 8 and (
+            _step(legs, headings, free, width, False, False)
+            | _step(legs, headings, free, width, True, False)
+        ):
             moves += 1
-        width *= 0.5
+        width *= _FINER
+
+
+@compiled
+def survey(legs: FloatArray, headings: FloatArray, free: BoolArray) -> None:
+    """Set free headings to the best chain of a grid of the whole circle and of many edges."""
+    for back in (False, True):
+        _step(legs, headings, free, _TWO_PI / _ALL, back, True)
 
 
 @compiled
@@ -179,7 +252,7 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
     n = legs.shape[0]
     words, segments = np.empty(n, np.int8), np.empty((n, 3))
     for i in range(n):
-        _, words[i], t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
+        _, words[i], t, p, q = _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
         segments[i, 0], segments[i, 1], segments[i, 2] = t, p, q
     return words, segments
 
@@ -343,7 +416,7 @@ def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
     """Derivatives of the leg before each point by the heading there; 0 at the first point."""
     slopes = np.zeros(headings.size)
     for i in range(legs.shape[0]):
-        _, word, t, p, q = shortest_word(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
+        _, word, t, p, q = _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
         _, slopes[i + 1] = _gradient(word, t, p, q)
     return slopes
 

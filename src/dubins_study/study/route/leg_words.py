@@ -1,4 +1,4 @@
-"""The six words of one leg in compiled code, for headings that a search varies.
+"""Where the arcs of a leg's six words lie, for headings that a search varies.
 
 Everything is in units of the turning radius; words as in `study.closed_form.pose.WORDS6`.
 """
@@ -10,9 +10,6 @@ import math
 from dubins_study.study.closed_form.kernel_compile import separate
 
 _PI, _TWO_PI = math.pi, 2 * math.pi
-# Rounding moves an arc's end by less. An arc that is less than this short of a full turn is none,
-# and circles that overlap by less touch.
-_ROUNDING = 1e-14
 
 
 @separate
@@ -42,36 +39,6 @@ def straight_direction(dx: float, dy: float, s1: float, s2: float) -> float:
 
 
 @separate
-def _turned(angle: float) -> float:
-    """An angle brought to [0, 2 pi)."""
-    angle -= _TWO_PI * math.floor(angle / _TWO_PI)
-    return 0.0 if angle > _TWO_PI - _ROUNDING else angle
-
-
-@separate
-def word_segments(
-    x: float, y: float, t1: float, t2: float, word: int
-) -> tuple[float, float, float]:
-    """The three segments of a word from (0, 0, t1) to (x, y, t2); NaN where it has no path."""
-    s1, s2 = turns(word)
-    dx, dy = between(x, y, s1, s2, t1, t2)
-    square = dx * dx + dy * dy
-    if word >= 4:
-        if square > 16.0:
-            return math.nan, math.nan, math.nan
-        psi = _PI - math.asin(0.25 * math.sqrt(square))
-        axis = math.atan2(dy, dx)
-        return _turned(psi + s1 * (axis - t1)), 2.0 * psi, _turned(psi + s1 * (t2 - axis))
-    if s1 != s2:
-        square -= 4.0
-        if square < -_ROUNDING:
-            return math.nan, math.nan, math.nan
-    direction = straight_direction(dx, dy, s1, s2)
-    p = math.sqrt(max(square, 0.0))
-    return _turned(s1 * (direction - t1)), p, _turned(s2 * (t2 - direction))
-
-
-@separate
 def nearest_segments(
     x: float, y: float, t1: float, t2: float, word: int
 ) -> tuple[float, float, float]:
@@ -89,17 +56,3 @@ def nearest_segments(
     a -= _TWO_PI * math.floor((a + 1.0) / _TWO_PI)
     c -= _TWO_PI * math.floor((c + 1.0) / _TWO_PI)
     return a, p, c
-
-
-@separate
-def shortest_word(
-    x: float, y: float, t1: float, t2: float
-) -> tuple[float, int, float, float, float]:
-    """Length, word and segments of the shortest path from (0, 0, t1) to (x, y, t2)."""
-    best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
-    for word in range(6 if x * x + y * y < 16.0 else 4):
-        t_, p_, q_ = word_segments(x, y, t1, t2, word)
-        length = t_ + p_ + q_
-        if length < best:  # False for NaN
-            best, index, t, p, q = length, word, t_, p_, q_
-    return best, index, t, p, q

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import FloatArray
-from dubins_study.study.route.descent import descents, leg_table, route_length, route_words
+from dubins_study.study.route.descent import descents, leg_table, route_length, route_words, survey
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
     UNKNOWN,
@@ -162,6 +162,7 @@ class _Search:
         _LOG.info("searching for the shortest route of %d legs", self.n)
         chains = self._middles()
         self._improve(chains)
+        self._survey()
         self.intervals = self._aimed(chains)
         while not self.closed:
             bounded = self._bound()
@@ -216,6 +217,13 @@ class _Search:
         ]
         return _Chains([lengths for lengths, _ in tables], [words for _, words in tables])
 
+    def _survey(self) -> None:
+        """Go downhill from a route that knows of edges, where there can be any."""
+        if (np.hypot(*self.legs.T) < 4.0).any():
+            headings = self.headings.copy()
+            survey(self.legs, headings, self.free)
+            self._descend(headings, route_words(self.legs, headings)[0], 0.5 * _TWO_PI / _COARSE)
+
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
         route, words = chains.cheapest()
@@ -224,10 +232,11 @@ class _Search:
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
-        chain = np.array(words, np.int8)
-        for headings, slopes in descents(
-            self.legs, np.array(middles), chain, self.free, 0.2 * width
-        ):
+        self._descend(np.array(middles), np.array(words, np.int8), 0.2 * width)
+
+    def _descend(self, start: FloatArray, words: WordArray, width: float) -> None:
+        """Go downhill from a route; keep the best."""
+        for headings, slopes in descents(self.legs, start, words, self.free, width):
             length = route_length(self.legs, headings)
             if length < self.length:
                 self.length, self.headings, self.slopes = length, headings, slopes
