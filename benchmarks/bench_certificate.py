@@ -19,7 +19,8 @@ from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario, check_frame, scenarios
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import check_frame, scenarios
 from dubins_study.study.words import Proof
 
 N = sized(1_000_000, 1_000)

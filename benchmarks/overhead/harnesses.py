@@ -77,7 +77,7 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     from dubins_study.solvers.protocol import Question
     from dubins_study.solvers.registry import load
     from dubins_study.solvers.reply import ask
-    from dubins_study.study.rows.row_table import rows_table
+    from dubins_study.study.rows.parts import rows_table
 
     file = _experiment(cells, folder)
     began = perf_counter()

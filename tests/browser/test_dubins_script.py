@@ -18,7 +18,8 @@ from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import measure
 from dubins_study.study.closed_form.shortest import as_path, margin, region_of, shortest
 from dubins_study.study.path import Path as Driven
-from dubins_study.study.scenario import NUMBERS, Scenario, scenarios
+from dubins_study.study.scenario import NUMBERS, Scenario
+from dubins_study.study.scenario_frame import scenarios
 
 BRANCHES = ("LS", "RS", "LR", "RL")
 FIELDS = NUMBERS[:-1]  # the speed is no part of the question

@@ -22,7 +22,7 @@ from dubins_study.study.check.verdict import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names
-from dubins_study.study.scenario import scenario_of
+from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import FORMULATIONS, Claim
 
 FOLDER = FilePath(__file__).parents[2] / "results" / "benchmark"

@@ -19,8 +19,7 @@ from dubins_study.experiments.store import part_writer
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
-from dubins_study.study.rows.parts import ResultsError, read_part
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
+from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
 

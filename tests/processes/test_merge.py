@@ -18,8 +18,7 @@ from dubins_study.experiments.store.folder import read_rows
 from dubins_study.experiments.store.merge import merged_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.report.data.results import load
-from dubins_study.study.rows.parts import ResultsError, read_part
-from dubins_study.study.rows.row_table import ARROW_SCHEMA, rows_table
+from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, names
 
 KEYS = names(KEY)

@@ -12,8 +12,7 @@ from live_run import finished, manifest, parts, quick_experiment
 from dubins_study import run, status
 from dubins_study.cli.status import status_text
 from dubins_study.experiments.store.part_writer import write_part
-from dubins_study.study.rows.parts import read_part
-from dubins_study.study.rows.row_table import rows_table
+from dubins_study.study.rows.parts import read_part, rows_table
 from dubins_study.study.rows.schema import RUN_ID
 
 CELLS = 10

@@ -15,8 +15,7 @@ from dubins_study import run
 from dubins_study.experiments.store import folder as store
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.study.rows.manifest import read_manifest
-from dubins_study.study.rows.parts import ResultsError
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
+from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError
 from dubins_study.study.rows.schema import VERSION
 
 

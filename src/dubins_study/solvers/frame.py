@@ -26,8 +26,9 @@ from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
-from dubins_study.study.scenario import DEFAULTS, check_frame, list_column, row_name
-from dubins_study.study.scenario import scenarios as scenarios_of
+from dubins_study.study.scenario import DEFAULTS
+from dubins_study.study.scenario_frame import check_frame, list_column, row_name
+from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import nearest
 from dubins_study.study.words import (

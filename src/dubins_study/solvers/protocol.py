@@ -171,10 +171,10 @@ _OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("
 class FrameSolution:
     """The answers of a solver's `solve_frame(frame, branch)` to n scenarios, as arrays.
 
-    The frame that the solver gets has passed `study.scenario.check_frame`. It has no via points,
-    and the final headings of all rows are free, or given, if the solver takes them; `branch` is one
-    of the solver's own. The caller times the call and judges the paths, as for `Solver.solve`.
-    Values of another shape or type are a TypeError.
+    The frame that the solver gets has passed `study.scenario_frame.check_frame`. It has no via
+    points, and the final headings of all rows are free, or given, if the solver takes them;
+    `branch` is one of the solver's own. The caller times the call and judges the paths, as for
+    `Solver.solve`. Values of another shape or type are a TypeError.
     """
 
     claim: Claim | ArrayLike  # one for all rows, or indices into `study.path.CLAIMS`, shape (n,)

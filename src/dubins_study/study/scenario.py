@@ -1,14 +1,11 @@
-"""Scenarios: start pose, via points, target, final heading, turning radius and speed.
-
-One at a time, or as a frame.
-"""
+"""Scenarios: start pose, via points, target, final heading, turning radius and speed."""
 
 from __future__ import annotations
 
 import math
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +14,7 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import FULL_TURN, AngleError, parse_angle
-from dubins_study.study.values import did_you_mean, real_number, short
+from dubins_study.study.values import real_number, short
 from dubins_study.study.words import (
     BRANCHES,
     FINAL_HEADING,
@@ -28,7 +25,6 @@ from dubins_study.study.words import (
 )
 
 if TYPE_CHECKING:
-    import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
     FloatArray = NDArray[np.float64]
@@ -94,19 +90,20 @@ class Scenario:
     ) -> None:
         given = (x, y, _heading("heading", heading), target_x, target_y, radius, speed)
         for name, value in zip(NUMBERS, given, strict=True):
-            object.__setattr__(self, name, _number(name, value))  # floats: 1 and 1.0 are one value
+            # floats: 1 and 1.0 are one value
+            object.__setattr__(self, name, checked_number(name, value))
         object.__setattr__(self, "label", _label(label))
         object.__setattr__(self, "via", _via(via))
         angle = None
         if final_heading is not None:
-            angle = _number("final_heading", _heading("final_heading", final_heading))
+            angle = checked_number("final_heading", _heading("final_heading", final_heading))
         object.__setattr__(self, "final_heading", angle)
         # within the package, and of a scenario with `replace`d fields, numbers are in radians
         caller = sys._getframe(1).f_globals.get("__name__", "")
         if not caller.startswith(("dubins_study.", "dataclasses")):
             for name, written in (("heading", heading), ("final_heading", final_heading)):
                 if not isinstance(written, str) and abs(getattr(self, name) or 0.0) > FULL_TURN:
-                    warnings.warn(f"{name} {_DEGREES}", stacklevel=2)
+                    warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:
@@ -188,10 +185,10 @@ DEFAULTS: dict[str, Any] = {
     **{"speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
 }
-_POSITIVE = ("radius", "speed")
-_HEADINGS = ("heading", "final_heading")
+POSITIVE = ("radius", "speed")
+HEADINGS = ("heading", "final_heading")
 # the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
-_DEGREES = (
+DEGREES = (
     "is a number of more than a full turn, taken as radians; of degrees write the unit, such as "
     "'90deg'"
 )
@@ -227,7 +224,7 @@ def _via(points: Any) -> tuple[tuple[float, float], ...]:
         if len(pair) != 2:
             raise ScenarioError(f"via point {place} is {short(pair)}; expected x and y")
         name = f"of via point {place}"
-        via.append((_number(f"x {name}", pair[0]), _number(f"y {name}", pair[1])))
+        via.append((checked_number(f"x {name}", pair[0]), checked_number(f"y {name}", pair[1])))
     return tuple(via)
 
 
@@ -252,7 +249,8 @@ def _label(text: str) -> str:
         raise ScenarioError(f"label is {short(text)}; expected a text without surrogates") from None
 
 
-def _number(name: str, value: float | None) -> float:
+def checked_number(name: str, value: float | None) -> float:
+    """The value as a float, if the field of this name may have it."""
     if value is None:
         raise ScenarioError(f"{name} is missing; expected a number")
     try:
@@ -278,197 +276,9 @@ def _lost_in_rounding(extent: float, radius: float) -> str:
 def _problem(name: str, value: float) -> str | None:
     if not math.isfinite(value):
         return f"{name} is {value}; expected a finite number"
-    if name in _POSITIVE and value <= 0:
+    if name in POSITIVE and value <= 0:
         return f"{name} is {value}; expected a number above 0"
-    if abs(value) > LARGEST or (name in _POSITIVE and value < SMALLEST):
-        least = f"from {SMALLEST:g} to" if name in _POSITIVE else "of size up to"
+    if abs(value) > LARGEST or (name in POSITIVE and value < SMALLEST):
+        least = f"from {SMALLEST:g} to" if name in POSITIVE else "of size up to"
         return f"{name} is {value}; expected a number {least} {LARGEST:g}"
     return None
-
-
-def column_problems(names: Sequence[Any]) -> list[str]:
-    """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
-    required = [name for name in COLUMNS if name not in DEFAULTS]
-    expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(DEFAULTS)}"
-    problems = []
-    if missing := [name for name in required if name not in names]:
-        several = "s" if len(missing) > 1 else ""
-        problems.append(f"missing column{several} {', '.join(map(repr, missing))}; {expected}")
-    for name in dict.fromkeys(names):
-        if name not in COLUMNS:
-            near = did_you_mean(name, [known for known in COLUMNS if known not in names])
-            problems.append(f"unknown column {short(name)}; {near}{expected}")
-        elif names.count(name) > 1:
-            problems.append(f"column {name!r} appears twice")
-    return problems
-
-
-def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
-
-    Columns of `DEFAULTS` may be left out; a cell without a label, via points or a final heading may
-    be empty. The caller's frame is not changed; its index is kept. Each value is read as `Scenario`
-    takes it, or in `via_x` and `via_y` as `numbers_of` does; a column `via` of lists of pairs
-    stands for both. A `ScenarioError` names columns, or the first row that no scenario may have. A
-    heading beyond a full turn that is no text gives a warning, as a scenario's does.
-    """
-    import pandas as pd
-
-    if not isinstance(frame, pd.DataFrame):
-        raise ScenarioError(f"expected a DataFrame of scenarios, got {type(frame).__name__}")
-    names = list(frame.columns)
-    if problems := column_problems([name for name in names if name != "via"]):
-        raise ScenarioError(problems[0])
-    if "via" in names and {*VIA} & {*names}:
-        raise ScenarioError("via points are given twice; expected via, or via_x and via_y")
-    columns = _columns_of_numbers(frame) or _columns_row_by_row(frame)
-    for name in {*_HEADINGS} & {*names}:
-        beyond = np.abs(columns[name]) > FULL_TURN
-        if beyond.any() and not all(isinstance(angle, str) for angle in frame[name][beyond]):
-            warnings.warn(f"{name} {_DEGREES}", stacklevel=4)  # at the call of `solve_frame`
-    return pd.DataFrame(columns, index=frame.index, copy=False)
-
-
-def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
-    """The columns of one leg a row, each checked as a whole; None if rows are to be looked at."""
-    n = len(frame)
-    if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
-        return None
-    columns: dict[str, Any] = {}
-    for name in NUMBERS:
-        columns[name] = _doubles(frame, name) if name in frame else np.full(n, DEFAULTS[name])
-    columns["label"] = _labels(frame) if "label" in frame else ""
-    columns |= dict.fromkeys(VIA, list_column(n, {}))
-    columns["final_heading"] = (
-        _doubles(frame, "final_heading")
-        if "final_heading" in frame
-        else np.broadcast_to(np.nan, n)  # takes no memory
-    )
-    if any(column is None for column in columns.values()):
-        return None
-    places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
-    largest = LARGEST_EXTENT * columns["radius"]
-    # no row can be worse than the worst of every column together
-    worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
-    if worst > largest.min() and np.any(sum(map(np.abs, places)) > largest):
-        return None
-    return columns
-
-
-def _doubles(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]] | None:
-    """A column of numbers as doubles, read-only; None if one of them is refused, or is a text."""
-    if frame[name].dtype.kind not in "iuf":
-        return None
-    with np.errstate(over="ignore"):
-        values = frame[name].to_numpy(dtype=np.float64, na_value=np.nan).view()
-    values.flags.writeable = False  # whoever gets the frame may read it
-    # min and max see NaN and both infinities without a temporary array of the frame's length
-    low, high = values.min(), values.max()
-    if name == "final_heading":  # free where it is NaN
-        low, high = np.fmin.reduce(values, initial=1.0), np.fmax.reduce(values, initial=1.0)
-    least = SMALLEST if name in _POSITIVE else -LARGEST
-    return values if least <= low and high <= LARGEST else None  # neither holds for NaN
-
-
-def _labels(frame: pd.DataFrame) -> pd.Series[Any] | None:
-    """The labels, if each is a text that a row can hold."""
-    from pandas.api.types import infer_dtype
-
-    labels = frame["label"]
-    if infer_dtype(labels, skipna=False) != "string" or labels.isna().any():
-        return None
-    storable = (text == text.encode("utf-8", "ignore").decode() for text in labels.unique())
-    return labels if all(storable) else None
-
-
-def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
-    """The columns of any frame; the first row that no scenario may have is refused."""
-    import pandas as pd
-
-    n, names = len(frame), (*NUMBERS, "final_heading")
-    numbers, labels = np.empty((len(names), n)), []
-    via: dict[str, dict[int, list[float] | None]] = {name: {} for name in VIA}
-    for row, values in enumerate(frame.itertuples(index=False, name=None)):
-        try:
-            scenario = scenario_of(dict(zip(frame.columns, values, strict=True)))
-        except ScenarioError as error:
-            raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
-        numbers[:, row] = [getattr(scenario, name) for name in names]  # NaN for None
-        labels.append(scenario.label)
-        if scenario.via:
-            via["via_x"][row], via["via_y"][row] = scenario.via_x, scenario.via_y
-    columns: dict[str, Any] = dict(zip(names, numbers, strict=True))
-    columns["label"] = pd.array(labels, "str")
-    columns |= {name: list_column(n, lists) for name, lists in via.items()}
-    return {name: columns[name] for name in COLUMNS}
-
-
-def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
-    """A column of n lists of doubles, by row; null where there is none."""
-    import pandas as pd
-    import pyarrow as pa
-
-    kind = pa.large_list(pa.float64())
-    values: Any = (
-        pa.array([lists.get(row) for row in range(n)], kind) if lists else pa.nulls(n, kind)
-    )
-    return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
-
-
-def row_name(frame: pd.DataFrame, row: int) -> str:
-    """A row of a frame in messages, by its label."""
-    label = frame.index[row]
-    return f"row {short(label.item() if isinstance(label, np.generic) else label)}"
-
-
-def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
-    """The rows of a checked frame, one `Scenario` each."""
-    for row in frame[list(COLUMNS)].itertuples(index=False, name=None):
-        yield scenario_of(dict(zip(COLUMNS, row, strict=True)))
-
-
-def scenario_of(row: Mapping[Any, Any]) -> Scenario:
-    """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
-    fields = {name: row[name] for name in NUMBERS if name in row}
-    for name in ("label", "final_heading"):
-        if not is_missing(row.get(name)):
-            fields[name] = row[name]
-    via: Any = row.get("via")
-    if is_missing(via):
-        xs, ys = (numbers_of(name, row.get(name)) or [] for name in VIA)
-        if len(xs) != len(ys):
-            counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
-            raise ScenarioError(f"{counts}; expected as many")
-        via = zip(xs, ys, strict=True)
-    return Scenario(**fields, via=via)
-
-
-def numbers_of(name: str, value: Any) -> list[float] | None:
-    """A cell of `via_x` or `via_y`: a list of numbers, or a text of numbers and spaces.
-
-    None for a cell without any. One number is a list of itself, since readers of CSV make numbers
-    of such cells.
-    """
-    if is_missing(value):
-        return None
-    if isinstance(value, str):
-        try:
-            # Python takes an underscore within a number
-            items: list[Any] = [float(text.replace("_", "?")) for text in value.split()]
-        except ValueError:
-            expected = "expected numbers separated by spaces, such as 4 6"
-            raise ScenarioError(f"{name} is {short(value)}; {expected}") from None
-    elif isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim == 1):
-        items = list(value)
-    else:
-        items = [value]
-    return [_number(name, item) for item in items] or None
-
-
-def is_missing(value: Any) -> bool:
-    """Whether a cell is empty: None, NaN, or pandas' NA."""
-    return (
-        value is None
-        or (isinstance(value, float) and math.isnan(value))
-        or type(value).__name__ in ("NAType", "NaTType")
-    )

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dubins_study.study.rows.row_table import rows_table
+from dubins_study.study.rows.parts import rows_table
 from dubins_study.study.rows.schema import ROW, names
 
 NONE = dict.fromkeys(names(ROW))

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from dubins_study.experiments.definition import scenario_file
 from dubins_study.experiments.definition.scenario_file import ScenarioFileError, read_scenarios
 from dubins_study.experiments.plan.run_plan import Request, plan_run
-from dubins_study.study.scenario import COLUMNS, Scenario, scenarios
+from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario_frame import check_frame, scenarios
 
 HEAD = "target_x,target_y,x,y,heading,radius,label,speed\n"
 GOOD = (
@@ -247,7 +248,7 @@ def test_files_with_other_routes_have_another_comment(tmp_path):
     """By which a results folder knows its scenarios; without routes it is what it was."""
     frame = frame_of([EXPECTED_ROUTES[2]] * 2)
     texts = {
-        scenario_file.comment_on(scenario_file.check_frame(frame.assign(**columns)))
+        scenario_file.comment_on(check_frame(frame.assign(**columns)))
         for columns in (
             {},
             {"via_x": ["4", None], "via_y": ["1", None]},

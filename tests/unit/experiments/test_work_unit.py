@@ -21,7 +21,7 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.rows.row_table import row_key, row_path
+from dubins_study.study.rows.parts import row_key, row_path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome

@@ -23,7 +23,8 @@ from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
-from dubins_study.study.scenario import NUMBERS, ScenarioError, check_frame, scenarios
+from dubins_study.study.scenario import NUMBERS, ScenarioError
+from dubins_study.study.scenario_frame import check_frame, scenarios
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES
 from tests.brute_force import integrated, pose_words_by_search
 from tests.hard_cases import hard_frame, hard_poses

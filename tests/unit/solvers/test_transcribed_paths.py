@@ -17,7 +17,8 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario, scenario_of
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import Claim, Verdict
 
 # The gap that the engine's tolerance of 1e-9 leaves of free lengths; of free elements a few 1e-11

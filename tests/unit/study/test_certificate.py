@@ -20,7 +20,8 @@ from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
-from dubins_study.study.scenario import Pose, Scenario, check_frame
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 from tests.adversary.frames import checks_of_frames, judged

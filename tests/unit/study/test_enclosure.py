@@ -18,7 +18,8 @@ from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
-from dubins_study.study.scenario import Scenario, check_frame
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.words import BRANCHES
 
 FIELDS = ScenarioArrays._fields

@@ -16,7 +16,8 @@ from dubins_study.study.check.certificate_frame import certify_frame
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.path import Path, Paths
-from dubins_study.study.scenario import Scenario, ScenarioError, check_frame
+from dubins_study.study.scenario import Scenario, ScenarioError
+from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 
 

@@ -15,16 +15,10 @@ from hypothesis import strategies as st
 
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.reply import ask
-from dubins_study.study.rows.row_table import rows_table
+from dubins_study.study.rows.parts import rows_table
 from dubins_study.study.rows.schema import ROW, SCENARIO, names
-from dubins_study.study.scenario import (
-    COLUMNS,
-    Scenario,
-    ScenarioError,
-    check_frame,
-    scenario_of,
-    scenarios,
-)
+from dubins_study.study.scenario import COLUMNS, Scenario, ScenarioError
+from dubins_study.study.scenario_frame import check_frame, scenario_of, scenarios
 from dubins_study.study.words import (
     BRANCHES,
     FINAL_HEADING,

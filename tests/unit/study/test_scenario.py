@@ -21,10 +21,8 @@ from dubins_study.study.scenario import (
     NUMBERS,
     Scenario,
     ScenarioError,
-    check_frame,
-    scenario_of,
-    scenarios,
 )
+from dubins_study.study.scenario_frame import check_frame, scenario_of, scenarios
 
 GOOD = {"x": 0, "y": 0, "heading": 0, "target_x": 1, "target_y": 2, "radius": 1}
 

@@ -17,11 +17,8 @@ from dubins_study.study.scenario import (
     VIA,
     Scenario,
     ScenarioError,
-    check_frame,
-    column_problems,
-    numbers_of,
-    scenario_of,
 )
+from dubins_study.study.scenario_frame import check_frame, column_problems, numbers_of, scenario_of
 from dubins_study.study.values import plain, short
 
 if TYPE_CHECKING:

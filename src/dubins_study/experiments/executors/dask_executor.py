@@ -19,7 +19,7 @@ from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.solvers.reply import exception_text
-from dubins_study.study.rows.row_table import Row, row_key, row_path
+from dubins_study.study.rows.parts import Row, row_key, row_path
 
 _LOG = logging.getLogger(__name__)
 # Dask's loggers. They are silenced, because they repeat what the exceptions say.

@@ -21,7 +21,7 @@ from dubins_study.experiments.executors.local import solve_chains
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError, WorkerPool
 from dubins_study.experiments.plan.run_plan import RunSettings
-from dubins_study.study.rows.row_table import Row, rows_table
+from dubins_study.study.rows.parts import Row, rows_table
 
 # Seconds after which a unit is returned, even if cells are left: rows are written every second, and
 # a unit of slow solvers must not keep other workers waiting at the end.

@@ -12,7 +12,7 @@ from dubins_study.experiments.plan.cells import Cell, Chain, given_guess, shuffl
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row, row_key, row_path
+from dubins_study.study.rows.parts import Row, row_key, row_path
 from dubins_study.study.rows.schema import Key
 
 

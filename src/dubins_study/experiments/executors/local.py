@@ -19,7 +19,7 @@ from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 from dubins_study.study.path import Path
-from dubins_study.study.rows.row_table import Row
+from dubins_study.study.rows.parts import Row
 from dubins_study.study.rows.schema import KEY, names
 
 _KEY = names(KEY)

@@ -29,7 +29,7 @@ from dubins_study.experiments.definition.scenario_block import (
 )
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
-from dubins_study.study.scenario import scenarios as listed_scenarios
+from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 
 _ID_DIGITS = 16
 _PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")

@@ -10,6 +10,7 @@ from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.part_writer import is_temporary, remove_temporaries, write_part
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
+    ARROW_SCHEMA,
     PARTS,
     DamagedPartError,
     ResultsError,
@@ -18,7 +19,6 @@ from dubins_study.study.rows.parts import (
     part_files,
     read_part,
 )
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import KEY, RUN_ID, Key, names
 from dubins_study.study.values import plain
 

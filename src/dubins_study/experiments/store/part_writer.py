@@ -14,8 +14,7 @@ from time import monotonic
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.study.rows.parts import PARTS, ResultsError, reason
-from dubins_study.study.rows.row_table import Row, rows_table
+from dubins_study.study.rows.parts import PARTS, ResultsError, Row, reason, rows_table
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
 # Names of the temporary files that a killed run may leave.

@@ -10,7 +10,8 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.study.rows.manifest import Manifest
-from dubins_study.study.scenario import VIA, is_missing, numbers_of
+from dubins_study.study.scenario import VIA
+from dubins_study.study.scenario_frame import is_missing, numbers_of
 
 SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius")
 ROUTE = (*VIA, "final_heading")

@@ -16,13 +16,13 @@ from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest, read_manifest
 from dubins_study.study.rows.parts import (
+    ARROW_SCHEMA,
     PARTS,
     ResultsError,
     folder_paths,
     part_files,
     printable_batches,
 )
-from dubins_study.study.rows.row_table import ARROW_SCHEMA
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose
 

@@ -13,7 +13,8 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.schema import CELL, names
-from dubins_study.study.scenario import COLUMNS, scenario_of
+from dubins_study.study.scenario import COLUMNS
+from dubins_study.study.scenario_frame import scenario_of
 
 _CELL = ["experiment", *names(CELL)]
 _READ = dict.fromkeys(

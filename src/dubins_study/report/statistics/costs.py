@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from dubins_study.report.statistics.methods import Compared
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import COLUMNS, scenario_of
+from dubins_study.study.scenario import COLUMNS
+from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import BRANCHES
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)

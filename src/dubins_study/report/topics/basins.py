@@ -25,7 +25,8 @@ from dubins_study.report.elements.plots import Mark, draw_cells
 from dubins_study.report.elements.style import HALF, MAP_PAPER, ON_MAP, WIDE, Style, new_figure
 from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.scenario import Scenario, scenario_of
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.tolerances import Tolerances
 
 OPTIMUM = "shortest path"

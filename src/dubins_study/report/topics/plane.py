@@ -27,7 +27,7 @@ from dubins_study.report.elements.style import (
 )
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.path import FloatArray, Paths
-from dubins_study.study.scenario import check_frame
+from dubins_study.study.scenario_frame import check_frame
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
 _FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map

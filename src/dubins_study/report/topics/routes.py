@@ -43,7 +43,8 @@ from dubins_study.report.topics.failures import time_limits
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.path import RIPPLE, FloatArray, Path
-from dubins_study.study.scenario import Scenario, numbers_of, scenario_of
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import numbers_of, scenario_of
 
 _CELL = ["solver", "label", "legs"]
 _SHARE = ["successes", "trials", "share", "low", "high"]

@@ -29,7 +29,8 @@ from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.topics.failures import time_limits
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import METHOD, ROW, names
-from dubins_study.study.scenario import NUMBERS, VIA, Pose, numbers_of
+from dubins_study.study.scenario import NUMBERS, VIA, Pose
+from dubins_study.study.scenario_frame import numbers_of
 
 # The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
 # gzip. More points than these would also be slow to draw.

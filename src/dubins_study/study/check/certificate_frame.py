@@ -28,7 +28,7 @@ from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
 from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
-from dubins_study.study.scenario import scenarios
+from dubins_study.study.scenario_frame import scenarios
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Proof, Verdict
 
@@ -75,7 +75,7 @@ def certify_frame(
     """Certify the judged paths of a frame.
 
     Args:
-        frame: scenarios as `study.scenario.check_frame` returns them, n rows.
+        frame: scenarios as `study.scenario_frame.check_frame` returns them, n rows.
         paths: their paths, n rows.
         judged: their judgement by `study.check.verdict_frame.judge_frame`.
         branch: the branch that was asked, for all rows.
