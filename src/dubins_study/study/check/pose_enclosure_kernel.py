@@ -103,8 +103,9 @@ def _mirrored(ends: _Ends) -> _Ends:
 
 
 @inlined
-def _word(length: Interval, decided: bool) -> _Word:
-    return _Word(length.mid - length.rad, length.mid + length.rad, decided)
+def _word(length: Interval, exists: bool, decided: bool) -> _Word:
+    low, high = length.mid - length.rad, length.mid + length.rad
+    return _Word(low if exists else math.inf, high if exists else math.inf, decided)
 
 
 @inlined
@@ -135,7 +136,7 @@ def _left_straight_left(ends: _Ends) -> _Word:
     straight = root(plus(times(x, x), times(y, y)))
     length = plus(straight, turn)
     length = chosen(between, length, plus(length, FULL_TURN))
-    return _word(length, is_signed(y) & is_signed(across))
+    return _word(length, True, is_signed(y) & is_signed(across))
 
 
 @inlined
@@ -155,11 +156,7 @@ def _left_straight_right(ends: _Ends) -> _Word:
     known = is_signed(square) & (first_decided & last_decided | (not exists))
     spread = straight.rad * min(1.0, 0.25 * most * most) * GROWTH
     length = widened(plus(plus(p, t), q), spread)
-    return _Word(
-        length.mid - length.rad if exists else math.inf,
-        length.mid + length.rad if exists else math.inf,
-        known,
-    )
+    return _word(length, exists, known)
 
 
 @inlined
@@ -182,11 +179,7 @@ def _left_right_left(ends: _Ends) -> _Word:
     both = chosen(more, plus(arcs, FULL_TURN), chosen(less, minus(arcs, FULL_TURN), arcs))
     length = plus(middle, both)
     known = is_signed(room) & (first_decided & last_decided | (not exists))
-    return _Word(
-        length.mid - length.rad if exists else math.inf,
-        length.mid + length.rad if exists else math.inf,
-        known,
-    )
+    return _word(length, exists, known)
 
 
 @inlined

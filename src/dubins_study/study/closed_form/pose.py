@@ -78,7 +78,13 @@ def pose_shortest(
 ) -> tuple[float, int, float, float, float]:
     """Length, word index and segments of the shortest path; the first word of equal ones."""
     X, Y, sine, cosine = body_pose(x, y, a, b)
-    return shortest_in_body(X, Y, sine, cosine, delta)
+    best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
+    for word_index in range(6):
+        t1, p1, q1 = word_in_body(X, Y, sine, cosine, word_index, delta)
+        length = t1 + p1 + q1
+        if length < best:  # False for NaN
+            best, index, t, p, q = length, word_index, t1, p1, q1
+    return best, index, t, p, q
 
 
 def pose_segments(
@@ -105,19 +111,6 @@ def body_pose(x: float, y: float, a: float, b: float) -> tuple[float, float, flo
     sine_a, cosine_a, sine_b, cosine_b = math.sin(a), math.cos(a), math.sin(b), math.cos(b)
     X, Y = x * cosine_a + y * sine_a, y * cosine_a - x * sine_a
     return X, Y, sine_b * cosine_a - cosine_b * sine_a, cosine_b * cosine_a + sine_b * sine_a
-
-
-def shortest_in_body(
-    X: float, Y: float, sine: float, cosine: float, delta: float
-) -> tuple[float, int, float, float, float]:
-    """`pose_shortest` of an end in the start's frame, as `body_pose` returns it."""
-    best, index, t, p, q = math.inf, 0, math.nan, math.nan, math.nan
-    for word_index in range(6):
-        t1, p1, q1 = word_in_body(X, Y, sine, cosine, word_index, delta)
-        length = t1 + p1 + q1
-        if length < best:  # False for NaN
-            best, index, t, p, q = length, word_index, t1, p1, q1
-    return best, index, t, p, q
 
 
 def word_in_body(
