@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
+from dubins_study.report.topics.audit import printed_routes, printed_section
 from dubins_study.report.topics.decision import decision_section
 from dubins_study.report.topics.routes import (
     by_legs,
-    printed_routes,
-    printed_section,
     routes_section,
     with_legs,
 )

@@ -15,6 +15,7 @@ from dubins_study.report.elements.looks import labels_of
 _MODULES = (
     # the front
     "topics.belief",
+    "topics.routes",
     "topics.findings",
     "topics.decision",
     "topics.matrix",
@@ -41,7 +42,6 @@ _MODULES = (
     "topics.scale",
     "topics.ladder",
     "topics.proofs",
-    "topics.routes",
     "topics.failures",
     # single attempts, and what they rest on
     "topics.single_attempts",

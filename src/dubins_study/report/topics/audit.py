@@ -1,4 +1,4 @@
-"""The audit of the paper: wrong cells, paths, the algorithm, and paths that are left out."""
+"""Audits of what is printed: the paper's cells, paths, algorithm, omissions; published routes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Place, Section, Table, Topic
+from dubins_study.report.elements.content import Picture, Place, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, share
 from dubins_study.report.paper.printed import committed, misprints
+from dubins_study.report.paper.routes import LONGER, PRINTED_ROUTES, SHORTEST, compared
+from dubins_study.report.topics.routes import plot_route, with_legs
+from dubins_study.study.scenario_frame import scenario_of
 
 _SYMBOLS = {"z1": "ζ₁", "z2": "ζ₂", "z3": "ζ₃", "f": "f"}
 
@@ -148,4 +151,81 @@ def _text(audit: dict[str, Any]) -> str:
     )
 
 
+_MOST_DIGITS = 17  # of a printed length; the CSV file has all
+
+
+def _beginning(text: str) -> str:
+    return text if len(text) <= _MOST_DIGITS else f"{text[:_MOST_DIGITS]}…"
+
+
+_PRINTED = (
+    *columns(kind="text", label="route"),
+    *columns(count, legs="legs"),
+    *columns(kind="text", source="source", verdict="verdict"),
+    *columns(_beginning, printed="printed"),
+    *columns(digits(12), length="ours", low="proven: at least", high="at most"),
+    *columns(digits(2), difference="printed − ours"),
+)
+_COMPARED = ("length", "reference_low", "reference_high")
+
+
+def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
+    """The published lengths of routes beside the shortest path that some solver found.
+
+    One row for each length whose route has a path: the columns `_PRINTED`, and row: the index of
+    the path's row.
+    """
+    found = rows[rows["gap"].notna()].sort_values("length", kind="stable")
+    best = found.drop_duplicates("label").reset_index(names="row").set_index("label")
+    paths = best.to_dict("index")
+    return pd.DataFrame(
+        {
+            **{"label": line.label, "source": line.source, "printed": line.printed},
+            **{"legs": path["legs"], "row": path["row"], "length": path["length"]},
+            **{"low": path["reference_low"], "high": path["reference_high"]},
+            **compared(line.printed, *(path[name] for name in _COMPARED)),
+        }
+        for line in PRINTED_ROUTES
+        if line.label in paths
+        for path in [paths[line.label]]
+    )
+
+
+def printed_section(results: Results) -> Section | None:
+    """Published lengths beside the proven ones, and the better path of one that is too long."""
+    frame = printed_routes(with_legs(results.rows))
+    if frame.empty:
+        return None
+    wrong = frame[frame["verdict"] != SHORTEST]
+    caption = (
+        "Lengths as printed; ours is that of the best path found, driven by the check. At least "
+        "and at most: the proven interval around the shortest length."
+    )
+    bad = marks(frame.assign(verdict=frame["verdict"] != SHORTEST), "verdict")
+    blocks: list[Table | Picture] = [Table("routes-printed", caption, frame, _PRINTED, bad)]
+    for line in wrong[wrong["verdict"] == LONGER].to_dict("records"):
+        path = results.path(line["row"])
+        scenario = scenario_of(results.rows.loc[line["row"]].to_dict())
+        caption = f"{line['label']}: a path that is {digits(2)(line['difference'])} shorter."
+        drawn = path, scenario, "ours"
+        alt = "The shortest path through the points of a published route"
+        blocks.append(
+            picture("routes-better", plot_route, *drawn, caption=caption, alt=alt, height=2.9)
+        )
+    text = (
+        f"{count((frame['verdict'] == SHORTEST).sum())} of {count(len(frame))} published lengths "
+        "are the shortest, to the last digit that the proof decides. The others: "
+        + (
+            "; ".join(
+                f"{r['source']}, {r['label']}: {r['verdict']}" for r in wrong.to_dict("records")
+            )
+            or "none"
+        )
+        + ". dubins-study audit kaya searches for the shortest paths again."
+    )
+    lead = "See which published lengths of four routes are the shortest, by proof."
+    return Section("routes-printed", "Published routes", text, tuple(blocks), lead)
+
+
 TOPIC = Topic("the audit of the paper", audit_section, "paper", place=Place.PAPER)
+PRINTED_TOPIC = Topic("published routes", printed_section, "kaya")

@@ -1,4 +1,4 @@
-"""Routes: who still finds the shortest one as legs become more; and published routes, audited."""
+"""Routes: who still finds the shortest one as legs become more; and the drawing of one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from matplotlib.ticker import NullLocator
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, Topic, picture
+from dubins_study.report.elements.content import Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import percent, questions, with_share
 from dubins_study.report.elements.looks import Palette, in_page_order
@@ -35,7 +35,6 @@ from dubins_study.report.elements.style import (
     mark_limit,
     new_figure,
 )
-from dubins_study.report.paper.routes import LONGER, PRINTED_ROUTES, SHORTEST, compared
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, foremost, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
@@ -44,7 +43,7 @@ from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.path import RIPPLE, FloatArray, Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.scenario_frame import numbers_of, scenario_of
+from dubins_study.study.scenario_frame import numbers_of
 
 _CELL = ["solver", "label", "legs"]
 _SHARE = ["successes", "trials", "share", "low", "high"]
@@ -140,7 +139,7 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
     groups = best.set_index("solver").groupby("formulation", sort=False)["right_low"]
     drawn = [EXACT, *(s for _, low in groups for s in foremost(low, _LINES))]
     solvers = list(dict.fromkeys(cells["solver"]))
-    heights = (0.155 * len(solvers), 1.6)
+    heights = (0.14 * len(solvers), 1.45)
     figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
     panels = figure.subplots(2, len(strata), sharey="row", squeeze=False, height_ratios=heights)
     limit = max(time_limits(results).values(), default=None)
@@ -313,81 +312,4 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     )
 
 
-_MOST_DIGITS = 17  # of a printed length; the CSV file has all
-
-
-def _beginning(text: str) -> str:
-    return text if len(text) <= _MOST_DIGITS else f"{text[:_MOST_DIGITS]}…"
-
-
-_PRINTED = (
-    *columns(kind="text", label="route"),
-    *columns(count, legs="legs"),
-    *columns(kind="text", source="source", verdict="verdict"),
-    *columns(_beginning, printed="printed"),
-    *columns(digits(12), length="ours", low="proven: at least", high="at most"),
-    *columns(digits(2), difference="printed − ours"),
-)
-_COMPARED = ("length", "reference_low", "reference_high")
-
-
-def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
-    """The published lengths of routes beside the shortest path that some solver found.
-
-    One row for each length whose route has a path: the columns `_PRINTED`, and row: the index of
-    the path's row.
-    """
-    found = rows[rows["gap"].notna()].sort_values("length", kind="stable")
-    best = found.drop_duplicates("label").reset_index(names="row").set_index("label")
-    paths = best.to_dict("index")
-    return pd.DataFrame(
-        {
-            **{"label": line.label, "source": line.source, "printed": line.printed},
-            **{"legs": path["legs"], "row": path["row"], "length": path["length"]},
-            **{"low": path["reference_low"], "high": path["reference_high"]},
-            **compared(line.printed, *(path[name] for name in _COMPARED)),
-        }
-        for line in PRINTED_ROUTES
-        if line.label in paths
-        for path in [paths[line.label]]
-    )
-
-
-def printed_section(results: Results) -> Section | None:
-    """Published lengths beside the proven ones, and the better path of one that is too long."""
-    frame = printed_routes(with_legs(results.rows))
-    if frame.empty:
-        return None
-    wrong = frame[frame["verdict"] != SHORTEST]
-    caption = (
-        "Lengths as printed; ours is that of the best path found, driven by the check. At least "
-        "and at most: the proven interval around the shortest length."
-    )
-    bad = marks(frame.assign(verdict=frame["verdict"] != SHORTEST), "verdict")
-    blocks: list[Table | Picture] = [Table("routes-printed", caption, frame, _PRINTED, bad)]
-    for line in wrong[wrong["verdict"] == LONGER].to_dict("records"):
-        path = results.path(line["row"])
-        scenario = scenario_of(results.rows.loc[line["row"]].to_dict())
-        caption = f"{line['label']}: a path that is {digits(2)(line['difference'])} shorter."
-        drawn = path, scenario, "ours"
-        alt = "The shortest path through the points of a published route"
-        blocks.append(
-            picture("routes-better", plot_route, *drawn, caption=caption, alt=alt, height=2.9)
-        )
-    text = (
-        f"{count((frame['verdict'] == SHORTEST).sum())} of {count(len(frame))} published lengths "
-        "are the shortest, to the last digit that the proof decides. The others: "
-        + (
-            "; ".join(
-                f"{r['source']}, {r['label']}: {r['verdict']}" for r in wrong.to_dict("records")
-            )
-            or "none"
-        )
-        + ". dubins-study audit kaya searches for the shortest paths again."
-    )
-    lead = "See which published lengths of four routes are the shortest, by proof."
-    return Section("routes-printed", "Published routes", text, tuple(blocks), lead)
-
-
-TOPIC = Topic("routes", routes_section, "routes")
-PRINTED_TOPIC = Topic("published routes", printed_section, "kaya")
+TOPIC = Topic("routes", routes_section, "routes", place=Place.FRONT)
