@@ -18,6 +18,12 @@ START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
 ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
 
 
+@pytest.fixture(autouse=True)
+def no_terminal(monkeypatch):
+    """Values are one line, wherever the tests run."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 def asked(*arguments):
     return CliRunner().invoke(app, arguments, catch_exceptions=False)
 
@@ -173,7 +179,6 @@ def test_a_drawn_route_with_a_free_final_heading():
 def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
     """On a terminal alone; its continuation begins below the value."""
     many = [word for i in range(1, 13) for word in ("--via", str(5 * i), "1")]
-    monkeypatch.delenv("COLUMNS", raising=False)
     unbroken = asked("solve", "70", "0", *many).stdout
     monkeypatch.setenv("COLUMNS", "60")
     broken = asked("solve", "70", "0", *many).stdout
