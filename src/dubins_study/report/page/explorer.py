@@ -84,9 +84,12 @@ def explorer_section(results: Results) -> Section:
         "Map: the shortest word of every target; the length jumps across the heavy half circles. "
         "Bold: the shortest path; thin: other words'. Tab reaches the handles; arrow keys move "
         "them, + and − change the radius. Certificates: of Pontryagin's conditions and the cut; "
-        "clear of its cut, an extremal is shortest. Via points and a final heading make it a route."
+        "clear of its cut, an extremal is shortest."
     )
-    lead = "Drag the target across a turning circle to see the shortest path jump to another word."
+    lead = (
+        "Drag the target across a turning circle to see the shortest path jump to another word. "
+        "Add via points or a final heading to plan a route."
+    )
     widget = Widget("explorer", caption, _explorer())
     return Section("explorer", "Explore the problem", "", (widget,), lead)
 
