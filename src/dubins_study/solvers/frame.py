@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import fields
 from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -45,7 +44,6 @@ if TYPE_CHECKING:
     from dubins_study.study.check.certificate_frame import FrameCertificate
     from dubins_study.study.check.verdict_frame import FrameJudgement
 
-_FIELDS = [field.name for field in fields(FrameSolution)]
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
 
@@ -112,8 +110,6 @@ def _run(
         solution = whole(frame, branch)
         if not isinstance(solution, FrameSolution):
             raise TypeError(f"solve_frame returned {type(solution).__name__}, no FrameSolution")
-        # checked anew: a plug-in may have changed its solution since it was made
-        solution = FrameSolution(**{name: getattr(solution, name) for name in _FIELDS})
         if len(solution.paths) != len(frame):
             raise TypeError(f"there are {len(solution.paths)} paths for {len(frame)} scenarios")
     except KeyboardInterrupt:
