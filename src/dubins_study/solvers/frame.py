@@ -66,7 +66,7 @@ def solve_frame(
     whole = backend.solve_frame if answers and branch in backend.branches else None
     kinds = _kinds(frame)
     parts: list[tuple[Any, pd.DataFrame]] = []
-    for kind in np.unique(kinds).tolist() or [_FREE]:
+    for kind in [kind for kind in range(3) if kind in kinds] or [_FREE]:
         places = np.flatnonzero(kinds == kind)
         part = frame.iloc[places] if len(places) < len(frame) else frame
         if whole is not None and kind != _ROUTE and _NEED[kind] in backend.takes:
@@ -229,10 +229,10 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     known = {*names(SCENARIO), "via"}
-    own = [name in known or nearest(name, DEFAULTS) is not None for name in scenarios.columns]
-    answered = scenarios.columns.isin(names(ANSWER))
-    others = scenarios.loc[:, ~np.array(own, np.bool_) & ~answered]
-    return check_frame(scenarios.loc[:, np.array(own, np.bool_)]), others
+    own = np.array([name in known or bool(nearest(name, DEFAULTS)) for name in scenarios], np.bool_)
+    others = scenarios.loc[:, ~own & ~scenarios.columns.isin(names(ANSWER))]
+    # a choice of columns would copy them
+    return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
 
 
 def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
