@@ -10,6 +10,7 @@ import pytest
 
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.route import leg_bound
+from dubins_study.study.route.word_bounds import Box
 
 STEPS = 41  # headings across each interval
 
@@ -19,7 +20,7 @@ def bounds_of(boxes):
     bounds = np.empty(len(boxes))
     for i in range(len(boxes)):
         x, y, c1, h1, slope1, c2, h2, slope2 = boxes[i]
-        bounds[i], _ = leg_bound.box_bound(x, y, c1, h1, slope1, c2, h2, slope2)
+        bounds[i], _ = leg_bound.box_bound(Box(x, y, c1, h1, slope1, c2, h2, slope2))
     return bounds
 
 

@@ -311,13 +311,19 @@ def leg_models(
 
 
 def settle(
-    legs: FloatArray, headings: FloatArray, free: BoolArray, words: WordArray, edges: FloatArray
+    legs: FloatArray,
+    headings: FloatArray,
+    free: BoolArray,
+    words: WordArray,
+    edges: FloatArray,
+    arcs: BoolArray,
 ) -> tuple[FloatArray, FloatArray] | None:
     """A stationary route whose legs at an edge stay there, by Newton's method; None if it fails.
 
     Args:
         free: headings that are varied; those of a leg that is one arc are not.
         edges: for each leg the first turn of the two arcs that it is to be, or 0.
+        arcs: legs that are one arc, which fixes both their headings.
 
     Returns the headings, and at each point the slope of the potential for which both legs are flat
     there: the derivative of the leg before it, with its condition's multiplier; NaN where unknown.
@@ -329,6 +335,7 @@ def settle(
     moving = free[:-1] | free[1:]
     fixed, i, rows = np.flatnonzero(~free), np.arange(n), n + 1 + np.arange(at.size)
     idle = rows[~moving[at]]
+    known = ~arcs & (moving | (edges == 0.0))
     for _ in range(20):
         models = leg_models(legs, headings, words, edges)
         models[~moving] = 0.0  # nothing is asked of a leg between headings that are given
@@ -358,9 +365,10 @@ def settle(
         headings -= step[: n + 1] * min(1.0, 0.1 / max(longest, 1e-300))
         if longest < 1e-14:
             break
+    models = leg_models(legs, headings, words, edges)
     slopes = np.full(n + 1, math.nan)
-    slopes[:-1] = np.where(moving, -models[:, 0] - tau * models[:, 6], math.nan)
-    behind = np.where(moving, models[:, 1] + tau * models[:, 7], math.nan)
+    slopes[:-1] = np.where(known, -models[:, 0] - tau * models[:, 6], math.nan)
+    behind = np.where(known, models[:, 1] + tau * models[:, 7], math.nan)
     slopes[1:] = np.where(np.isnan(behind), slopes[1:], behind)
     return headings, slopes
 
@@ -382,12 +390,12 @@ def _single_arcs(
     segments: FloatArray,
     near: float,
     short: float,
-) -> tuple[FloatArray, BoolArray]:
-    """Headings with which legs that are nearly one arc are one, and which are free then.
+) -> tuple[FloatArray, BoolArray, BoolArray]:
+    """Headings with which legs that are nearly one arc are one, which are free, and these legs.
 
     A straight below `near` and an arc below `short` are taken to vanish.
     """
-    headings, free = headings.copy(), free.copy()
+    headings, free, arcs = headings.copy(), free.copy(), np.zeros(words.size, np.bool_)
     for i, (word, (t, p, q)) in enumerate(zip(words, segments, strict=True)):
         distance = math.hypot(*legs[i])
         first = 1.0 if word in (0, 2, 5) else -1.0
@@ -404,11 +412,12 @@ def _single_arcs(
         half = math.asin(0.5 * distance)
         half = half if arc < math.pi else math.pi - half
         chord = math.atan2(legs[i, 1], legs[i, 0])
+        arcs[i] = True
         for at, heading in ((i, chord - s * half), (i + 1, chord + s * half)):
             if free[at]:
                 headings[at] = heading
                 free[at] = False
-    return headings, free
+    return headings, free, arcs
 
 
 @compiled
@@ -453,11 +462,14 @@ def descents(
     headings = headings.copy()
     descend(legs, headings, free, width, _FINE)
     yield headings, unknown
-    settled = list(_settled(legs, headings, free, *route_words(legs, headings)))
-    yield from settled
-    if not settled:
-        descend(legs, headings, free, _FINE, _FINEST)
+    best, settled = route_length(legs, headings), math.inf
+    for result in _settled(legs, headings, free, *route_words(legs, headings)):
+        settled = min(settled, route_length(legs, result[0]))
+        yield result
+    if settled > best:
+        descend(legs, headings, free, width, _FINEST)
         yield headings, unknown
+        yield from _settled(legs, headings, free, *route_words(legs, headings))
 
 
 def _settled(
@@ -472,10 +484,10 @@ def _settled(
     for near in _NEAR:
         edges = _edges(words, segments, near)
         for short in _SHORT:
-            start, moving = _single_arcs(legs, headings, free, words, segments, near, short)
+            start, moving, arcs = _single_arcs(legs, headings, free, words, segments, near, short)
             attempt = edges.tobytes() + moving.tobytes()
             if attempt not in attempts:
                 attempts.add(attempt)
-                result = settle(legs, start, moving, words, edges)
+                result = settle(legs, start, moving, words, edges, arcs)
                 if result is not None:
                     yield result

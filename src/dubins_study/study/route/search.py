@@ -28,7 +28,7 @@ from dubins_study.study.route.leg_bound import (
     UNKNOWN,
     WordArray,
     bound_leg,
-    bounds_of_halves,
+    bounds_of_parts,
     slopes_across,
 )
 
@@ -39,8 +39,10 @@ _TWO_PI = 2 * math.pi
 _COARSE = 16  # intervals at each point to begin with
 _OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
-_STEEP, _STEEPEST = 3.0, 20.0  # slopes of the potential: doubtful, and the steepest used
+_STEEPEST = 2.5
 _EAGER = 6  # rounds
+_SOON = 0.5
+_BOTH = 0.5
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
 _MOST_PAIRS = 40_000_000
 
@@ -257,6 +259,7 @@ class _Search:
         aimed, self.intervals, parents = self._aimed(chains), [], []
         for i, interval in enumerate(aimed):
             split = (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST) & self.free[i]
+            split &= chains.ahead[i] + chains.behind[i] <= self.low + _SOON * (threshold - self.low)
             whole, halved = np.flatnonzero(kept[i] & ~split), np.flatnonzero(kept[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
@@ -278,9 +281,6 @@ class _Search:
             both = (by_left == BY_WORD) & (by_right == BY_WORD)
             slope = np.where(by_right > by_left, fall, rise)
             slope = np.where(both, 0.5 * (rise + fall), slope)
-            # a middle arc near pi has no useful slope
-            slope = np.where(both & (np.abs(rise) > _STEEP), fall, slope)
-            slope = np.where(both & (np.abs(fall) > _STEEP), rise, slope)
             slope = np.where(np.isnan(slope), interval.slope, slope)
             if not math.isnan(self.slopes[i]):
                 away = interval.middle - self.headings[i]
@@ -315,6 +315,7 @@ class _Search:
         gains = []
         for i, interval in enumerate(self.intervals):
             halves, whole = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
+            both = np.zeros(interval.half.size)
             for leg, forward in ((i - 1, True), (i, False)):
                 if 0 <= leg < self.n:
                     j, k = chains.pairs(leg, forward)
@@ -322,11 +323,13 @@ class _Search:
                         _Intervals(*(column[j] for column in self.intervals[leg])),
                         _Intervals(*(column[k] for column in self.intervals[leg + 1])),
                     )
-                    halves += bounds_of_halves(self.legs[leg], *ends, not forward)
+                    parts, quarters = bounds_of_parts(self.legs[leg], *ends, not forward)
+                    halves += parts
                     whole += chains.costs[leg][j, k]
+                    both += np.clip(np.nan_to_num(quarters - chains.costs[leg][j, k]), 0.0, 1.0)
             gain = np.clip(np.nan_to_num(halves.min(0) - whole), 0.0, 1.0)
             # where nothing is gained by halves of this one alone, by those of all
-            gains.append((gain + 0.1 * interval.half**2) * self.free[i])
+            gains.append((gain + _BOTH * both + 1e-3 * interval.half**2) * self.free[i])
         return gains
 
     def _route(self) -> Route:
