@@ -39,10 +39,10 @@ _TWO_PI = 2 * math.pi
 _COARSE = 16  # intervals at each point to begin with
 _OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
-_STEEPEST = 2.5
+_STEEPEST = 2.5  # slope of the potential; a word with a straight asks for 2 at most
 _EAGER = 6  # rounds
-_SOON = 0.5
-_BOTH = 0.5
+_SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
+_BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
 _MOST_PAIRS = 40_000_000
 

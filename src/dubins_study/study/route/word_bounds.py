@@ -26,7 +26,7 @@ from dubins_study.study.route.leg_words import between, straight_direction
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _SLACK = 1e-13
 LONGEST_COSTATE = 20.0  # that of LRL is 1 / |cos psi| long; longer ones than this are not needed
-_ALONG = 1.0
+_ALONG = 1.0  # of a costate along the axis of LRL, where a flat one would be long
 _SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
 
 
