@@ -48,12 +48,13 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(7_950, 41),
-    "experiments": Size(5_840, 40),
-    "conformance": Size(1_830, 9),
+    "study": Size(8_610, 43),
+    "experiments": Size(5_620, 40),
+    "conformance": Size(1_780, 9),
+    "report": Size(13_150, 80),
     "cli": Size(1_940, 18),
-    "package": Size(40_450, 245),
-    "tests": Size(30_100, 230),
+    "package": Size(41_060, 247),
+    "tests": Size(31_440, 240),
 }
 
 _LEAVES = (
