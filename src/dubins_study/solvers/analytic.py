@@ -68,11 +68,12 @@ class Analytic(Solver):
         from dubins_study.study.closed_form.kernel import NO_PATH, Rows, curvatures, shortest_rows
         from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
         from dubins_study.study.path import CLAIMS, Paths
+        from dubins_study.study.scenario_frame import with_final_headings
 
         n, radius = len(frame), np.ascontiguousarray(frame["radius"], np.float64)
         columns = (np.ascontiguousarray(frame[name], np.float64) for name in PoseArrays._fields)
         rows: Rows | PoseRows
-        if frame["final_heading"].notna().any():
+        if with_final_headings(frame):
             length = np.empty((3, n))
             rows = PoseRows._make([np.empty(n), *length, np.empty(n, np.uint8)])
             pose_rows(*columns, branch=branch, out=rows)

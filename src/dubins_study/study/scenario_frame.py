@@ -160,6 +160,11 @@ def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
     return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
 
 
+def with_final_headings(frame: pd.DataFrame) -> bool:
+    """Whether the rows of a checked frame of one kind have final headings."""
+    return bool(frame["final_heading"].notna().any())
+
+
 def row_name(frame: pd.DataFrame, row: int) -> str:
     """A row of a frame in messages, by its label."""
     label = frame.index[row]

@@ -14,8 +14,7 @@ from dubins_study.report.paper import printed, routes
 
 @pytest.fixture
 def asked():
-    without_terminal = CliRunner(env={"COLUMNS": None})  # a row of a table is then one line
-    return lambda *arguments: without_terminal.invoke(app, ["audit", *arguments])
+    return lambda *arguments: CliRunner().invoke(app, ["audit", *arguments])
 
 
 def test_json_is_the_committed_file(asked):

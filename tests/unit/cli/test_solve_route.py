@@ -18,12 +18,6 @@ START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
 ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
 
 
-@pytest.fixture(autouse=True)
-def no_terminal(monkeypatch):
-    """Values are one line, wherever the tests run."""
-    monkeypatch.delenv("COLUMNS", raising=False)
-
-
 def asked(*arguments):
     return CliRunner().invoke(app, arguments, catch_exceptions=False)
 

@@ -22,13 +22,12 @@ from dubins_study.study.check.verdict_frame import (
     VERDICTS,
     FrameJudgement,
     three_arcs,
-    with_final_headings,
 )
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
 from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
-from dubins_study.study.scenario_frame import scenarios
+from dubins_study.study.scenario_frame import scenarios, with_final_headings
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Proof, Verdict
 
@@ -192,12 +191,7 @@ def _measure_words(
         x, y, abnormal[i], H, margin, cut = _costates(
             heading[i], word.turn1, word.first, word.turn2, word.second
         )
-        measured[0, i], measured[1, i] = x, y
-        measured[2, i] = H
-        measured[3, i] = margin
-        measured[4, i] = 0.0
-        measured[5, i] = max(H, -margin)
-        measured[6, i] = cut
+        measured[:, i] = x, y, H, margin, 0.0, max(H, -margin), cut
     return left
 
 
@@ -231,10 +225,5 @@ def _measure_legs(
             left[i] = True
             continue
         x, y, abnormal[i], H, margin = _pose_costates(heading[i], turn1, a, turn2, b, turn3, c)
-        measured[0, i], measured[1, i] = x, y
-        measured[2, i] = H
-        measured[3, i] = margin
-        measured[4, i] = math.nan
-        measured[5, i] = max(H, -margin)
-        measured[6, i] = math.nan
+        measured[:, i] = x, y, H, margin, math.nan, max(H, -margin), math.nan
     return left

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from itertools import groupby
 from typing import NamedTuple
 
@@ -41,10 +42,14 @@ def reference_of(scenario: Scenario, branch: str = "best", search_s: float = SEA
         return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
     if scenario.final_heading is None:
         return Reference(enclose(scenario, branch), shortest_path(scenario, branch), ())
-    question = (
-        *(scenario.start, Pose(scenario.target_x, scenario.target_y, scenario.final_heading)),
-        *(scenario.radius, branch),
-    )
+    end = Pose(scenario.target_x, scenario.target_y, scenario.final_heading)
+    return _pose_reference(scenario.start, end, scenario.radius, branch)
+
+
+@lru_cache(maxsize=4096)  # asked for when an answer is judged and when it is certified
+def _pose_reference(start: Pose, end: Pose, radius: float, branch: str) -> Reference:
+    """The reference of one leg with a final heading."""
+    question = start, end, radius, branch
     return Reference(enclose_pose(*question), pose_path(*question), ())
 
 

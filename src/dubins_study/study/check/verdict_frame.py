@@ -43,6 +43,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
+from dubins_study.study.scenario_frame import with_final_headings
 from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, Claim, Verdict
 
@@ -167,11 +168,6 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     none = np.zeros((3 - len(paths.curvature), len(paths)))
     curvature, length = (np.concatenate([a, none]) for a in (paths.curvature, paths.length))
     return loop_input(curvature), loop_input(length)
-
-
-def with_final_headings(frame: pd.DataFrame) -> bool:
-    """Whether the rows of a checked frame of one kind have final headings."""
-    return bool(frame["final_heading"].notna().any())
 
 
 def _judge_targets(

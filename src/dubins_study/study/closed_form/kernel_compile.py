@@ -117,6 +117,7 @@ def _kept(function: Loop, options: dict[str, Any]) -> Loop:
     # and every constant, may come from another: without a digest of them a change would go unseen.
     function.__qualname__ += f"_{_SOURCES}"
     options |= {"error_model": "numpy", "nogil": True}
+    function = _with_callees(function)
     try:
         return cast(Loop, numba.njit(cache=True, **options)(function))
     except RuntimeError:  # no folder that a cache could be written to: compile every time

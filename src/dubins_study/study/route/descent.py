@@ -22,9 +22,7 @@ from dubins_study.study.closed_form.pose import (
 )
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.leg_bound import WordArray
-from dubins_study.study.route.leg_words import between, nearest_segments
-
-_gradient, _curvatures = separate(pose_gradient), separate(pose_curvatures)
+from dubins_study.study.route.leg_words import between, nearest_segments, principal
 
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _GRID, _MOST = 2, 24  # headings on each side of a point's; and at most in all, with edges
@@ -99,8 +97,7 @@ def _arc_headings(x: float, y: float, end: bool, found: FloatArray) -> int:
 def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float) -> int:
     """Add those of m headings that are within reach of the first to the n that are there."""
     for k in range(m):
-        off = others[k] - headings[0]
-        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        off = principal(others[k] - headings[0])
         if n < headings.size and abs(off) <= reach:
             headings[n] = headings[0] + off
             n += 1
@@ -183,8 +180,8 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
             _, word, t, p, q = _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
             if not (p > 1e-9):
                 return False
-            d1, d2 = _gradient(word, t, p, q)
-            d11, d12, d22 = _curvatures(word, t, p, q)
+            d1, d2 = pose_gradient(word, t, p, q)
+            d11, d12, d22 = pose_curvatures(word, t, p, q)
             slope[i] += d1
             slope[i + 1] += d2
             diagonal[i] += d11
@@ -305,8 +302,8 @@ def leg_models(
             models[i] = np.array(_touching(x, y, t1, t2, edges[i]))
         else:
             t, p, q = nearest_segments(x, y, t1, t2, words[i])
-            models[i, 0], models[i, 1] = _gradient(words[i], t, p, q)
-            models[i, 2], models[i, 3], models[i, 4] = _curvatures(words[i], t, p, q)
+            models[i, 0], models[i, 1] = pose_gradient(words[i], t, p, q)
+            models[i, 2], models[i, 3], models[i, 4] = pose_curvatures(words[i], t, p, q)
     return models
 
 
@@ -426,7 +423,7 @@ def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
     slopes = np.zeros(headings.size)
     for i in range(legs.shape[0]):
         _, word, t, p, q = _shortest(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
-        _, slopes[i + 1] = _gradient(word, t, p, q)
+        _, slopes[i + 1] = pose_gradient(word, t, p, q)
     return slopes
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.leg_words import between, straight_direction, turns
+from dubins_study.study.route.leg_words import between, principal, straight_direction, turns
 from dubins_study.study.route.word_bounds import (
     LONGEST_COSTATE,
     Box,
@@ -24,7 +24,7 @@ from dubins_study.study.route.word_bounds import (
 
 WordArray = NDArray[np.int8]
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 NO_WORD = -1
 
 
@@ -90,7 +90,7 @@ def _word_slopes(x: float, y: float, t1: float, t2: float, word: int) -> tuple[f
     return -s1 * (1.0 + rho * math.cos(t1 - axis)), s1 * (1.0 + rho * math.cos(t2 - axis))
 
 
-STEEPEST = 2.0  # of slopes of the potential; those of words with a straight are no steeper
+_STEEPEST_BY_WORD = 2.0  # slope that a word with a straight asks for
 UNKNOWN, BY_EDGE, BY_WORD = range(3)  # what a slope at one end of a leg is derived from
 
 
@@ -113,9 +113,7 @@ def _slope_across(
         turn = s1 if m < 2.0 + 2.0 * reach else 0.0
     elif word >= 4 and m < 4.0:
         psi, axis = _PI - math.asin(0.25 * m), math.atan2(dy, dx)
-        a, c = psi + s1 * (axis - t1), psi + s1 * (t2 - axis)
-        a -= _TWO_PI * math.floor(a / _TWO_PI + 0.5)
-        c -= _TWO_PI * math.floor(c / _TWO_PI + 0.5)
+        a, c = principal(psi + s1 * (axis - t1)), principal(psi + s1 * (t2 - axis))
         turn = -s1 if abs(a) < 2.0 * reach else s1 if abs(c) < 2.0 * reach else 0.0
     d1, d2 = _word_slopes(x, y, t1, t2, word)
     if turn != 0.0:
@@ -131,7 +129,7 @@ def _slope_across(
             other = 1.0 - math.cos(far) + tau * math.sin(far)
             return (-turn * other if forward else turn * other), BY_EDGE
     slope = d2 if forward else -d1
-    if abs(slope) > STEEPEST:
+    if abs(slope) > _STEEPEST_BY_WORD:
         return math.nan, UNKNOWN
     return slope, BY_WORD
 
@@ -155,6 +153,19 @@ def slopes_across(
     return across, kinds
 
 
+@separate
+def _part_bound(box: Box, side1: float, side2: float) -> float:
+    """The bound of a part of a box: side -0.5 or 0.5 is a half of an interval, 0 all of it."""
+    d1, d2 = side1 * box.h1, side2 * box.h2
+    bound, _ = box_bound(
+        Box(
+            *(box.x, box.y, box.c1 + d1, box.h1 - abs(d1), box.slope1),
+            *(box.c2 + d2, box.h2 - abs(d2), box.slope2),
+        )
+    )
+    return bound + box.slope1 * d1 - box.slope2 * d2
+
+
 @compiled
 def bounds_of_parts(
     leg: FloatArray,
@@ -162,31 +173,17 @@ def bounds_of_parts(
     last: tuple[FloatArray, FloatArray, FloatArray],
     forward: bool,
 ) -> tuple[FloatArray, FloatArray]:
-    """Bounds of boxes with the lower and the upper half of one of their intervals, shape (2, n).
+    """Bounds of n boxes with half an interval, shape (2, n), and the least of their quarters, (n,).
 
-    Of the first interval if `forward`, else of the last. And the least bound of their quarters.
+    The halves are the lower and the upper one of the first interval if `forward`, else of the last.
     """
     c1, h1, slope1 = first
     c2, h2, slope2 = last
     halves, quarters = np.empty((2, c1.size)), np.full(c1.size, math.inf)
     for j in range(c1.size):
-        for part in range(6):
-            d1 = d2 = 0.0
-            if part < 2:
-                d1 = (part - 0.5) * h1[j] if forward else 0.0
-                d2 = 0.0 if forward else (part - 0.5) * h2[j]
-            else:
-                d1 = (part % 2 - 0.5) * h1[j]
-                d2 = (part // 4 - 0.5) * h2[j]
-            bound, _ = box_bound(
-                Box(
-                    *(leg[0], leg[1], c1[j] + d1, h1[j] - abs(d1), slope1[j]),
-                    *(c2[j] + d2, h2[j] - abs(d2), slope2[j]),
-                )
-            )
-            bound += slope1[j] * d1 - slope2[j] * d2
-            if part < 2:
-                halves[part, j] = bound
-            else:
-                quarters[j] = min(quarters[j], bound)
+        box = Box(leg[0], leg[1], c1[j], h1[j], slope1[j], c2[j], h2[j], slope2[j])
+        for k, side in enumerate((-0.5, 0.5)):
+            halves[k, j] = _part_bound(box, side if forward else 0.0, 0.0 if forward else side)
+            for other in (-0.5, 0.5):
+                quarters[j] = min(quarters[j], _part_bound(box, side, other))
     return halves, quarters

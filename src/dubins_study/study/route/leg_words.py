@@ -13,6 +13,12 @@ _PI, _TWO_PI = math.pi, 2 * math.pi
 
 
 @separate
+def principal(angle: float) -> float:
+    """An angle brought to [-pi, pi)."""
+    return angle - _TWO_PI * math.floor(angle / _TWO_PI + 0.5)
+
+
+@separate
 def turns(word: int) -> tuple[float, float]:
     """The turns of a word's first and last arc, 1 to the left; words as in `pose.WORDS6`."""
     first = 1.0 if word == 0 or word == 2 or word == 5 else -1.0

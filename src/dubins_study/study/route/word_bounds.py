@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import separate
-from dubins_study.study.route.leg_words import between, straight_direction
+from dubins_study.study.route.leg_words import between, principal, straight_direction
 
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _SLACK = 1e-13
@@ -67,12 +67,6 @@ class _Circles(NamedTuple):
     along: float  # how far it may change along itself, and across
     across: float
     turned: float  # rad to either side
-
-
-@separate
-def _principal(angle: float) -> float:
-    """An angle brought to [-pi, pi)."""
-    return angle - _TWO_PI * math.floor(angle / _TWO_PI + 0.5)
 
 
 @separate
@@ -335,7 +329,7 @@ def _edge_bound(box: Box, circles: _Circles) -> float:
         tau = rise / sine
         if 0.0 <= tau < LONGEST_COSTATE:
             best = max(best, _touching_bound(box, circles, tau, 0.0, -1, 0.0))
-        short = abs(_principal(c)) + halves[1 - first]
+        short = abs(principal(c)) + halves[1 - first]
         if short > 1.0:
             continue
         if -LONGEST_COSTATE < tau < 0.0:
@@ -395,7 +389,7 @@ def csc_bound(box: Box, last: float, enough: float) -> float:
         square = dx * dx + dy * dy - (0.0 if last > 0.0 else 4.0)
         turning = math.sin(other - box.c1 - t1) if abs(t1) < box.h1 else 0.0
         turning += math.sin(last * (box.c2 + t2 - other)) if abs(t2) < box.h2 else 0.0
-        shift = _principal(other - direction - moved)
+        shift = principal(other - direction - moved)
         moved += shift / max(0.25, 1.0 + turning / math.sqrt(max(square, 1e-4)))
         # whatever the direction is, the bound holds
         value, t1, t2 = _straight_bound(
@@ -462,7 +456,7 @@ def lrl_bound(box: Box) -> float:
     psi = 0.5 * (psis[0] + psis[1])
     u, v = axis - box.c1, box.c2 - axis
     near = 2.0 * (box.h1 + box.h2 + turned)
-    short1, short2 = abs(_principal(psi + u)) < near, abs(_principal(psi + v)) < near
+    short1, short2 = abs(principal(psi + u)) < near, abs(principal(psi + v)) < near
     # flat in the first heading if rate11 mu1 + rate12 mu2 = rise1, in the last likewise
     c, s = -4.0 * math.cos(psi), 4.0 * math.sin(psi)
     rise1 = box.slope1 - 1.0 - 4.0 * math.cos(u) / c
