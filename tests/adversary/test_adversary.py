@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,6 +12,7 @@ import pandas as pd
 import pytest
 
 from dubins_study.study.path import Path
+from dubins_study.study.route.search import search
 from dubins_study.study.words import Proof, Verdict
 from tests.adversary import checks, frames, routes, routes_judged
 from tests.adversary.campaign import run
@@ -63,6 +65,25 @@ def test_no_bound_is_above_a_length_that_was_found(part: int) -> None:
     rows = [routes.row(numbers[k], 0) for k in above]
 
     assert not rows or routes.beaten(pd.DataFrame(rows)).empty, rows
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("seed", range(12))
+def test_lattice_routes_close(seed: int) -> None:
+    """Points and headings of round numbers, often on turning circles: closed, and not beaten."""
+    rng = np.random.default_rng((18, seed))
+    steps = rng.integers(-3, 4, (2 + seed % 4, 2))
+    steps[~steps.any(axis=1)] = 1, 1
+    points = np.vstack([[0, 0], np.cumsum(steps, axis=0)]).astype(float)
+    first, last = 0.25 * math.pi * rng.integers(-3, 5, 2) * (rng.random(2) < 0.5)
+    asked = routes.Asked(points, first, None if rng.random() < 0.5 else last)
+
+    route = search(*asked, limit=60.0, tolerance=1e-9)
+    _, found, _ = routes.attacked(asked, rng)
+
+    assert route.closed
+    assert found >= route.low * (1.0 - routes.tolerated(asked))
 
 
 def _longer(path: Path | None) -> Path | None:

@@ -180,17 +180,17 @@ class Scenario:
 NUMBERS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")  # every scenario has
 VIA = ("via_x", "via_y")
 COLUMNS = (*NUMBERS, "label", *VIA, "final_heading")  # of frames, files and rows
-# of the columns that a frame or a file may leave out
+# of the columns that a frame or a file may leave out: all but the target's
 DEFAULTS: dict[str, Any] = {
-    **{"speed": 1.0, "label": ""},
+    **{"x": 0.0, "y": 0.0, "heading": 0.0, "radius": 1.0, "speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
 }
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
 # the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
 DEGREES = (
-    "is a number of more than a full turn, taken as radians; of degrees write the unit, such as "
-    "'90deg'"
+    "is a number of more than a full turn, taken as radians; if it is in degrees, write the "
+    "unit, such as '90deg'"
 )
 LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.values import did_you_mean, short
 
 # radii: the largest distance to the target of a path that arrives, in every profile
 ARRIVES = 1e-6
@@ -13,8 +16,10 @@ ARRIVES = 1e-6
 HEADED = ARRIVES
 # of the coordinates' size and a path's length: what driving in floating point loses
 DRIVEN = 32.0 * EPS
-# Seconds after which the search for a route's reference ends; most take less than one. On a slower
-# machine an interval may be wider, and an answer undecided there, but never wrong.
+# Seconds after which the search for a route's reference ends; most take less than one. They are
+# counted in work (`route.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
+# interval. Only after four times as long by the clock the interval stays wider, and an answer may
+# be undecided, but never wrong.
 SEARCH_S = 20.0
 
 
@@ -26,6 +31,30 @@ class Tolerances:
     curvature: float = 1e-9  # largest curvature beyond what the branch allows, times the radius
     gap: float = 1e-4  # largest gap of an answer that is called optimal
     search_s: float = SEARCH_S
+
+
+# Named tolerances; a solver may add settings of its own under the same name (its `profiles`).
+# `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
+# `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
+PROFILES = {
+    "default": Tolerances(),
+    "fast": Tolerances(gap=1e-3),
+    "accurate": Tolerances(gap=1e-6),
+}
+
+
+class ProfileError(DubinsStudyError, ValueError):
+    """No profile of that name."""
+
+
+def tolerances(profile: str, limit: float = math.inf) -> Tolerances:
+    """The tolerances of a profile; the check searches no longer than the limit (s) of a solve."""
+    if not isinstance(profile, str) or profile not in PROFILES:
+        names = ", ".join(PROFILES)
+        near = did_you_mean(profile, PROFILES)
+        raise ProfileError(f"no profile named {short(profile)}; {near}choose one of: {names}")
+    allowed = PROFILES[profile]
+    return allowed if limit >= allowed.search_s else replace(allowed, search_s=limit)
 
 
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:

@@ -11,8 +11,12 @@ from typing import NamedTuple
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
 POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
-ROUTE_BRANCHES = ("best",)  # of several legs
-EVERY_BRANCH = tuple(dict.fromkeys((*BRANCHES, *POSE_BRANCHES)))
+# Of several legs; `frozen` is no path, but the convex problem that was frozen from the route and
+# that its label names (study.convex).
+FROZEN = "frozen"
+ROUTE_BRANCHES = ("best", FROZEN)
+PATH_BRANCHES = tuple(dict.fromkeys((*BRANCHES, *POSE_BRANCHES)))
+EVERY_BRANCH = (*PATH_BRANCHES, FROZEN)
 
 # What scenarios need of a solver, and solvers say that they take.
 FREE_FINAL_HEADING, FINAL_HEADING = "free final heading", "final heading"
@@ -37,7 +41,17 @@ class Formulation(NamedTuple):
     specs: Mapping[str, str]  # by kind of engine: the spec that asks for it; `{}` is the engine
     # by kind of engine: why none of the kind can read it, if not for the usual reason
     reasons: Mapping[str, str] = MappingProxyType({})
+    knows: str = ""  # of the answer: the formula, the words, or the shape of its pieces
+    several: bool = False  # `bearing` tries several guesses a word, of one leg with a free heading
 
+
+# What initial guesses know of the answer, by the column `guess`: one is drawn toward the target,
+# `words` has one for each word, `blind` nothing of the answer's shape.
+GUESSES = MappingProxyType(
+    {"one": "one", "bearing": "one", "words": "words", "given": "warm", "warm": "warm"}
+    | dict.fromkeys(("straight", "zero", "random"), "blind")
+)
+SEVERAL = "several"  # guesses a word
 
 _FORMULA = "a formula, which needs no engine"
 _SQUARE = "a square system of equations: there is nothing to minimise"
@@ -53,54 +67,77 @@ FORMULATION_LIST = (
     Formulation(
         *("closed form", "closed form", {EXACT: "analytic"}),
         dict.fromkeys((NLP, PROVEN, SAMPLING, DERIVATIVE_FREE, ROOTS, QP), _FORMULA),
+        knows="formula",
     ),
     Formulation(
         *("one NLP a word", "word NLPs"),
         {NLP: "nlp[engine={}]", PROVEN: "global-nlp[engine={},model=words]"},
+        knows="words",
+        several=True,
     ),
     Formulation(
         *("joint NLP, LRS", "joint LRS"),
         {NLP: "nlp[engine={},model=joint,order=LRS]", PROVEN: "global-nlp[engine={},order=LRS]"},
+        knows="shape",
     ),
     Formulation(
         *("joint NLP, RLS", "joint RLS"),
         {NLP: "nlp[engine={},model=joint,order=RLS]", PROVEN: "global-nlp[engine={},order=RLS]"},
+        knows="shape",
     ),
     Formulation(
         *("joint NLP, both orders", "joint, both orders"),
         {NLP: "nlp[engine={},model=joint]", PROVEN: "global-nlp[engine={}]"},
+        knows="shape",
     ),
     Formulation(
-        *("turn rates", "turn rates"), {NLP: "turn-rates[engine={}]", QP: "turn-rate-qp[engine={}]"}
+        *("turn rates", "turn rates"),
+        {NLP: "turn-rates[engine={}]", QP: "turn-rate-qp[engine={}]"},
+        several=True,
     ),
-    Formulation("Radau collocation", "collocation", {NLP: "collocation[engine={}]"}),
-    Formulation("multiple shooting", "multiple shooting", {NLP: "multiple-shooting[engine={}]"}),
+    Formulation(
+        *("Radau collocation", "collocation", {NLP: "collocation[engine={}]"}), several=True
+    ),
+    Formulation(
+        *("multiple shooting", "multiple shooting"),
+        {NLP: "multiple-shooting[engine={}]"},
+        several=True,
+    ),
     Formulation(
         *("Pontryagin's system", "Pontryagin", {ROOTS: "shooting[root={}]"}),
         {NLP: _SQUARE, PROVEN: _SQUARE},
+        knows="words",
+        several=True,
     ),
     Formulation(
         *("grid of headings", "heading grid"),
         {PROVEN: "heading-milp[engine={}]", QP: "heading-milp[engine={}]"},
         {NLP: _INTEGERS, QP: _INTEGERS},
+        knows="formula",  # of a leg between two headings
     ),
     Formulation(
-        *("disjunction", "disjunction", {PROVEN: "disjunctive[engine={}]"}), {NLP: _INTEGERS}
+        *("disjunction", "disjunction", {PROVEN: "disjunctive[engine={}]"}, {NLP: _INTEGERS}),
+        knows="words",
     ),
     Formulation(
         *("penalty", "penalty"),
         dict.fromkeys((SAMPLING, DERIVATIVE_FREE), "penalty[engine={}]"),
         {NLP: _KINK, PROVEN: _EQUATIONS},
+        knows="shape",
     ),
     # of routes, and of one leg too
-    Formulation("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}),
+    Formulation(
+        *("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}), knows="shape"
+    ),
     Formulation(
         *("headings", "headings"),
         dict.fromkeys((NLP, SAMPLING, DERIVATIVE_FREE), "headings[engine={}]"),
         {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS, SAMPLING: _CORNERS},
+        knows="formula",  # of a leg between two headings
     ),
 )
 FORMULATIONS = tuple(formulation.name for formulation in FORMULATION_LIST)
+BY_NAME = {formulation.name: formulation for formulation in FORMULATION_LIST}
 
 
 class Outcome(StrEnum):
@@ -112,6 +149,7 @@ class Outcome(StrEnum):
     RAISED = "raised"
     OUT_OF_MEMORY = "out_of_memory"
     UNSUPPORTED = "unsupported"
+    NOT_ASKED = "not_asked"  # of a `rising` experiment: the solver failed on all shorter routes
     UNAVAILABLE = "unavailable"
 
 

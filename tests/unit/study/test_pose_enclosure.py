@@ -127,6 +127,18 @@ def test_a_straight_leg_has_one_length():
         assert found.high - found.low < 1e-13 * end.x
 
 
+@pytest.mark.parametrize("heading", [1e9, 1e20, -1e28, 1e150])
+def test_a_heading_of_many_turns_is_its_direction(heading):
+    """A double of that size is an exact angle, of which 400 digits tell the direction."""
+    with mp.workdps(400):
+        reduced = float(mp.atan2(mp.sin(mp.mpf(heading)), mp.cos(mp.mpf(heading))))
+    many, few = (enclose_pose(START, Pose(10, 5, angle), 1.0) for angle in (heading, reduced))
+
+    assert many.high - many.low < 1e-12
+    assert abs(many.low - few.low) < 1e-12
+    assert abs(many.high - few.high) < 1e-12
+
+
 def test_an_arc_has_two_lengths():
     """On the circle the arc; off it the arc and a full turn, and nothing between."""
     found = enclose_pose(START, Pose(math.sin(1), 1 - math.cos(1), 1), 1.0)

@@ -114,6 +114,25 @@ def test_one_leg_with_a_free_final_heading_is_the_closed_form():
         assert route.high == pytest.approx(length, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("points", "length"),
+    [
+        # a quarter turn, and then as from that pose to a point
+        ([(0, 0), (1, 1), (3, 3)], math.pi / 2 + 2 * math.atan(0.5) + 2.0),
+        ([(0, 0), (0, 2), (0, 4)], 2 * math.pi),
+        ([(0, 0), (0, -2), (-1, 0)], 1.5 * math.pi + 1.0),
+        ([(0, 0), (1, 1), (2, 2), (4, 2)], math.pi + 2.0),
+    ],
+)
+def test_points_on_turning_circles_close(points, length):
+    """No heading beside that of the arc has a path nearly as short: round numbers meet it."""
+    route = search(points, 0.0, limit=LIMIT, tolerance=1e-9)
+
+    assert route.closed
+    # a heading 1e-7 beside that of the arc makes a miss of 1e-14 only, and a shorter path
+    assert route.length == pytest.approx(length, rel=1e-14)
+
+
 def test_both_headings_free_is_the_way_between_the_points():
     """Nothing is shorter than straight legs in line."""
     route = search([(0.0, 0.0), (1.0, 0.5), (3.0, 1.5)], None, limit=LIMIT, tolerance=1e-9)
@@ -132,6 +151,21 @@ def test_the_limit_ends_a_search_with_its_interval():
     assert 0.0 <= route.low <= route.high
     assert math.isfinite(route.high)
     assert np.abs(driven(route, points)[:, :2] - points[1:]).max() < 1e-6
+
+
+@pytest.mark.parametrize("boxes", [0, 100, 30_000, 60_000])
+def test_so_many_boxes_end_a_search_with_one_interval(boxes):
+    """Whatever the machine is doing, and nearer to the length than fewer of them."""
+    points = random_route(0, 20, 0.3, 2.0)
+
+    one, other = (search(points, 0.3, boxes=boxes, tolerance=1e-12) for _ in range(2))
+    fewer = search(points, 0.3, boxes=boxes // 2, tolerance=1e-12)
+
+    assert not one.closed
+    assert (one.low, one.high, one.boxes) == (other.low, other.high, other.boxes)
+    assert fewer.low <= one.low <= one.high <= fewer.high < math.inf
+    # the last thing that it does may be the bounds of a whole leg
+    assert one.boxes <= boxes + 60_000
 
 
 @pytest.mark.slow

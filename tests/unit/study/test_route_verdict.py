@@ -162,6 +162,31 @@ def test_a_detour_is_longer(scenario):
     assert certify(scenario, circle, found).proof is proof
 
 
+@pytest.mark.parametrize("arc", [0.5, 1.0, math.pi, 4.0, 5.5])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_needless_turn_is_longer_from_half_a_turn_on(arc, side):
+    """A leg of one arc. Below half a turn, rounding may put its end where a turn more is needed."""
+    end = math.sin(arc), side * (1.0 - math.cos(arc))
+    scenario = Scenario(target_x=end[0], target_y=end[1], final_heading=side * arc)
+    path = Path(scenario.start, [side], [arc])
+    turned = Path(scenario.start, [side], [arc + 2 * math.pi])
+
+    assert judge(scenario, path).verdict is Verdict.OPTIMAL
+    expected = Verdict.OPTIMAL if arc < math.pi else Verdict.LONGER
+    assert judge(scenario, turned).verdict is expected
+
+
+def test_an_answer_tells_where_it_visits_the_via_points():
+    """In their order, each within what a path may miss by; nothing where there is none."""
+    answer = solve(ROUTE)
+    places = answer.path.at(answer.visits)
+
+    assert np.hypot(*(places[:, :2] - ROUTE.via).T).max() <= 1e-6
+    assert 0 < answer.visits[0] < answer.visits[1] < answer.length
+    assert solve(POSE).visits is None
+    assert certify(ROUTE, answer.path, _judgement(answer)).pmp_residual < 1e-9
+
+
 @pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
 def test_a_bound_above_the_interval_is_false(scenario):
     answer = solve(scenario)
@@ -178,7 +203,7 @@ def _judgement(answer):
 def test_what_the_interval_leaves_open_is_undecided():
     """Neither right nor wrong, whatever is claimed; a path that is surely longer is longer."""
     path = solve(FREE).path
-    shortest._last_search.cache_clear()  # which closed the gap
+    shortest._known.clear()  # which closed the gap
 
     for claim in (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE):
         found = judge(FREE, path, claim, tolerances=NO_TIME)
@@ -198,13 +223,13 @@ def test_the_check_repeats_no_search(monkeypatch):
     """A search is the solver's own each time; the check takes the last one if it suffices."""
     limits = []
 
-    def search(*question, limit, tolerance):
+    def search(*question, limit, **options):
         limits.append(limit)
-        return search_routes(*question, limit=limit, tolerance=tolerance)
+        return search_routes(*question, limit=limit, **options)
 
     search_routes = shortest.search
     monkeypatch.setattr(shortest, "search", search)
-    shortest._last_search.cache_clear()
+    shortest._known.clear()
 
     for _ in range(2):
         solve(FREE, limit=30)
@@ -215,7 +240,7 @@ def test_the_check_repeats_no_search(monkeypatch):
     solve(FREE, limit=1e-9)
     assert limits[3:] == [1e-9]
     judge(FREE, solve(FREE, limit=1e-9).path)  # in its own time
-    assert limits[4:] == [1e-9, 20]
+    assert limits[4:] == [1e-9, 4 * 20]  # a count of boxes ends it sooner
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():

@@ -128,7 +128,7 @@ def test_extent_is_the_largest_over_legs(points):
 
 
 def test_a_scenario_names_its_branches_and_needs():
-    assert [s.branches for s in CASES] == [BRANCHES, POSE_BRANCHES, ("best",), ("best",)]
+    assert [s.branches for s in CASES] == [BRANCHES, POSE_BRANCHES, *[("best", "frozen")] * 2]
     assert PLAIN.needs == (FREE_FINAL_HEADING,)
     assert POSE.needs == (FINAL_HEADING,)
     assert ROUTE.needs == (VIA_POINTS, FINAL_HEADING)

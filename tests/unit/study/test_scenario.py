@@ -170,10 +170,10 @@ def test_a_label_is_a_text(label):
 
 def test_columns():
     frame = pd.DataFrame([GOOD])
-    with pytest.raises(ScenarioError, match="missing column 'radius'; expected the columns x, y"):
-        check_frame(frame.drop(columns="radius"))
-    with pytest.raises(ScenarioError, match="missing columns 'y', 'radius'; expected the columns"):
-        check_frame(frame.drop(columns=["radius", "y"]))
+    with pytest.raises(ScenarioError, match="missing column 'target_x'; expected the columns targ"):
+        check_frame(frame.drop(columns="target_x"))
+    with pytest.raises(ScenarioError, match="missing columns 'target_x', 'target_y'; expected the"):
+        check_frame(frame[["x", "radius"]])
     with pytest.raises(ScenarioError, match="unknown column 'lable'; did you mean 'label'"):
         check_frame(frame.assign(lable="a"))
     with pytest.raises(ScenarioError, match="expected a DataFrame"):
@@ -188,6 +188,14 @@ def test_defaults_and_index_are_kept():
     assert list(checked.index) == [7, 3]
     assert (checked["speed"] == 1).all()
     assert list(frame.columns) == list(GOOD)
+
+
+@pytest.mark.parametrize("more", [{}, {"via": [(1, 2)]}, {"final_heading": "90deg"}])
+def test_columns_that_are_left_out(more):
+    """Each has the default of `Scenario`, in columns of numbers and in rows of texts and lists."""
+    frame = pd.DataFrame([{"target_x": 3, "target_y": 4, **more}] * 2)
+
+    assert list(scenarios(check_frame(frame))) == [Scenario(target_x=3, target_y=4, **more)] * 2
 
 
 def test_an_empty_frame():
@@ -242,7 +250,7 @@ def test_a_text_beyond_a_full_turn_needs_a_unit(text):
     refused_in_a_frame(f"heading: {message}", heading=text)
 
 
-DEGREES = "of degrees write the unit, such as '90deg'"
+DEGREES = "if it is in degrees, write the unit, such as '90deg'"
 
 
 @pytest.mark.parametrize("name", ["heading", "final_heading"])

@@ -14,7 +14,6 @@ from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import Extremal, measure, measure_pose
 from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.visits import visits_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
@@ -28,6 +27,8 @@ _PROOFS = tuple(Proof)
 PMP_TOLERANCE = 1e-7
 # nu3 sums products of the costates with positions, which loses this much for every radius of length
 PMP_ROUNDING = 16 * EPS
+# branch whose proof needs no costates: for `proof_levels`, of routes and given final headings too
+BY_INTERVAL = "LR"
 # rad: at the tie straight behind the margin is zero up to rounding
 CUT_TOLERANCE = 1e-9
 # relative: a bound above the shortest length by less is so by the solver's own tolerance
@@ -53,7 +54,7 @@ def proof_levels(
     Plain operators only, which serve one answer and arrays alike.
 
     Args:
-        branch: of the question.
+        branch: of the question; `BY_INTERVAL` where the interval alone proves the shortest path.
         optimal, none_exists: whether the verdict is this.
         arrives: whether the path does.
         length, radius: of the path and of its turns; NaN where there is no path.
@@ -69,8 +70,8 @@ def proof_levels(
     # a path of no length has no costates, and needs none
     is_extremal = arrives & ((length == 0) | (residual <= tolerance))
     clear = (cut >= -CUT_TOLERANCE) | (branch != "best")
-    near = arrives & optimal & near
-    proved = near & ((is_extremal & clear) | (branch in ("LR", "RL")))
+    near = arrives & near
+    proved = near & optimal & ((is_extremal & clear) | (branch in ("LR", "RL")))
     no_path = none_exists & (low == math.inf)
     return proved | no_path, near & (abs(length - bound) <= allowed), is_extremal
 
@@ -95,22 +96,24 @@ def certify(
         multipliers: duals of the end point's equations that the solver gives.
         tolerances: those of the judgement.
     """
-    if not scenario.one_free_leg:
-        bound = math.nan if lower_bound is None else lower_bound
-        return _certify_reference(scenario, path, judged, branch, bound, multipliers, tolerances)
-    radius = scenario.radius
-    interval = enclose(scenario, branch)
+    radius, free_leg = scenario.radius, scenario.one_free_leg
+    arriving = None if judged.gap is None else judged.length
+    bound = math.nan if lower_bound is None else lower_bound
+    if scenario.via and arriving is None and math.isnan(bound):
+        return Certificate(proof=Proof.NONE)  # nothing is said that would be worth a search
     costates, cut = None, None
-    if path is not None and judged.length is not None:
-        costates, cut = measure(path, radius)
+    if path is not None and (judged.length if free_leg else arriving) is not None:
+        costates, cut = _measured(scenario, path, judged)
+    if free_leg:
+        interval = enclose(scenario, branch)
+    else:
+        interval = reference_of(scenario, branch, tolerances.search_s).enclosure
     scale = max(interval.low, radius)
     allowed = tolerances.gap * scale
     length = math.nan if judged.length is None else judged.length
-    arriving = None if judged.gap is None else judged.length
-    bound = math.nan if lower_bound is None else lower_bound
     false_bound = bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
     levels = proof_levels(
-        branch,
+        branch if free_leg else BY_INTERVAL,
         judged.verdict is Verdict.OPTIMAL,
         judged.verdict is Verdict.NONE_EXISTS,
         arriving is not None,
@@ -133,60 +136,19 @@ def certify(
     )
 
 
-def _certify_reference(
-    scenario: Scenario,
-    path: Path | None,
-    judged: Judgement,
-    branch: str,
-    lower_bound: float,
-    multipliers: tuple[float, float] | None,
-    tolerances: Tolerances,
-) -> Certificate:
-    """Certify an answer to a scenario with via points or a final heading.
-
-    The interval alone proves that a path is the shortest; Pontryagin's conditions, that it is an
-    extremal. A route that nothing is said about is not searched for.
-    """
-    if scenario.via and judged.gap is None and math.isnan(lower_bound):
-        return Certificate(proof=Proof.NONE)
-    interval = reference_of(scenario, branch, tolerances.search_s).enclosure
-    scale = max(interval.low, scenario.radius)
-    allowed = tolerances.gap * scale
-    arriving = None if judged.gap is None else judged.length
-    false_bound = lower_bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
-    costates = None
-    if path is not None and arriving is not None:
-        costates = _costates(scenario, path, tolerances)
-    proof = Proof.NONE
-    if judged.verdict is Verdict.NONE_EXISTS and not interval.exists:
-        proof = Proof.PROVED
-    elif arriving is not None:
-        near = interval.holds(arriving, allowed)
-        residual = math.inf if costates is None else costates.pmp_residual
-        if near and judged.verdict is Verdict.OPTIMAL:
-            proof = Proof.PROVED
-        elif near and not false_bound and abs(arriving - lower_bound) <= allowed:
-            proof = Proof.BOUNDED
-        elif residual <= PMP_TOLERANCE + PMP_ROUNDING * arriving / scenario.radius:
-            proof = Proof.EXTREMAL
-    return Certificate(
-        proof=proof,
-        reference_low=_finite(interval.low),
-        reference_high=_finite(interval.high),
-        false_bound=false_bound,
-        **_columns(costates, multipliers),
-    )
-
-
-def _costates(scenario: Scenario, path: Path, tolerances: Tolerances) -> Extremal | None:
-    """The costates of a path that arrives."""
-    if not scenario.via:
-        return measure_pose(path, scenario.radius)
+def _measured(
+    scenario: Scenario, path: Path, judged: Judgement
+) -> tuple[Extremal | None, float | None]:
+    """The costates of a path and, of one leg with a free final heading, the cut margin."""
+    if scenario.one_free_leg:
+        return measure(path, scenario.radius)
+    if judged.visits is None:
+        return measure_pose(path, scenario.radius), None
     # SciPy's linear programs, which one leg needs none of
     from dubins_study.study.check.route_extremal import route_extremal
 
-    at = visits_of(scenario, path, tolerances.miss).at
-    return route_extremal(path, at, scenario.radius, scenario.final_heading is None)
+    free = scenario.final_heading is None
+    return route_extremal(path, judged.visits, scenario.radius, free), None
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:

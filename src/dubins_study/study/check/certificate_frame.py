@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.certificate import BOUND_TOLERANCE, proof_levels
+from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure, measure_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
@@ -112,8 +112,7 @@ def certify_frame(
             highest[row] = interval.highest(length[row] if arrives[row] else None)
         false_bound = bound > highest + BOUND_TOLERANCE * scale
         levels = proof_levels(
-            # with a final heading, as of LR, the interval alone decides
-            "LR" if poses else branch,
+            BY_INTERVAL if poses else branch,
             judged.verdict == _OPTIMAL,
             judged.verdict == _NONE_EXISTS,
             arrives,

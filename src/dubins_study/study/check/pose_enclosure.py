@@ -95,7 +95,11 @@ def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
     extent = (abs(arb(start.x)) + abs(arb(start.y)) + abs(arb(end.x)) + abs(arb(end.y))) / R
     delta = PER_EXTENT * extent + PER_DISTANCE * (abs(x) + abs(y)) + PER_HEADINGS
     blur = delta.union(-delta)
-    turn = arb(end.heading) - arb(start.heading) + blur
+    # whole turns are told from the doubles' angle: of a heading of 1e20 they take many more digits
+    with ctx.workprec(BITS + max(0, math.frexp(end.heading - start.heading)[1])):
+        turn = arb(end.heading) - arb(start.heading)
+        turn -= 2 * arb.pi() * (turn / (2 * arb.pi())).mid().floor()
+    turn += blur
     return _Ends(x * cosine + y * sine + blur, y * cosine - x * sine + blur, turn, *turn.sin_cos())
 
 

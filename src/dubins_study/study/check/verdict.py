@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from copy import copy
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from dubins_study.study.body_coordinates import EPS, local
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.enclosure import Enclosure, enclose
-from dubins_study.study.check.reference import reference_of, visited
+from dubins_study.study.check.reference import (
+    ROUNDED,
+    STEEP,
+    free_leg_reference,
+    reference_of,
+    visited,
+)
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits_of
 from dubins_study.study.closed_form.shortest import (
     Shortest,
-    margin,
     margin_local,
     region_of,
-    shortest,
     shortest_local,
 )
 from dubins_study.study.path import Path, drivable
@@ -26,81 +29,6 @@ from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
-
-ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# By how much the optimal length may change per shift of the target, at least: it does by 1 where
-# the path ends straight, and more near a turning circle, where that changes within the shift.
-STEEP = 10.0
-
-
-def relaxed_reference(
-    scenario: Scenario,
-    branch: str,
-    length: float,
-    miss: float,
-    end: tuple[float, float],
-    optimum: Shortest | None,
-) -> float | None:
-    """The length that an answer is compared with.
-
-    That is the scenario's shortest length. Only a miss makes a shorter answer possible: such an
-    answer is compared with the least shortest length over the targets within its miss. The length
-    jumps only across the front half of a turning circle (docs/derivation.md, section 6), so that
-    least length is met, up to the miss itself, at the path's end or at the nearest point of the
-    circle. An answer that is shorter by no more than its miss explains has not used the jump.
-    """
-    bare = None if optimum is None else optimum.total * scenario.radius
-    if bare is not None and length >= bare * (1.0 - ROUNDED):
-        return bare
-    at_end = _shortest_length(_moved(scenario, *end), branch)
-    if optimum is not None and bare is not None:
-        explained = bare - _steepness(optimum) * miss
-        if length >= explained:
-            jumps = at_end is None or at_end < explained
-            return length if jumps or at_end is None else min(bare, at_end)
-    lengths = [at_end]
-    if margin(scenario) * scenario.radius <= miss:
-        lengths.append(_shortest_length(_moved(scenario, *_onto_circle(scenario)), branch))
-    return min((value for value in (bare, *lengths) if value is not None), default=None)
-
-
-def _moved(scenario: Scenario, x: float, y: float) -> Scenario:
-    """The scenario with another target, which may be beyond what a scenario may ask for."""
-    moved = copy(scenario)
-    object.__setattr__(moved, "target_x", x)
-    object.__setattr__(moved, "target_y", y)
-    return moved
-
-
-def _steepness(optimum: Shortest) -> float:
-    """How much a shortest length changes per shift of its target, with room for a small shift.
-
-    The gradient's norm is 1 for words that end straight and 1 / |cos(a2 / 2)| for RL and LR
-    (docs/derivation.md, section 9), which grows without bound toward the rear of a circle.
-    """
-    if optimum.word not in ("LR", "RL"):
-        return STEEP
-    return max(STEEP, 2.0 / max(abs(math.cos(optimum.segments.second / 2)), EPS))
-
-
-def _shortest_length(scenario: Scenario, branch: str) -> float | None:
-    optimum = shortest(scenario, branch)
-    return None if optimum is None else optimum.total * scenario.radius
-
-
-def _onto_circle(scenario: Scenario) -> tuple[float, float]:
-    """The point of the nearer turning circle that is nearest to the target.
-
-    Rounding moves it outwards only: next to the start delta is finer than this point's rounding.
-    """
-    _, Y = scenario.local()
-    side = math.copysign(scenario.radius, Y)
-    x = scenario.x - side * math.sin(scenario.heading)
-    y = scenario.y + side * math.cos(scenario.heading)
-    dx, dy = scenario.target_x - x, scenario.target_y - y
-    stretch = scenario.radius * (1.0 + ROUNDED) / math.hypot(dx, dy)
-    return x + dx * stretch, y + dy * stretch
-
 
 _DEFAULT = Tolerances()
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
@@ -166,19 +94,18 @@ def _judge_path(
     """Judge a path that can be driven."""
     end, miss, excess = _measured(scenario, path, branch)
     radius, length = scenario.radius, path.total_length
-    relaxed = None
+    reference = None
     if (
         arrives(miss, radius, scenario.extent, length, tolerances.miss)
         and excess <= tolerances.curvature
         and path.start == scenario.start
     ):
-        relaxed = relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
-        if relaxed is None:  # none where no target within delta has a path of the branch
-            relaxed = enclose(scenario, branch).nearest(length)
+        reference = free_leg_reference(
+            *(scenario, branch, optimum, length, miss, end, tolerances.gap)
+        )
     word = path_word_of(path)
     gap, verdict, wrong_basin = None, Verdict.MISSES, False
-    if relaxed is not None:
-        reference = _known_to_delta(scenario, branch, length, relaxed, tolerances.gap)
+    if reference is not None:
         known = known | {"reference": reference}
         gap = (length - reference) / max(reference, radius)
         verdict = Verdict.OPTIMAL
@@ -205,25 +132,6 @@ def _measured(scenario: Scenario, path: Path, branch: str) -> tuple[Pose, float,
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
     pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
     return end, miss, curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
-
-
-def _known_to_delta(
-    scenario: Scenario, branch: str, length: float, reference: float, gap: float
-) -> float:
-    """The reference that an answer is compared with, for data that are known to delta.
-
-    Of a longer answer that is the longest shortest length, over targets within delta, that is not
-    above the answer's length.
-    """
-    allowed = gap * max(reference, scenario.radius)
-    if length - reference <= allowed:
-        return reference
-    nearest = enclose(scenario, branch).nearest(length, allowed)
-    if nearest is None:
-        return reference
-    # what delta alone moves a length by is no reason for another reference
-    matters = length - nearest <= allowed or nearest - reference > allowed
-    return nearest if matters else reference
 
 
 def path_word_of(path: Path) -> str:
@@ -346,6 +254,7 @@ def judge_visits(
         length=length,
         travel_time=length / scenario.speed,
         miss=seen.miss,
+        visits=list(seen.visits.at) or None,
         curvature_excess=seen.excess,
         **known,
     )

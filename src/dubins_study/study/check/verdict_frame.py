@@ -20,8 +20,9 @@ from numpy.typing import ArrayLike
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import Bounds
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
+from dubins_study.study.check.reference import ROUNDED
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import COARSE, ROUNDED, is_false, judge
+from dubins_study.study.check.verdict import COARSE, is_false, judge
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     FIRST_TURN,

@@ -1,6 +1,6 @@
 """A proven lower bound of a leg's length over an interval of headings at each of its ends.
 
-The least over the six words (`study.route.word_bounds`). Everything is in units of the turning
+The least over the six words (`csc_bound`, `lrl_bound`). Everything is in units of the turning
 radius.
 """
 
@@ -13,16 +13,14 @@ from numpy.typing import NDArray
 
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.path import BoolArray, FloatArray
+from dubins_study.study.route.box import LONGEST_COSTATE, Box, mirrored
+from dubins_study.study.route.csc_bound import csc_bound
 from dubins_study.study.route.leg_words import between, principal, straight_direction, turns
-from dubins_study.study.route.word_bounds import (
-    LONGEST_COSTATE,
-    Box,
-    csc_bound,
-    lrl_bound,
-    mirrored,
-)
+from dubins_study.study.route.lrl_bound import lrl_bound
 
 WordArray = NDArray[np.int8]
+IndexArray = NDArray[np.intp]
+Ends = tuple[FloatArray, FloatArray, FloatArray]  # middles, halves of widths and slopes
 
 _PI = math.pi
 NO_WORD = -1
@@ -52,9 +50,9 @@ def box_bound(box: Box) -> tuple[float, int]:
 @compiled
 def bound_leg(
     leg: FloatArray,
-    first: tuple[FloatArray, FloatArray, FloatArray],
-    last: tuple[FloatArray, FloatArray, FloatArray],
-    live: BoolArray,
+    first: Ends,
+    last: Ends,
+    live: WordArray,
     bounds: FloatArray,
     words: WordArray,
 ) -> None:
@@ -62,7 +60,8 @@ def bound_leg(
 
     Args:
         leg: (x, y), the end seen from the start (radii).
-        first, last: middles, halves of widths and slopes of the intervals at both ends.
+        first, last: the intervals at both ends.
+        live: 0 for pairs that are left out, else 1 and twice `Box.apart`.
         live, bounds, words: shape (intervals at the start, intervals at the end); two are written.
     """
     c1, h1, slope1 = first
@@ -71,9 +70,8 @@ def bound_leg(
         for j in range(c2.size):
             bounds[i, j], words[i, j] = math.inf, NO_WORD
             if live[i, j]:
-                bounds[i, j], words[i, j] = box_bound(
-                    Box(leg[0], leg[1], c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j])
-                )
+                ends = c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j]
+                bounds[i, j], words[i, j] = box_bound(Box(leg[0], leg[1], *ends, live[i, j] // 2))
 
 
 @separate
@@ -137,18 +135,25 @@ def _slope_across(
 @compiled
 def slopes_across(
     leg: FloatArray,
-    headings1: FloatArray,
-    headings2: FloatArray,
-    reach: FloatArray,
+    first: Ends,
+    last: Ends,
     words: WordArray,
+    mates: IndexArray,
     slopes: FloatArray,
     forward: bool,
 ) -> tuple[FloatArray, WordArray]:
-    """`_slope_across` of some boxes: of their last ends if `forward`, else of their first."""
-    across, kinds = np.empty(words.size), np.empty(words.size, np.int8)
-    for j in range(words.size):
-        across[j], kinds[j] = _slope_across(
-            *(leg[0], leg[1], headings1[j], headings2[j], reach[j], words[j], slopes[j], forward)
+    """`_slope_across` of the intervals of a leg's last end if `forward`, else of its first.
+
+    Args:
+        words: of pairs of intervals, shape (intervals at the start, intervals at the end).
+        mates: for each interval the one at the other end, of which `slopes` are known.
+    """
+    across, kinds = np.empty(mates.size), np.empty(mates.size, np.int8)
+    for m in range(mates.size):
+        i, j = (mates[m], m) if forward else (m, mates[m])
+        c1, c2, reach = first[0][i], last[0][j], first[1][i] + last[1][j]
+        across[m], kinds[m] = _slope_across(
+            *(leg[0], leg[1], c1, c2, reach, words[i, j], slopes[mates[m]], forward)
         )
     return across, kinds
 
@@ -160,30 +165,43 @@ def _part_bound(box: Box, side1: float, side2: float) -> float:
     bound, _ = box_bound(
         Box(
             *(box.x, box.y, box.c1 + d1, box.h1 - abs(d1), box.slope1),
-            *(box.c2 + d2, box.h2 - abs(d2), box.slope2),
+            *(box.c2 + d2, box.h2 - abs(d2), box.slope2, box.apart),
         )
     )
     return bound + box.slope1 * d1 - box.slope2 * d2
 
 
 @compiled
-def bounds_of_parts(
+def add_gains(
     leg: FloatArray,
-    first: tuple[FloatArray, FloatArray, FloatArray],
-    last: tuple[FloatArray, FloatArray, FloatArray],
-    forward: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """Bounds of n boxes with half an interval, shape (2, n), and the least of their quarters, (n,).
+    first: Ends,
+    last: Ends,
+    live: WordArray,
+    costs: FloatArray,
+    mates: IndexArray,
+    wanted: BoolArray,
+    at_end: bool,
+    halves: FloatArray,
+    both: FloatArray,
+) -> None:
+    """Add how much more than a box's bound, in `costs`, are those of parts of it.
 
-    The halves are the lower and the upper one of the first interval if `forward`, else of the last.
+    Args:
+        mates: for each of n intervals at the leg's end (`at_end`) or start the one at the other.
+        wanted: shape (n,); of the others nothing is computed.
+        halves: with half the interval, the lower and the upper one, shape (2, n).
+        both: with half of both intervals, the least of four, between 0 and 1; shape (n,).
     """
     c1, h1, slope1 = first
     c2, h2, slope2 = last
-    halves, quarters = np.empty((2, c1.size)), np.full(c1.size, math.inf)
-    for j in range(c1.size):
-        box = Box(leg[0], leg[1], c1[j], h1[j], slope1[j], c2[j], h2[j], slope2[j])
-        for k, side in enumerate((-0.5, 0.5)):
-            halves[k, j] = _part_bound(box, side if forward else 0.0, 0.0 if forward else side)
-            for other in (-0.5, 0.5):
-                quarters[j] = min(quarters[j], _part_bound(box, side, other))
-    return halves, quarters
+    for m in range(mates.size):
+        if wanted[m]:
+            i, j = (mates[m], m) if at_end else (m, mates[m])
+            ends = c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j]
+            box, least = Box(leg[0], leg[1], *ends, live[i, j] // 2), math.inf
+            for k, side in enumerate((-0.5, 0.5)):
+                half = _part_bound(box, 0.0 if at_end else side, side if at_end else 0.0)
+                halves[k, m] += half - costs[i, j]
+                for other in (-0.5, 0.5):
+                    least = min(least, _part_bound(box, side, other))
+            both[m] += min(1.0, max(0.0, least - costs[i, j]))

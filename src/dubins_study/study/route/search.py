@@ -12,33 +12,36 @@ from __future__ import annotations
 
 import logging
 import math
+from functools import cache
 from itertools import pairwise
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.pose import WORDS6
-from dubins_study.study.path import FloatArray
-from dubins_study.study.route.descent import descents, leg_table, route_length, route_words, survey
+from dubins_study.study.path import BoolArray, FloatArray
+from dubins_study.study.route.descent import descents, route_length, route_words
+from dubins_study.study.route.effort import Effort
+from dubins_study.study.route.heading_grids import leg_table, survey
+from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first_intervals
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
     UNKNOWN,
+    IndexArray,
     WordArray,
+    add_gains,
     bound_leg,
-    bounds_of_parts,
     slopes_across,
 )
 
-IndexArray = NDArray[np.intp]
 _LOG = logging.getLogger(__name__)
 
 _TWO_PI = 2 * math.pi
-_COARSE = 16  # intervals at each point to begin with
-_OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
+_BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
 _STEEPEST = 2.5  # slope of the potential; a word with a straight asks for 2 at most
 _EAGER = 6  # rounds
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
@@ -58,16 +61,8 @@ class Route(NamedTuple):
     high: float
     closed: bool  # whether low and high are within the tolerance
     rounds: int
-    boxes: int  # pairs of intervals that a bound was computed for
+    boxes: int  # pairs of intervals that were bounded, and local searches counted in them
     seconds: float
-
-
-class _Intervals(NamedTuple):
-    """The intervals of headings at a point: middles, halves of widths, slopes of the potential."""
-
-    middle: FloatArray
-    half: FloatArray
-    slope: FloatArray
 
 
 def search(
@@ -75,7 +70,8 @@ def search(
     first: float | None,
     last: float | None = None,
     *,
-    limit: float,
+    limit: float = math.inf,
+    boxes: float = math.inf,
     tolerance: float = 1e-12,
 ) -> Route:
     """The shortest route through the points, or the interval that its length is proven to lie in.
@@ -83,10 +79,19 @@ def search(
     Args:
         points: shape (n + 1, 2), in radii, neighbours apart.
         first, last: headings at both ends (rad); None if free.
-        limit: seconds.
+        limit: seconds, beside those that compiling takes.
+        boxes: how many bounds of pairs of intervals; the result does not depend on the machine's
+            speed where these are fewer than it computes in `limit`.
         tolerance: of the interval's width, relative to the length.
     """
-    return _Search(np.asarray(points, np.float64), first, last, limit, tolerance).run()
+    compile_loops()
+    return _Search(points, first, last, Effort(boxes, limit), tolerance).run()
+
+
+@cache
+def compile_loops() -> None:
+    """Load the loops that a search needs, or compile them where no cache holds them."""
+    _Search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, None, Effort(), 1e-6).run()
 
 
 class _Chains:
@@ -95,39 +100,34 @@ class _Chains:
     def __init__(self, costs: list[FloatArray], words: list[WordArray]) -> None:
         self.costs, self.words = costs, words
         self.ahead, self.behind = [np.zeros(costs[0].shape[0])], [np.zeros(costs[-1].shape[1])]
-        self._before: list[IndexArray] = []
-        self._after: list[IndexArray] = []
+        # of each leg: for an interval at its end the best one at its start, and the other way round
+        self.before: list[IndexArray] = []
+        self.after: list[IndexArray] = []
         for cost in costs:
             total = self.ahead[-1][:, None] + cost
-            self._before.append(np.argmin(total, axis=0))
+            self.before.append(np.argmin(total, axis=0))
             self.ahead.append(total.min(axis=0))
         for cost in reversed(costs):
             total = cost + self.behind[0]
-            self._after.insert(0, np.argmin(total, axis=1))
+            self.after.insert(0, np.argmin(total, axis=1))
             self.behind.insert(0, total.min(axis=1))
-
-    def pairs(self, leg: int, forward: bool) -> tuple[IndexArray, IndexArray]:
-        """For each interval at the end of a leg if `forward`, else at its start, the best pair."""
-        if forward:
-            return self._before[leg], np.arange(self._before[leg].size)
-        return np.arange(self._after[leg].size), self._after[leg]
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
         """The intervals and the words of the cheapest chain."""
         route = [int(np.argmin(self.ahead[-1]))]
         words: list[int] = []
         for i in range(len(self.costs) - 1, -1, -1):
-            route.insert(0, int(self._before[i][route[0]]))
+            route.insert(0, int(self.before[i][route[0]]))
             words.insert(0, int(self.words[i][route[0], route[1]]))
         return route, tuple(words)
 
     def largest(self, values: list[FloatArray]) -> list[FloatArray]:
         """The largest value on the best chain through each interval."""
         ahead, behind = [values[0]], [values[-1]]
-        for i, before in enumerate(self._before):
+        for i, before in enumerate(self.before):
             ahead.append(np.maximum(values[i + 1], ahead[-1][before]))
         for i in range(len(self.costs) - 1, -1, -1):
-            behind.insert(0, np.maximum(values[i], behind[0][self._after[i]]))
+            behind.insert(0, np.maximum(values[i], behind[0][self.after[i]]))
         return [np.maximum(a, b) for a, b in zip(ahead, behind, strict=True)]
 
 
@@ -136,31 +136,29 @@ class _Search:
 
     def __init__(
         self,
-        points: FloatArray,
+        points: ArrayLike,
         first: float | None,
         last: float | None,
-        limit: float,
+        effort: Effort,
         tolerance: float,
     ) -> None:
-        self.began, self.limit, self.tolerance = perf_counter(), limit, tolerance
-        self.n = len(points) - 1
-        self.legs = np.ascontiguousarray(np.diff(points, axis=0))
+        self.effort, self.tolerance = effort, tolerance
+        self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
+        self.n = len(self.legs)
         given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
-        self.intervals = [_start(heading) for heading in given]
-        self.live = [
-            np.ones((a.middle.size, b.middle.size), np.bool_) for a, b in pairwise(self.intervals)
-        ]
+        self.intervals, self.live = first_intervals(self.legs, given)
+        self.arc_ends = [interval.middle[COARSE:] for interval in self.intervals]
         self.length, self.headings = math.inf, np.zeros(self.n + 1)
         self.slopes = np.full(self.n + 1, math.nan)  # of the potential, at the best route
         # no path is shorter than the legs' straight lines; each is rounded, and so is their sum
         straight = float(np.hypot(self.legs[:, 0], self.legs[:, 1]).sum())
         self.low, self.discarded = straight * (1.0 - (self.n + 4) * EPS), math.inf
-        self.boxes = self.rounds = 0
+        self.rounds = 0
         self.tried: set[tuple[int, ...]] = set()
 
     def run(self) -> Route:
-        """Bound, go downhill and split by turns until the gap is closed or the time is over."""
+        """Bound, go downhill and split by turns until the gap is closed or all is spent."""
         _LOG.info("searching for the shortest route of %d legs", self.n)
         chains = self._middles()
         self._improve(chains)
@@ -194,19 +192,18 @@ class _Search:
         return self.low >= self.high * (1.0 - self.tolerance)
 
     def _bound(self) -> _Chains | None:
-        """Bounds of all live pairs of intervals; None where the time is over."""
+        """Bounds of all live pairs of intervals; None where all is spent."""
         bounds, words = [], []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             bounds.append(np.empty(live.shape))
             words.append(np.empty(live.shape, np.int8))
             rows = 1 + _PAIRS_AT_ONCE // live.shape[1]
             for low in range(0, live.shape[0], rows):
-                if perf_counter() - self.began > self.limit:
-                    return None
                 part = slice(low, low + rows)
-                some = _Intervals(*(column[part] for column in a))
+                if self.effort.spend(int(np.count_nonzero(live[part]))):
+                    return None
+                some = Intervals(*(column[part] for column in a))
                 bound_leg(leg, some, b, live[part], bounds[-1][part], words[-1][part])
-            self.boxes += int(live.sum())
         return _Chains(bounds, words)
 
     def _middles(self) -> _Chains:
@@ -223,8 +220,8 @@ class _Search:
         """Go downhill from a route that knows of edges, where there can be any."""
         if (np.hypot(*self.legs.T) < 4.0).any():
             headings = self.headings.copy()
-            survey(self.legs, headings, self.free)
-            self._descend(headings, route_words(self.legs, headings)[0], 0.5 * _TWO_PI / _COARSE)
+            survey(self.legs, headings, self.free, self.effort)
+            self._descend(headings, route_words(self.legs, headings)[0], 0.5 * _TWO_PI / COARSE)
 
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
@@ -238,10 +235,20 @@ class _Search:
 
     def _descend(self, start: FloatArray, words: WordArray, width: float) -> None:
         """Go downhill from a route; keep the best."""
-        for headings, slopes in descents(self.legs, start, words, self.free, width):
+        for headings, slopes in descents(self.legs, start, words, self.free, width, self.effort):
+            headings = self._on_arcs(headings)
             length = route_length(self.legs, headings)
             if length < self.length:
                 self.length, self.headings, self.slopes = length, headings, slopes
+
+    def _on_arcs(self, headings: FloatArray) -> FloatArray:
+        """The headings; those beside an arc's, where none but rounding lets a path be, are its."""
+        moved = headings.copy()
+        for i, ends in enumerate(self.arc_ends):
+            for end in ends:
+                away = math.remainder(headings[i] - end, _TWO_PI)
+                moved[i] -= away if abs(away) < _BESIDE_ARC else 0.0
+        return moved
 
     def _split(self, chains: _Chains) -> bool:
         """Leave out what no shorter route can pass, and split what is left; False at the end."""
@@ -254,25 +261,30 @@ class _Search:
         if not all(some.any() for some in kept):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
-        gains = self._gains(chains)
+        soon = self.low + _SOON * (threshold - self.low)
+        wanted = [
+            (a + b <= soon) & free
+            for a, b, free in zip(chains.ahead, chains.behind, self.free, strict=True)
+        ]
+        gains = self._gains(chains, wanted)
         most = chains.largest(gains)
         aimed, self.intervals, parents = self._aimed(chains), [], []
         for i, interval in enumerate(aimed):
-            split = (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST) & self.free[i]
-            split &= chains.ahead[i] + chains.behind[i] <= self.low + _SOON * (threshold - self.low)
+            split = wanted[i] & (gains[i] >= 0.25 * most[i]) & (interval.half > _NARROWEST)
             whole, halved = np.flatnonzero(kept[i] & ~split), np.flatnonzero(kept[i] & split)
             parents.append(np.concatenate([whole, halved, halved]))
             side = np.repeat([0.0, -0.5, 0.5], [whole.size, halved.size, halved.size])
             middle, half, slope = (column[parents[i]] for column in interval)
-            halves = np.where(side == 0.0, half, 0.5 * half + _OVERLAP)
-            self.intervals.append(_Intervals(middle + side * half, halves, slope))
+            halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
+            self.intervals.append(Intervals(middle + side * half, halves, slope))
         for i in range(self.n):
             through = chains.ahead[i][:, None] + chains.costs[i] + chains.behind[i + 1]
             alive = through * margin <= threshold
-            self.live[i] = np.ascontiguousarray(alive[np.ix_(parents[i], parents[i + 1])])
+            live = np.where(alive, self.live[i], 0)
+            self.live[i] = np.ascontiguousarray(live[np.ix_(parents[i], parents[i + 1])])
         return sum(live.size for live in self.live) <= _MOST_PAIRS
 
-    def _aimed(self, chains: _Chains) -> list[_Intervals]:
+    def _aimed(self, chains: _Chains) -> list[Intervals]:
         """The intervals with slopes of the potential from the best chain through each of them."""
         before, after = self._asked(chains, True), self._asked(chains, False)
         aimed = []
@@ -299,37 +311,26 @@ class _Search:
         slope = np.full(size, 0.0 if self.free[end] else math.nan)
         asked = [(slope, np.full(size, BY_WORD if self.free[end] else UNKNOWN, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
-            a, b = self.intervals[i], self.intervals[i + 1]
-            j, k = chains.pairs(i, forward)
-            words, known = chains.words[i][j, k], asked[-1][0][j if forward else k]
-            reach = a.half[j] + b.half[k]
+            mates = chains.before[i] if forward else chains.after[i]
+            ends = self.intervals[i], self.intervals[i + 1]
             asked.append(
-                slopes_across(
-                    *(self.legs[i], a.middle[j], b.middle[k], reach, words, known, forward)
-                )
+                slopes_across(self.legs[i], *ends, chains.words[i], mates, asked[-1][0], forward)
             )
         return asked if forward else asked[::-1]
 
-    def _gains(self, chains: _Chains) -> list[FloatArray]:
-        """How much more the bound along the best chain through each interval is with its halves."""
+    def _gains(self, chains: _Chains, wanted: list[BoolArray]) -> list[FloatArray]:
+        """How much more the bound along the best chain through an interval is with its halves."""
         gains = []
         for i, interval in enumerate(self.intervals):
-            halves, whole = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
-            both = np.zeros(interval.half.size)
-            for leg, forward in ((i - 1, True), (i, False)):
+            halves, both = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
+            for leg, mates in ((i - 1, chains.before), (i, chains.after)):
                 if 0 <= leg < self.n:
-                    j, k = chains.pairs(leg, forward)
-                    ends = (
-                        _Intervals(*(column[j] for column in self.intervals[leg])),
-                        _Intervals(*(column[k] for column in self.intervals[leg + 1])),
-                    )
-                    parts, quarters = bounds_of_parts(self.legs[leg], *ends, not forward)
-                    halves += parts
-                    whole += chains.costs[leg][j, k]
-                    both += np.clip(np.nan_to_num(quarters - chains.costs[leg][j, k]), 0.0, 1.0)
-            gain = np.clip(np.nan_to_num(halves.min(0) - whole), 0.0, 1.0)
+                    ends = self.intervals[leg], self.intervals[leg + 1]
+                    pairs = self.live[leg], chains.costs[leg], mates[leg]
+                    add_gains(self.legs[leg], *ends, *pairs, wanted[i], leg < i, halves, both)
             # where nothing is gained by halves of this one alone, by those of all
-            gains.append((gain + _BOTH * both + 1e-3 * interval.half**2) * self.free[i])
+            gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
+            gains.append((gain + 1e-3 * interval.half**2) * self.free[i])
         return gains
 
     def _route(self) -> Route:
@@ -337,17 +338,5 @@ class _Search:
         names = tuple(WORDS6[word] for word in words)
         return Route(
             *(self.headings, names, segments, self.length, self.low, self.high, self.closed),
-            *(self.rounds, self.boxes, perf_counter() - self.began),
+            *(self.rounds, self.effort.spent, perf_counter() - self.effort.began),
         )
-
-
-def _start(heading: float | None) -> _Intervals:
-    """All headings, or the one that is given."""
-    if heading is None:
-        width = _TWO_PI / _COARSE
-        grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, _COARSE)
-        return _Intervals(grid, np.full(_COARSE, 0.5 * width + _OVERLAP), np.zeros(_COARSE))
-    reduced = math.remainder(heading, _TWO_PI)
-    # the double of 2 pi is less than 2 pi by 2.45e-16
-    spread = 2.5e-16 * abs(heading - reduced) / _TWO_PI
-    return _Intervals(np.array([reduced]), np.array([spread]), np.zeros(1))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from dubins_study.study.path import Path
+    from dubins_study.study.path import FloatArray, Path
     from dubins_study.study.words import Claim, Proof, Verdict
 
 VERSION = 6
@@ -75,7 +75,8 @@ class Effort(NamedTuple):
 class Reported:
     """What a solver says; `solvers.protocol.Solution` has the meaning of every field.
 
-    The path, the multipliers and the efforts are stored in columns of other shares.
+    The path, the multipliers and the efforts are stored in columns of other shares, the point of a
+    convex problem by what the check measures of it.
     """
 
     claim: Claim = column("what the solver says", default=MISSING, plotted=True)
@@ -89,6 +90,7 @@ class Reported:
     message: str = column(
         "the backend's own message, or the error", default="", detail=True, plotted=True
     )
+    point: FloatArray | None = None
     presolved: bool = column(
         "the presolve answered, and no engine was asked", default=False, plotted=True
     )
@@ -127,6 +129,8 @@ class Times:
 class Judgement:
     """The verdict on an answer and its evidence. Lengths in the scenario's unit; None if absent.
 
+    Of a frozen convex problem `length` is the objective at the feasible point made from the answer,
+    and `miss` the largest violation of a constraint.
     `gap` only stands for a path that arrives. `wrong_basin` is a longer path that turns by another
     angle than the shortest one (more than 1 rad apart), or is of another word and more than 5 %
     longer: another local optimum, not a coarse answer.
@@ -163,8 +167,16 @@ class Judgement:
     miss: float | None = column(
         "largest distance by which the target or a via point is missed", "length", plotted=True
     )
+    visits: list[float] | None = column(
+        "where along the path it passes its via points, an arc length each", "length"
+    )
     curvature_excess: float | None = column(
         "curvature beyond what the branch allows", "1/radius", detail=True, plotted=True
+    )
+    dual_residual: float | None = column("of a convex problem: violated stationarity", "1")
+    duality_gap: float | None = column("of a convex problem: its two objectives, apart", "1")
+    certified_gap: float | None = column(
+        "of a convex problem: relative width of the interval that the answer itself proves", "1"
     )
 
 
@@ -233,7 +245,13 @@ SCENARIO = (
 METHOD = (
     Column("formulation", "the problem that is handed over, e.g. joint NLP, LRS", plotted=True),
     Column("engine", "the library that solves it, e.g. Ipopt", plotted=True),
-    Column("guess", "where the search begins: bearing, zero, random, warm or none", plotted=True),
+    Column("guess", "where the search begins, e.g. bearing, straight, warm or none", plotted=True),
+    Column(
+        "guesses", "one, words (one a word), several (a word), blind, warm or none", plotted=True
+    ),
+    Column("presolve", "whether the solver's questions are presolved", "bool"),
+    Column("proves", "smallest relative gap that its settings let it prove", "float64", "1"),
+    Column("knows", "of the answer beforehand: formula, words, shape, presolve", plotted=True),
     Column("tolerance", "feasibility that the engine is asked for, in its own terms", "float64"),
 )
 OUTCOME = (Column("outcome", "what happened to the process", plotted=True),)
@@ -250,6 +268,9 @@ RUN = (
     Column("machine", "machine kind: system, processor, cores", manifest=True),
     Column("threads", "threads the numerical libraries may use", "int64", detail=True),
     Column("jobs", "processes that solved side by side", "int64", detail=True),
+    Column("limit_s", "time limit; null in older rows: the manifest's", "float64", "s"),
+    Column("floor_s", "of the engine, called once on a trivial problem", "float64", "s"),
+    Column("memory_mib", "most that the solve added to its process' memory", "float64", "MiB"),
     Column("executor", "local or dask: what ran the cells", detail=True),
     Column("run_id", "which run wrote the row", manifest=True),
     Column("started", "when the attempt started, ISO 8601", "string", "UTC", detail=True),

@@ -1,0 +1,1 @@
+"""Frozen convex problems: their file format, and the proof that judges an answer to one."""

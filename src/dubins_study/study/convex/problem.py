@@ -1,0 +1,144 @@
+"""Convex problems as files: quadratic programs, and programs over second-order cones.
+
+    minimise    1/2 sum_i p_i x_i^2 + q x
+    subject to  l <= A x <= u,   lb <= x <= ub,   C x + d in Q_1 x Q_2 x ...
+
+Q_i is the second-order cone of its size: the first number is at least the norm of the others. An
+answer is the point x with multipliers y of the rows of A and z of the bounds, both positive where
+an upper end pushes, and w in the cones; at an optimum p x + q + A' y + z = C' w.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
+from importlib.resources import files
+from io import BytesIO
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from dubins_study.errors import DubinsStudyError
+from dubins_study.study.path import FloatArray
+
+_MATRICES = ("A", "C")
+_CSR = ("data", "indices", "indptr", "shape")
+
+
+class ProblemError(DubinsStudyError, ValueError):
+    """A file that holds no convex problem; the message names the file."""
+
+
+class Point(NamedTuple):
+    """A primal and dual point: x (n,), y (rows,), z (n,), w (rows of C,)."""
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    w: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A convex problem with n variables, all of them bounded, and m rows.
+
+    Args:
+        p: diagonal of the quadratic term, shape (n,), at least 0.
+        q: linear term, shape (n,).
+        A: rows, shape (m, n); `l` and `u` (m,) are their ends, infinite where there is none.
+        lb, ub: finite bounds of the variables, shape (n,).
+        C, d: what lies in the cones, shapes (k, n) and (k,).
+        cones: sizes of the cones, shape (c,), which sum to k.
+        interior: a point strictly inside all inequalities and cones, shape (n,).
+        x, y, z, w: a primal and dual point whose proven interval is the reference
+            (`study.convex.proof`).
+    """
+
+    p: FloatArray
+    q: FloatArray
+    A: csr_array
+    l: FloatArray  # noqa: E741  the name that such files use
+    u: FloatArray
+    lb: FloatArray
+    ub: FloatArray
+    C: csr_array
+    d: FloatArray
+    cones: Any
+    interior: FloatArray
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    w: FloatArray
+
+    @property
+    def witness(self) -> Point:
+        """The primal and dual point whose proven interval is the reference."""
+        return Point(self.x, self.y, self.z, self.w)
+
+    @cached_property
+    def equal(self) -> NDArray[np.bool_]:
+        """Which rows are equations, shape (m,)."""
+        return np.equal(self.l, self.u)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers a primal and dual point has."""
+        return int(2 * self.q.size + self.l.size + self.d.size)
+
+    def split(self, numbers: FloatArray) -> Point:
+        """A point from its `numbers`, one array behind the other."""
+        m, n = self.A.shape
+        return Point(*np.split(numbers, (n, n + m, 2 * n + m)))
+
+
+def write(problem: Problem, file: FilePath) -> str:
+    """Write a problem as a compressed .npz file, and return the SHA-256 of its bytes."""
+    arrays: dict[str, Any] = {}
+    for each in fields(problem):
+        value = getattr(problem, each.name)
+        if each.name in _MATRICES:
+            arrays |= {f"{each.name}_{part}": getattr(value, part) for part in _CSR}
+        else:
+            arrays[each.name] = value
+    np.savez_compressed(file, **arrays)
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def parse(content: bytes, name: str) -> Problem:
+    """The problem of a file's bytes; nothing is unpickled."""
+    try:
+        with np.load(BytesIO(content), allow_pickle=False) as stored:
+            arrays: dict[str, Any] = dict(stored)
+        for key in _MATRICES:
+            data, indices, indptr, shape = (arrays.pop(f"{key}_{part}") for part in _CSR)
+            arrays[key] = csr_array((data, indices, indptr), shape=tuple(shape))
+        return Problem(**arrays)
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        raise ProblemError(f"{name}: not a convex problem: {error}") from None
+
+
+@lru_cache(maxsize=32)
+def read(name: str) -> Problem:
+    """The packaged problem of this name, one of `study.convex.problems.DIGESTS`.
+
+    Raises:
+        ProblemError: if there is none of this name, or its file was changed.
+    """
+    from dubins_study.study.convex.digests import DIGESTS
+
+    if name not in DIGESTS:
+        raise ProblemError(f"no convex problem named {name!r}; choose one of: {', '.join(DIGESTS)}")
+    content = files(__package__).joinpath("problems", f"{name}.npz").read_bytes()
+    if hashlib.sha256(content).hexdigest() != DIGESTS[name]:
+        raise ProblemError(f"{name}.npz was changed: its SHA-256 is not that of {__package__}")
+    return parse(content, name)
+
+
+@lru_cache(maxsize=32)
+def posed(name: str) -> Problem:
+    """The problem as engines are given it: without its answer; errors as `read`."""
+    return replace(read(name), **dict.fromkeys(("interior", *Point._fields), np.zeros(0)))

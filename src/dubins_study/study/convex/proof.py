@@ -1,0 +1,224 @@
+"""Proven bounds of a convex problem's optimum, from any primal and any dual point.
+
+The upper bound is the objective at the point moved into the feasible set; the lower bound is the
+Lagrangian's minimum over the box of the variables. Both hold whatever point is given, since they
+are evaluated in ball arithmetic (Arb, through python-flint).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, ctx
+from scipy.sparse import csr_array
+
+from dubins_study.study.convex.problem import Point, Problem, read
+from dubins_study.study.path import FloatArray
+
+_BITS = 106
+_LEAST_STEP = 1e-14  # towards the interior; pays for the rounding of the step itself
+_STEPS = 12  # tries, each with a step ten times as large
+
+
+class Residuals(NamedTuple):
+    """Largest violations of a point: of constraints, of stationarity and signs; the gap."""
+
+    primal: float
+    dual: float
+    gap: float
+
+
+def residuals(problem: Problem, point: Point) -> Residuals:
+    """Residuals in the largest norm, and the absolute difference of both objectives.
+
+    The definitions are those of the conditions of Karush, Kuhn and Tucker, unscaled.
+    """
+    x, y, z, w = point
+    rows, inside = problem.A @ x, problem.C @ x + problem.d
+    beyond = (problem.l - rows, rows - problem.u, problem.lb - x, x - problem.ub)
+    primal = max(_largest(each) for each in (*beyond, _outside(inside, problem.cones)))
+    # a row without an end has no multiplier on that side
+    wrong = np.where(np.isinf(problem.l), -y, 0.0), np.where(np.isinf(problem.u), y, 0.0)
+    slope = problem.p * x + problem.q + problem.A.T @ y + z - problem.C.T @ w
+    dual = max(_largest(each) for each in (np.abs(slope), *wrong, _outside(w, problem.cones)))
+    ends = _paid(y, problem.l, problem.u) + _paid(z, problem.lb, problem.ub) + problem.d @ w
+    return Residuals(primal, dual, abs(float(problem.p @ x**2 + problem.q @ x + ends)))
+
+
+def _largest(values: FloatArray) -> float:
+    return float(values.max(initial=0.0))
+
+
+def _paid(multipliers: FloatArray, low: FloatArray, high: FloatArray) -> float:
+    """Sum of multipliers times the ends that they push at; infinite ends have none."""
+    ends = np.where(multipliers > 0, high, low)
+    return float(multipliers @ np.where(np.isinf(ends), 0.0, ends))
+
+
+def _parts(cones: Any) -> list[slice]:
+    ends = np.cumsum(cones).tolist()
+    return [slice(end - size, end) for size, end in zip(cones.tolist(), ends, strict=True)]
+
+
+def _outside(values: FloatArray, cones: Any) -> FloatArray:
+    """How far the norm exceeds the first number, by cone."""
+    return np.array([np.linalg.norm(values[p][1:]) - values[p][0] for p in _parts(cones)])
+
+
+def upper_bound(problem: Problem, x: FloatArray) -> float:
+    """The objective, rounded up, at a feasible point made from x; infinity if there is none.
+
+    x is cut off at its bounds and moved towards `interior` until rows and cones hold. Each equation
+    has two variables of its own, which enter with the signs + and - and cost the same: they take
+    the equation's residual, so that it holds exactly.
+    """
+    if not np.isfinite(x).all():
+        return np.inf
+    cut = np.clip(x, problem.lb, problem.ub)
+    step = _step(problem, cut)
+    for _ in range(_STEPS):
+        value = _feasible_objective(problem, cut + step * (problem.interior - cut))
+        if value is not None:
+            return value
+        step = min(1.0, max(10 * step, _LEAST_STEP))
+    return np.inf
+
+
+def _step(problem: Problem, x: FloatArray) -> float:
+    """The share of the way to the interior after which all rows and cones hold, up to rounding."""
+    rows = ~problem.equal
+
+    def room(point: FloatArray) -> FloatArray:
+        values = (problem.A @ point)[rows]
+        cones = -_outside(problem.C @ point + problem.d, problem.cones)
+        return np.concatenate((values - problem.l[rows], problem.u[rows] - values, cones))
+
+    here, there = room(x), room(problem.interior)
+    short = here < 0
+    return float(np.max(here[short] / (here[short] - there[short]), initial=0.0)) + _LEAST_STEP
+
+
+def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
+    """The objective, rounded up, of x with its equations closed; None if x may be infeasible.
+
+    Rows are evaluated as balls; the numbers of x are exact.
+    """
+    if (x < problem.lb).any() or (x > problem.ub).any():
+        return None
+    with ctx.workprec(_BITS):
+        closing = closing_columns(problem)
+        point = [arb(0) if column in closing else arb(value) for column, value in enumerate(x)]
+        total = _dot(problem.q, point) + _dot(problem.p, [value * value for value in point]) / 2
+        ends = zip(problem.equal, problem.l, problem.u, _rows(problem.A, point), strict=True)
+        cost = {row: (problem.q[column], problem.ub[column]) for column, row in closing.items()}
+        for row, (equal, low, high, value) in enumerate(ends):
+            if equal:
+                miss = abs(arb(high) - value)
+                if row not in cost or not miss <= cost[row][1]:
+                    return None
+                total += arb(cost[row][0]) * miss
+            elif not ((low == -np.inf or value >= low) and (high == np.inf or value <= high)):
+                return None
+        inside = [
+            value + arb(d) for value, d in zip(_rows(problem.C, point), problem.d, strict=True)
+        ]
+        for part in _parts(problem.cones):
+            first, *others = inside[part]
+            if not (first >= 0 and first * first >= sum((v * v for v in others), arb(0))):
+                return None
+        return float(total.upper())
+
+
+def closing_columns(problem: Problem) -> dict[int, int]:
+    """Column -> its equation, for columns that stand in one equation only and cost nothing else.
+
+    An equation is closed by two of them, with the signs + and -, lower bounds 0 and equal costs;
+    columns of other equations are left out.
+    """
+    columns = problem.A.tocsc()
+    alone = np.flatnonzero(np.diff(columns.indptr) == 1)
+    in_cones = set(problem.C.indices.tolist())
+    pairs: dict[int, dict[float, int]] = {}
+    for column in alone.tolist():
+        place = columns.indptr[column]
+        row, sign = int(columns.indices[place]), float(columns.data[place])
+        free = problem.p[column] == 0 and problem.lb[column] == 0 and column not in in_cones
+        if problem.equal[row] and abs(sign) == 1 and free:
+            pairs.setdefault(row, {})[sign] = column
+    return {
+        column: row
+        for row, signs in pairs.items()
+        if len(signs) == 2
+        and len({problem.q[c] for c in signs.values()}) == 1
+        and len({problem.ub[c] for c in signs.values()}) == 1
+        for column in signs.values()
+    }
+
+
+def lower_bound(problem: Problem, point: Point) -> float:
+    """A bound of the optimum, rounded down, from the multipliers y and w of any point.
+
+    Multipliers of the wrong sign count as zero, those outside their cone are brought into it; the
+    bounds of the variables stay constraints, so that z is not needed.
+    """
+    y = np.where(np.isinf(problem.l), np.maximum(point.y, 0.0), point.y)
+    y = np.where(np.isinf(problem.u), np.minimum(y, 0.0), y)
+    w = point.w.copy()
+    for part in _parts(problem.cones):
+        w[part.start] = max(w[part.start], float(np.linalg.norm(w[part][1:])) * (1 + 1e-12))
+    if not (np.isfinite(y).all() and np.isfinite(w).all()):
+        return -np.inf
+    with ctx.workprec(_BITS):
+        rows, cones = [arb(value) for value in y], [arb(value) for value in w]
+        for part in _parts(problem.cones):
+            first, *others = cones[part]
+            if not first * first >= sum((v * v for v in others), arb(0)):
+                return -np.inf
+        ends = np.where(y > 0, problem.u, np.where(y < 0, problem.l, 0.0))
+        total = -_dot(ends, rows) - _dot(problem.d, cones)
+        pulls = zip(
+            *(problem.p, problem.q, problem.lb, problem.ub),
+            *(
+                _rows(csr_array(matrix.T), values)
+                for matrix, values in ((problem.A, rows), (problem.C, cones))
+            ),
+            strict=True,
+        )
+        for p, q, low, high, pull, push in pulls:
+            total += _least(arb(p), arb(q) + pull - push, arb(low), arb(high))
+        return float(total.lower())
+
+
+def _least(p: Any, g: Any, low: Any, high: Any) -> Any:
+    """At most the least value of p x^2 / 2 + g x over low <= x <= high."""
+    if p * low + g >= 0:
+        return (p * low / 2 + g) * low
+    if p * high + g <= 0:
+        return (p * high / 2 + g) * high
+    if p > 0:
+        return -g * g / (2 * p)
+    return min((g * low).lower(), (g * high).lower())
+
+
+def _dot(numbers: FloatArray, values: list[Any]) -> Any:
+    pairs = zip(numbers.tolist(), values, strict=True)
+    return sum((arb(number) * value for number, value in pairs if number), arb(0))
+
+
+def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
+    """The product of a matrix of doubles and a vector of balls."""
+    ends, columns, data = matrix.indptr.tolist(), matrix.indices.tolist(), matrix.data.tolist()
+    return [
+        sum((arb(data[place]) * values[columns[place]] for place in range(begin, end)), arb(0))
+        for begin, end in pairwise(ends)
+    ]
+
+
+@lru_cache(maxsize=32)
+def reference(name: str) -> tuple[float, float]:
+    """The proven interval around the optimum of the packaged problem of this name."""
+    problem = read(name)
+    return lower_bound(problem, problem.witness), upper_bound(problem, problem.x)

@@ -1,0 +1,195 @@
+"""A box of headings, and what bounds of all words over it have in common.
+
+Everything is in units of the turning radius. For a costate nu any path of a leg is as long as
+
+    nu . P + integral of (1 - nu . e(theta)) ds,    P the way from its start to its end.
+
+Along a word of turns and a straight the integral is a function of the first heading, one of the
+last, and a rest. Less mu times each segment that is near its end, mu >= 0, it is no longer than the
+path; nu and mu are chosen so that the rest is of second order and that neither heading is worth a
+change. Hence a bound of each word over the box is a constant and two minima over one heading each,
+taken in closed form, less a bound of the rest (docs/derivation.md, section 16).
+
+The words here begin with a turn to the left; others are their mirror images. Ranges that decide
+which paths count are widened by `SLACK`: more paths than there are only lower a bound.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.closed_form.kernel_compile import separate
+from dubins_study.study.route.leg_words import between
+
+_PI, _TWO_PI = math.pi, 2 * math.pi
+SLACK = 1e-13
+LONGEST_COSTATE = 20.0  # that of LRL is 1 / |cos psi| long; longer ones than this are not needed
+START_LEFT, START_RIGHT, END_LEFT, END_RIGHT, START_HALF, END_HALF = 1, 2, 4, 8, 16, 32
+
+
+class Box(NamedTuple):
+    """A leg and an interval of headings at each of its ends, with the slope of the potential there.
+
+    The leg ends at (x, y), seen from its start. The intervals have middles c and half widths h
+    (rad); what is bounded is the length plus slope1 (theta1 - c1) less slope2 (theta2 - c2).
+    `apart` tells the circles of one end on which the point of the other lies, where no pair of
+    headings in the box is that of an arc: a sum of `START_LEFT` and its like, with `START_HALF` or
+    `END_HALF` if the arc is half a turn.
+    """
+
+    x: float
+    y: float
+    c1: float
+    h1: float
+    slope1: float
+    c2: float
+    h2: float
+    slope2: float
+    apart: int
+
+
+class Costate(NamedTuple):
+    """A costate, by length and direction, and the multipliers of the first and the last arc."""
+
+    length: float
+    direction: float
+    mu1: float
+    mu2: float
+
+
+class Circles(NamedTuple):
+    """The way from the first arc's centre to the last one's: at the box's middle, and its range."""
+
+    dx: float
+    dy: float
+    nearest: float
+    farthest: float
+    along: float  # how far it may change along itself, and across
+    across: float
+    turned: float  # rad to either side
+
+
+@separate
+def mirrored(box: Box) -> Box:
+    """The box whose paths are the mirror images of this one's."""
+    left, halves = START_LEFT | END_LEFT, box.apart & (START_HALF | END_HALF)
+    apart = 2 * (box.apart & left) + (box.apart // 2 & left) + halves
+    return Box(box.x, -box.y, -box.c1, box.h1, -box.slope1, -box.c2, box.h2, -box.slope2, apart)
+
+
+@separate
+def circles_of(box: Box, last: float) -> Circles:
+    dx, dy = between(box.x, box.y, 1.0, last, box.c1, box.c2)
+    m = math.hypot(dx, dy)
+    # a centre moves along its heading, and to second order across it
+    reach, bent = box.h1 + box.h2, 0.5 * (box.h1 * box.h1 + box.h2 * box.h2)
+    axis, slack = math.atan2(dy, dx), SLACK * (1.0 + m)
+    along = abs(math.cos(axis - box.c1)) * box.h1 + abs(math.cos(axis - box.c2)) * box.h2
+    across = abs(math.sin(axis - box.c1)) * box.h1 + abs(math.sin(axis - box.c2)) * box.h2
+    along, across = min(along + bent, reach) + slack, min(across + bent, reach) + slack
+    nearest, turned = max(0.0, m - along), _PI
+    if nearest > 0.0:
+        turned = math.atan2(across, nearest) + SLACK
+    farthest = min(math.hypot(m + along, across), m + reach + slack)
+    return Circles(dx, dy, nearest, farthest, along, across, turned)
+
+
+@separate
+def least_between(
+    m: float, first: float, last: float, rho: float, kappa: float, mu: float, floor: float
+) -> tuple[float, float]:
+    """Least x + rho sin x - kappa (x - m) - mu x over [first, last], and its x - m.
+
+    Below `floor` the first two terms are what they are there.
+    """
+    best, place = math.inf, first
+    cosine = (kappa + mu - 1.0) / rho
+    still = math.nan
+    if abs(cosine) <= 1.0:
+        still = -math.acos(cosine)
+        still += _TWO_PI * math.ceil((first - still) / _TWO_PI)
+    for candidate in range(5):
+        x = first
+        if candidate == 1:
+            x = last
+        elif candidate > 1:
+            x = floor if candidate == 4 else still if candidate == 2 else still + _TWO_PI
+            if not (first < x < last):
+                continue
+        lifted = max(x, floor)
+        value = lifted + rho * math.sin(lifted) - kappa * (x - m) - mu * x
+        if value < best:
+            best, place = value, x
+    return best, place - m
+
+
+@separate
+def _least(
+    middle: float,
+    half: float,
+    within: tuple[float, float],
+    rho: float,
+    kappa: float,
+    mu: float,
+    floor: float,
+) -> tuple[float, float]:
+    """`least_between` over all x in `within` that are within `half` of m, infinite for none.
+
+    m is `middle` or differs from it by whole turns.
+    """
+    low, high = within
+    best, place = math.inf, 0.0
+    m = middle + _TWO_PI * math.ceil((low - half - middle) / _TWO_PI)
+    while m - half <= high:
+        value, x = least_between(m, max(m - half, low), min(m + half, high), rho, kappa, mu, floor)
+        if value < best:
+            best, place = value, x
+        m += _TWO_PI
+    return best, place
+
+
+@separate
+def separated(
+    box: Box,
+    last: float,
+    nu: Costate,
+    within1: tuple[float, float],
+    within2: tuple[float, float],
+    floor: float,
+) -> tuple[float, float, float]:
+    """A bound but for the rest, and the headings, less the middles, where it is attained.
+
+    The angles x = phi - theta1 - pi of the first arc and last (theta2 - phi) - pi of the last one,
+    phi the costate's direction, count in the ranges that are given.
+    """
+    rho, phi = nu.length, nu.direction
+    f1, x1 = _least(phi - _PI - box.c1, box.h1, within1, rho, box.slope1, nu.mu1, floor)
+    f2, x2 = _least(
+        last * (box.c2 - phi) - _PI, box.h2, within2, rho, last * box.slope2, nu.mu2, floor
+    )
+    pulled = rho * (box.x * math.cos(phi) + box.y * math.sin(phi))
+    return pulled + f1 + f2 - rounding(box, rho + nu.mu1 + nu.mu2), -x1, last * x2
+
+
+@separate
+def rounding(box: Box, size: float) -> float:
+    """More than the rounding of a bound whose costate and multipliers have this size in all."""
+    return EPS * (
+        8.0 * size * (abs(box.x) + abs(box.y))
+        + 100.0 * (2.0 + 2.0 * size + abs(box.slope1) + abs(box.slope2))
+    )
+
+
+@separate
+def turning_bound(box: Box, low: float) -> float:
+    """Least T + slope1 t1 - slope2 t2, T = theta2 - theta1 and whole turns, not below `low`.
+
+    The turning of the first and last arc of LSL is such a T, and so is that of LRL less its middle
+    arc's.
+    """
+    middle, half = box.c2 - box.c1, box.h1 + box.h2 + SLACK
+    middle += _TWO_PI * math.ceil((low - half - middle) / _TWO_PI)
+    least = middle - abs(box.slope1 - 1.0) * box.h1 - abs(box.slope2 - 1.0) * box.h2
+    return least - rounding(box, 1.0)

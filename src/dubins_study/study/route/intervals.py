@@ -1,0 +1,110 @@
+"""The intervals of headings that the certified search begins with.
+
+They cover the circle at each point. A point may lie on the turning circle of a heading that is
+given: then only one heading there is the end of an arc, which has an interval of its own, and of
+all other pairs of headings it is known which words they have not (docs/derivation.md, section 16).
+Everything is in units of the turning radius, headings in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.path import FloatArray
+from dubins_study.study.route.box import (
+    END_HALF,
+    END_LEFT,
+    END_RIGHT,
+    START_HALF,
+    START_LEFT,
+    START_RIGHT,
+)
+from dubins_study.study.route.leg_bound import WordArray
+
+_TWO_PI = 2 * math.pi
+COARSE = 16  # intervals at each point to begin with
+OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
+_ON_CIRCLE = 16.0 * EPS  # square radii; what rounding may move a point off a turning circle
+_ONE_HEADING = 2e-15  # rad; more than the rounding of a heading to which an arc leads
+
+
+class Intervals(NamedTuple):
+    """The intervals of headings at a point: middles, halves of widths, slopes of the potential."""
+
+    middle: FloatArray
+    half: FloatArray
+    slope: FloatArray
+
+
+class _Arc(NamedTuple):
+    """One arc between neighbouring points, from a heading that is known to the only one it has."""
+
+    ends: tuple[int, int]  # the point with the known heading, and the other
+    place: int  # of the known heading among those of its point
+    others: list[int]  # places of the heading at the other end; none if another one is given there
+    apart: int  # `Box.apart` of the heading's pairs with any other
+
+
+def first_intervals(
+    legs: FloatArray, given: list[float | None]
+) -> tuple[list[Intervals], list[WordArray]]:
+    """Intervals at each point, and of each leg the pairs of them, as `bound_leg` takes them.
+
+    Args:
+        legs: from each point to the next, shape (n, 2).
+        given: headings at the points, n + 1; None for those that are free.
+    """
+    known = [[] if heading is None else [math.remainder(heading, _TWO_PI)] for heading in given]
+    arcs = [arc for step in (1, -1) for arc in _arcs(legs, given, known, step)]
+    intervals = []
+    for heading, headings in zip(given, known, strict=True):
+        if heading is None:
+            width = _TWO_PI / COARSE
+            grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, COARSE)
+            half = np.full(COARSE + len(headings), 0.5 * width + OVERLAP)
+            half[COARSE:] = _ONE_HEADING
+            intervals.append(Intervals(np.append(grid, headings), half, np.zeros(half.size)))
+        else:
+            # the double of 2 pi is less than 2 pi by 2.45e-16
+            spread = 2.5e-16 * abs(heading - headings[0]) / _TWO_PI
+            intervals.append(Intervals(np.array(headings), np.array([spread]), np.zeros(1)))
+    live = [np.ones((a.middle.size, b.middle.size), np.int8) for a, b in pairwise(intervals)]
+    for arc in arcs:
+        here, there = (0 if given[i] is not None else COARSE for i in arc.ends)
+        pairs = live[min(arc.ends)]
+        if arc.ends[0] > arc.ends[1]:
+            pairs = pairs.T
+        row = pairs[here + arc.place]
+        row += 2 * arc.apart
+        row[[there + k for k in arc.others]] -= 2 * arc.apart
+    return intervals, live
+
+
+def _arcs(
+    legs: FloatArray, given: list[float | None], known: list[list[float]], step: int
+) -> Iterator[_Arc]:
+    """Arcs to the next point, if `step` is 1, or to the one before; their ends become known."""
+    bits = (START_LEFT, START_RIGHT, START_HALF) if step == 1 else (END_LEFT, END_RIGHT, END_HALF)
+    for leg in range(len(legs))[::step]:
+        here, there = (leg, leg + 1)[::step]
+        x, y = step * legs[leg]
+        square = x * x + y * y
+        for place, heading in enumerate(known[here]):
+            side = y * math.cos(heading) - x * math.sin(heading)
+            left, right = (abs(square - 2.0 * turn * side) <= _ON_CIRCLE for turn in (1.0, -1.0))
+            if not (left or right):
+                continue
+            end = math.remainder(2.0 * math.atan2(y, x) - heading, _TWO_PI)
+            away = [abs(math.remainder(some - end, _TWO_PI)) for some in known[there]]
+            if given[there] is None and min(away, default=math.inf) > _ONE_HEADING:
+                known[there].append(end)
+                away.append(0.0)
+            others = [k for k, off in enumerate(away) if off <= _ONE_HEADING]
+            half = bits[2] if abs(square - 4.0) <= _ON_CIRCLE else 0
+            yield _Arc((here, there), place, others, (bits[0] if left else bits[1]) + half)

@@ -1,0 +1,137 @@
+"""A lower bound of LRL over a box of headings: equation 19 of docs/derivation.md."""
+
+from __future__ import annotations
+
+import math
+
+from dubins_study.study.closed_form.kernel_compile import separate
+from dubins_study.study.route.box import (
+    END_HALF,
+    END_RIGHT,
+    LONGEST_COSTATE,
+    SLACK,
+    START_HALF,
+    START_RIGHT,
+    Box,
+    Costate,
+    circles_of,
+    rounding,
+    separated,
+    turning_bound,
+)
+from dubins_study.study.route.leg_words import principal
+
+_PI = math.pi
+_ALONG = 1.0  # of a costate along the axis of LRL, where a flat one would be long
+
+
+@separate
+def _triangle_bound(
+    box: Box,
+    axis: float,
+    psis: tuple[float, float],
+    turned: float,
+    rho: float,
+    tilt: float,
+    mu1: float,
+    mu2: float,
+) -> float:
+    """A bound of LRL with a costate of length rho that points against the direction axis - tilt.
+
+    Args:
+        axis, turned: direction from the first arc's centre to the last one's; its range.
+        psis: range of half the middle arc.
+    """
+    rest = math.inf
+    for corner in range(4):
+        # concave in psi, or least at its lower end; concave in eps, or cos(eps) alone
+        psi = psis[corner % 2]
+        eps = tilt - turned if corner < 2 else tilt + turned
+        value = (4.0 - mu1 - mu2) * psi + 4.0 * rho * math.sin(psi) * math.cos(eps)
+        rest = min(rest, value - (mu1 - mu2) * eps)
+    if mu1 + mu2 > 0.0:
+        # convex where cos(eps) < 0
+        spread = 0.5 * (psis[1] - psis[0])
+        steep = max(0.0, -math.cos(min(_PI, abs(tilt) + turned)))
+        rest -= 2.0 * rho * steep * (turned * turned + spread * spread)
+    edge = psis[1] + turned
+    nu = Costate(rho, axis - tilt + _PI, mu1, mu2)
+    within1, within2 = (-edge - tilt, edge - tilt), (-edge + tilt, edge + tilt)
+    value, _, _ = separated(box, 1.0, nu, within1, within2, -math.inf)
+    return value + rest
+
+
+@separate
+def _opposite_bound(box: Box, half: float, slope: float) -> float:
+    """A bound of LRL to the point opposite the start on its right circle, or the same backwards.
+
+    Half and slope are those of the end whose heading is open.
+    """
+    # theta2 - theta1 is pi + t; the arcs are 4 psi - pi + t, concave in t, and exist for t >= 0
+    middle = principal(box.c2 - box.c1 - _PI)
+    low, high = middle - half, middle + half
+    if low < -1.0 or high > 1.0:
+        return -math.inf
+    if high < 0.0:
+        return math.inf
+    least = math.inf
+    for t in (max(0.0, low), high):
+        psi = 0.5 * _PI + math.asin(math.sqrt(0.75) * math.sin(0.5 * t))
+        least = min(least, 4.0 * psi - _PI + t - slope * (t - middle))
+    return least - rounding(box, 1.0)
+
+
+@separate
+def lrl_bound(box: Box) -> float:
+    """A bound of LRL, with multipliers of the outer arcs where these may vanish."""
+    circles = circles_of(box, 1.0)
+    if circles.nearest >= 4.0:
+        return math.inf
+    psis = (
+        _PI - math.asin(min(1.0, 0.25 * circles.farthest)) - SLACK,
+        _PI - math.asin(0.25 * circles.nearest) + SLACK,
+    )
+    axis, turned = math.atan2(circles.dy, circles.dx), circles.turned
+    rho = min(LONGEST_COSTATE, 1.0 / max(1e-3, -math.cos(0.5 * (psis[0] + psis[1]))))
+    best = _triangle_bound(box, axis, psis, turned, rho, 0.0, 0.0, 0.0)
+    best = max(best, 4.0 * psis[0] + turning_bound(box, -2.0 * psis[1]))
+    if box.apart & START_RIGHT and box.apart & START_HALF:
+        best = max(best, _opposite_bound(box, box.h2, box.slope2))
+    if box.apart & END_RIGHT and box.apart & END_HALF:
+        best = max(best, _opposite_bound(box, box.h1, box.slope1))
+    if turned > 0.5:
+        return best
+    psi = 0.5 * (psis[0] + psis[1])
+    u, v = axis - box.c1, box.c2 - axis
+    near = 2.0 * (box.h1 + box.h2 + turned)
+    short1, short2 = abs(principal(psi + u)) < near, abs(principal(psi + v)) < near
+    # flat in the first heading if rate11 mu1 + rate12 mu2 = rise1, in the last likewise
+    c, s = -4.0 * math.cos(psi), 4.0 * math.sin(psi)
+    rise1 = box.slope1 - 1.0 - 4.0 * math.cos(u) / c
+    rise2 = box.slope2 - 1.0 - 4.0 * math.cos(v) / c
+    rate11, rate12 = -1.0 - math.cos(u) / c - math.sin(u) / s, math.sin(u) / s - math.cos(u) / c
+    rate22, rate21 = -1.0 - math.cos(v) / c - math.sin(v) / s, math.sin(v) / s - math.cos(v) / c
+    size = rate11 * rate22 - rate12 * rate21
+    for flat in range(7):
+        mu1 = mu2 = 0.0
+        if flat == 4 and short1 and short2:
+            mu1 = (rise1 * rate22 - rise2 * rate12) / size
+            mu2 = (rise2 * rate11 - rise1 * rate21) / size
+        elif flat < 2 and short1:
+            mu1 = rise1 / rate11 if flat == 0 else rise2 / rate21
+        elif 2 <= flat < 4 and short2:
+            mu2 = rise1 / rate12 if flat == 2 else rise2 / rate22
+        elif flat == 5 and short1:
+            mu1 = 4.0 - _ALONG * c
+        elif flat == 6 and short2:
+            mu2 = 4.0 - _ALONG * c
+        mu1, mu2 = min(mu1, 8.0), min(mu2, 8.0)
+        if not (mu1 >= 0.0 and mu2 >= 0.0 and mu1 + mu2 > 0.0):
+            continue
+        # the rest is stationary at the middle of the box
+        along, across = (4.0 - mu1 - mu2) / c, (mu2 - mu1) / s
+        rho, tilt = math.hypot(along, across), math.atan2(across, along)
+        if rho <= LONGEST_COSTATE:
+            value = _triangle_bound(box, axis, psis, turned, rho, tilt, mu1, mu2)
+            best = max(best, value)
+    return best

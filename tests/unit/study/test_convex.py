@@ -1,0 +1,119 @@
+"""Frozen convex problems: files, residuals, and proven bounds beside optima known otherwise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.sparse import csr_array
+
+from dubins_study.study.convex.digests import DIGESTS
+from dubins_study.study.convex.problem import Point, Problem, ProblemError, parse, read, write
+from dubins_study.study.convex.proof import lower_bound, reference, residuals, upper_bound
+from dubins_study.study.convex.verdict import judge_convex
+from dubins_study.study.words import Claim, Verdict
+
+QPS = [name for name in DIGESTS if name.startswith("qp")]
+EMPTY = np.zeros(0)
+
+
+def disc(radius: float) -> Problem:
+    """Minimise x + y over a disc around 0: -radius sqrt(2), at equal coordinates."""
+    d = np.array([radius, 0.0, 0.0])
+    C = csr_array(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    ends = np.full(2, 3.0 * radius)
+    return Problem(
+        p=np.zeros(2), q=np.ones(2), A=csr_array((0, 2)), l=EMPTY, u=EMPTY, lb=-ends, ub=ends,
+        C=C, d=d, cones=np.array([3]), interior=np.zeros(2), x=EMPTY, y=EMPTY, z=EMPTY, w=EMPTY,
+    )  # fmt: skip
+
+
+def test_bounds_enclose_an_optimum_known_by_hand():
+    """Minimising x + y over a disc of radius 2 gives -2 sqrt(2)."""
+    problem, optimum = disc(2.0), -2 * np.sqrt(2)
+    side = 1 / np.sqrt(2)
+    best = Point(np.full(2, -2 * side), EMPTY, np.zeros(2), np.array([np.sqrt(2), 1.0, 1.0]))
+
+    low, high = lower_bound(problem, best), upper_bound(problem, best.x)
+
+    assert low <= optimum <= high
+    assert high - low < 1e-11
+    assert max(residuals(problem, best)) < 1e-14
+
+
+def test_bounds_hold_for_any_point():
+    """However wrong a point is, its bounds stay on their sides of the optimum."""
+    problem, random = disc(2.0), np.random.default_rng(5)
+    for size in (1e-8, 1e-3, 1.0, 1e3):
+        x, w = size * random.normal(size=2), size * random.normal(size=3)
+        assert upper_bound(problem, x - np.sqrt(2)) >= -2 * np.sqrt(2) - 1e-15
+        assert lower_bound(problem, Point(x, EMPTY, EMPTY, w)) <= -2 * np.sqrt(2) + 1e-15
+
+
+@pytest.mark.parametrize("name", DIGESTS)
+def test_reference_is_closed(name):
+    """Every packaged problem comes with a proof of its optimum to 1e-11."""
+    low, high = reference(name)
+
+    assert 0 <= high - low <= 2e-11
+
+
+@pytest.mark.parametrize("name", [name for name in QPS if "-50-" in name])
+def test_feasible_value_agrees_with_another_engine(name):
+    """Without its quadratic term a QP is an LP, which HiGHS solves by way of SciPy."""
+    problem = read(name)
+    flat = replace(problem, p=np.zeros_like(problem.p))
+    rows = ~problem.equal
+    solved = linprog(
+        flat.q,
+        A_ub=flat.A[rows], b_ub=flat.u[rows], A_eq=flat.A[~rows], b_eq=flat.u[~rows],
+        bounds=np.column_stack((flat.lb, flat.ub)),
+    )  # fmt: skip
+    y = np.zeros(flat.l.size)
+    y[rows], y[~rows] = -solved.ineqlin.marginals, -solved.eqlin.marginals
+
+    assert upper_bound(flat, solved.x) == pytest.approx(solved.fun, abs=1e-8)
+    assert lower_bound(flat, Point(solved.x, y, EMPTY, EMPTY)) == pytest.approx(
+        solved.fun, abs=1e-8
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in DIGESTS if "-50-" in name])
+def test_verdicts(name):
+    """The witness is optimal; the same point moved is longer, or misses."""
+    problem = read(name)
+    numbers, tolerance = np.concatenate(problem.witness), 1e-6
+    steps = {Verdict.OPTIMAL: 0.0, Verdict.LONGER: 0.5}
+    for verdict, step in steps.items():
+        moved = numbers.copy()
+        moved[: problem.q.size] += step * (problem.interior - problem.x)
+        judgement, certificate = judge_convex(name, moved, Claim.OPTIMAL, tolerance)
+        assert judgement.verdict is verdict
+        assert judgement.false_claim is (verdict is not Verdict.OPTIMAL)
+        assert certificate.reference_low <= judgement.length
+    outside = numbers.copy()
+    outside[0] = problem.ub[0] + 1e-5
+
+    assert judge_convex(name, outside, Claim.LIMIT, tolerance)[0].verdict is Verdict.MISSES
+    assert judge_convex(name, None, Claim.NONE, tolerance)[0].verdict is Verdict.NONE
+    assert judge_convex("no such", numbers, Claim.OPTIMAL, 1e-6)[0].verdict is Verdict.NONE
+
+
+def test_a_file_comes_back_as_it_was_written(tmp_path):
+    """Writing and reading keeps every number, and the same problem gives the same bytes."""
+    problem, file = disc(1.5), tmp_path / "disc.npz"
+    digest = write(problem, file)
+    back = parse(file.read_bytes(), "disc")
+
+    assert (back.C.toarray() == problem.C.toarray()).all()
+    assert back.d.tolist() == problem.d.tolist()
+    assert write(back, file) == digest
+
+
+def test_what_is_no_problem_is_refused(tmp_path):
+    """Files of other content, and unknown names, are refused by name."""
+    np.savez(tmp_path / "other.npz", p=np.ones(2))
+    with pytest.raises(ProblemError, match="other"):
+        parse((tmp_path / "other.npz").read_bytes(), "other")
+    with pytest.raises(ProblemError, match="no convex problem named 'qp-1'"):
+        read("qp-1")

@@ -1,0 +1,389 @@
+"""Each bound of a word of the route search, beside the least lengths that are found in its boxes.
+
+The lengths come from circles and tangents that the package does not share. A bound has to hold for
+any multipliers, and with the right ones its error falls with the square of the box.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numba
+import numpy as np
+import pytest
+
+from dubins_study.study.route import csc_bound as csc
+from dubins_study.study.route import lrl_bound as lrl
+from dubins_study.study.route.box import Box, circles_of, turning_bound
+from dubins_study.study.route.csc_bound import csc_bound
+from dubins_study.study.route.lrl_bound import lrl_bound
+
+LSL, LSR, LRL = range(3)
+TOLERANCE = 3e-13  # what the lengths here lose by rounding; each bound is lowered for its own
+_PI, _TWO_PI = math.pi, 2 * math.pi
+_STEPS = 21  # headings across each interval
+_ROUNDS = 40  # of a descent, each with 0.6 times the step before
+
+
+@numba.njit
+def arc(angle, gap):
+    """An arc's angle in [0, 2 pi); one that rounding has made negative stays so."""
+    angle -= _TWO_PI * math.floor(angle / _TWO_PI)
+    return angle - _TWO_PI if angle > _TWO_PI - gap else angle
+
+
+@numba.njit
+def word_length(word, x, y, t1, t2):
+    """The word's length, infinite where it has no path; of LRL no outer arc is above the middle."""
+    last = -1.0 if word == LSR else 1.0
+    dx = x - last * math.sin(t2) + math.sin(t1)
+    dy = y + last * math.cos(t2) - math.cos(t1)
+    d, way = math.hypot(dx, dy), math.atan2(dy, dx)
+    if word == LSL:
+        gap = 1e-14 + 1e-15 / max(d, 1e-9)
+        return d + arc(way - t1, gap) + arc(t2 - way, gap)
+    if word == LSR:
+        if d < 2.0 - 1e-15:
+            return math.inf
+        p = math.sqrt(max(0.0, (d - 2.0) * (d + 2.0)))
+        way += math.atan2(2.0, p)
+        gap = 1e-14 + (0.5 * p if p < 1e-7 else 1e-15 / p)  # with p = 0 the arcs are longer
+        return p + arc(way - t1, gap) + arc(way - t2, gap)
+    if d > 4.0 + 1e-15:
+        return math.inf
+    off = math.acos(min(1.0, d / 4.0))  # between the way and that to the middle circle
+    gap = 1e-14 + 1e-15 / max(off, 1e-8)
+    a, c = arc(way + off + _PI / 2 - t1, gap), arc(t2 - way + off - 1.5 * _PI, gap)
+    middle = _PI + 2.0 * off
+    return math.inf if max(a, c) > middle + 1e-12 else a + middle + c
+
+
+@numba.njit
+def arrivals(word, x, y, t1, found):
+    """Final headings of paths from heading t1 of which a segment vanishes, or nearly all of them.
+
+    Where circles touch, the last arc has no length, or the outer circles of LRL are 4 apart.
+    """
+    u, v = x + math.sin(t1), y - math.cos(t1)  # from the first circle's centre to the end
+    q, way = math.hypot(u, v), math.atan2(v, u)
+    n = 0
+    if word != LRL and q >= 1.0:
+        found[n] = way + math.asin(1.0 / q)
+        n += 1
+    for radius in (2.0, 4.0):
+        side = _PI / 2 if radius == 2.0 else -_PI / 2
+        cosine = (radius * radius - 1.0 - q * q) / (2.0 * q)
+        if word != LSL and abs(cosine) <= 1.0:
+            for turned in (math.acos(cosine), -math.acos(cosine)):
+                found[n] = way + side + turned
+                n += 1
+    return n
+
+
+@numba.njit
+def beside(angle, middle):
+    """An angle less the middle, in [-pi, pi)."""
+    angle -= middle
+    return angle - _TWO_PI * math.floor(angle / _TWO_PI + 0.5)
+
+
+@numba.njit
+def value_at(word, box, t1, t2):
+    """The length with the potential, at headings less the middles; infinite outside of the box."""
+    x, y, c1, h1, slope1, c2, h2, slope2 = box
+    if abs(t1) > h1 or abs(t2) > h2:
+        return math.inf
+    return word_length(word, x, y, c1 + t1, c2 + t2) + slope1 * t1 - slope2 * t2
+
+
+@numba.njit
+def along_edges(word, box, t, forward, found):
+    """Headings less the middle, at the other end, for which a segment vanishes."""
+    x, y, c1, _, _, c2, _, _ = box
+    if forward:
+        n = arrivals(word, x, y, c1 + t, found)
+    elif word == LSR:  # driven backwards the word is the same
+        n = arrivals(word, -x, -y, c2 + t + _PI, found)
+    else:  # the mirror image is
+        n = arrivals(word, -x, y, -c2 - t - _PI, found)
+    for i in range(n):
+        angle = found[i] if forward or word == LSR else -found[i]
+        found[i] = beside(angle, c2 if forward else c1 + _PI)
+    return n
+
+
+@numba.njit
+def single_arc_headings(x, y, kind):
+    """Headings at both ends of one of the four arcs through both points."""
+    half = math.asin(min(1.0, 0.5 * math.hypot(x, y)))
+    half = (half if kind < 2 else _PI - half) * (1.0 if kind % 2 else -1.0)
+    way = math.atan2(y, x)
+    return way - half, way + half
+
+
+@numba.njit
+def least(word, box):
+    """The least length with the potential that is found in a box: on a grid, on edges, downhill."""
+    h1, h2 = box[3], box[6]
+    best, t1, t2 = math.inf, 0.0, 0.0
+    for kind in range(4):
+        a, b = single_arc_headings(box[0], box[1], kind)
+        a, b = beside(a, box[2]), beside(b, box[5])
+        value = value_at(word, box, a, b)
+        if value < best:
+            best, t1, t2 = value, a, b
+    found = np.empty(5)
+    for place in range(_STEPS * _STEPS + 9 * _ROUNDS):
+        # a grid at first, then ever smaller steps from the best headings
+        on_grid, step = place < _STEPS * _STEPS, (place - _STEPS * _STEPS) // 9
+        if on_grid:
+            near1 = h1 * (2.0 * (place % _STEPS) / (_STEPS - 1) - 1.0)
+            near2 = h2 * (2.0 * (place // _STEPS) / (_STEPS - 1) - 1.0)
+        else:
+            if place % 9 == _STEPS * _STEPS % 9:
+                s1, s2, size = t1, t2, 0.6**step / _STEPS
+            near1 = min(max(s1 + (place % 3 - 1) * h1 * size, -h1), h1)
+            near2 = min(max(s2 + (place // 3 % 3 - 1) * h2 * size, -h2), h2)
+        value = value_at(word, box, near1, near2)
+        if value < best:
+            best, t1, t2 = value, near1, near2
+        for forward in (True, False):
+            n = along_edges(word, box, near1 if forward else near2, forward, found)
+            for i in range(n):
+                a, b = (near1, found[i]) if forward else (found[i], near2)
+                value = value_at(word, box, a, b)
+                if value < best:
+                    best, t1, t2 = value, a, b
+    return best
+
+
+@numba.njit
+def all_least(word, boxes):
+    values = np.empty(len(boxes))
+    for i in range(len(boxes)):
+        values[i] = least(word, boxes[i])
+    return values
+
+
+def ends_of(word, t1, a, s, c):
+    """Where the words' paths from the origin end, and their final headings; arrays of one shape."""
+    x, y, heading = np.zeros_like(a), np.zeros_like(a), t1
+    for turn, length in ((1.0, a), (-1.0 if word == LRL else 0.0, s), (1 - 2 * (word == LSR), c)):
+        after = heading + turn * length
+        chord = length * np.sinc(turn * length / _TWO_PI)
+        x = x + chord * np.cos((heading + after) / 2)
+        y = y + chord * np.sin((heading + after) / 2)
+        heading = after
+    return x, y, heading
+
+
+def holding(rng, word, arcs, half, slope1, slope2):
+    """Boxes that hold the headings of paths, somewhere; all of one size, or of any with None."""
+    n = arcs[0].size
+    t1 = rng.uniform(-_PI, _PI, n)
+    x, y, t2 = ends_of(word, t1, *arcs)
+    h1, h2 = np.full((2, n), half) if half else 10 ** rng.uniform(-14.0, -0.3, (2, n))
+    if not half:
+        h1, h2 = np.where(rng.random(n) < 0.1, 0.0, h1), np.where(rng.random(n) < 0.5, h1, h2)
+        h2 = np.where(rng.random(n) < 0.1, 0.0, h2)
+        slope1, slope2 = (
+            np.where(rng.random(n) < 0.5, slope, rng.uniform(-2.5, 2.5, n))
+            for slope in (slope1, slope2)
+        )
+    c1, c2 = t1 + h1 * rng.uniform(-0.9, 0.9, n), t2 + h2 * rng.uniform(-0.9, 0.9, n)
+    return np.stack([x, y, c1, h1, slope1, c2, h2, slope2], axis=1)
+
+
+def single_arc(rng, n, half):
+    """LSL of one arc, where both circles are one; flat for a costate that no S between beats."""
+    T = rng.uniform(0.2, 6.0, 20 * n)
+    rho, angle = rng.uniform(0.0, 3.0, 20 * n), rng.uniform(-_PI, _PI, 20 * n)  # of t1 = 0
+    along = np.linspace(0.0, 1.0, 200)[:, None] * T
+    flat = np.flatnonzero((rho * np.cos(along - angle)).max(axis=0) < 1.0)[:n]
+    T, rho, angle = T[flat], rho[flat], angle[flat]
+    slopes = 1.0 - rho * np.cos(angle), 1.0 - rho * np.cos(T - angle)
+    return holding(rng, LSL, (T, 0 * T, 0 * T), half, *slopes)
+
+
+def touching(rng, n, half):
+    """LSR without S, flat with a multiplier of the circles' distance."""
+    a, c = rng.uniform(0.3, 5.9, (2, n))
+    tau = rng.uniform(0.0, 3.0, n)
+    slope1, slope2 = (1.0 - np.cos(x) + tau * np.sin(x) for x in (a, c))
+    return holding(rng, LSR, (a, 0 * a, c), half, slope1, -slope2)
+
+
+def single_arc_of_two(rng, n, half):
+    """LSR of one arc, the last one or the first; flat with multipliers of what vanishes."""
+    arc, mu, tau = rng.uniform(0.3, 5.9, n), rng.uniform(0.0, 3.0, n), rng.uniform(-2.0, 2.0, n)
+    flat = -0.5 * mu, 1.0 - (1.0 - 0.5 * mu) * np.cos(arc) + tau * np.sin(arc)
+    last = rng.random(n) < 0.5
+    arcs = np.where(last, 0.0, arc), 0.0 * arc, np.where(last, arc, 0.0)
+    return holding(rng, LSR, arcs, half, np.where(last, *flat), -np.where(last, *flat[::-1]))
+
+
+def smooth(word):
+    def draw(rng, n, half):
+        """Paths of three segments, flat by the length's derivatives."""
+        a, c = rng.uniform(0.1, 3.0, (2, n))
+        s = rng.uniform(_PI + 0.3, _TWO_PI - 0.3, n) if word == LRL else rng.uniform(1.0, 9.0, n)
+        if word == LRL:
+            a, c = a % (s / 2), c % (s / 2)
+        pull = 0.0 if word != LRL else s / 2
+        slope1, slope2 = (1.0 - np.cos(pull - x) / np.cos(pull) for x in (a, c))
+        side = 1 if word != LSR else -1
+        return holding(rng, word, (a, s, c), half, slope1, side * slope2)
+
+    return draw
+
+
+def vanishing_outer_arcs(rng, n, half):
+    """LRL without its first arc, its last, or both; flat with a multiplier for each of them."""
+    s = rng.uniform(_PI + 0.3, _TWO_PI - 0.3, n)
+    kind = rng.integers(3, size=n)
+    a, c = (np.where(kind == i, rng.uniform(0.3, 3.0, n), 0.0) for i in (0, 1))
+    mu1, mu2 = (np.where(arc > 0.0, 0.0, rng.uniform(0.0, 3.0, n)) for arc in (a, c))
+    # with t1 = 0: the arcs' derivatives, by differences
+    x, y, t2 = ends_of(LRL, 0.0 * s, a, s, c)
+
+    def outer(t1, t2):
+        dx, dy = x - np.sin(t2) + np.sin(t1), y + np.cos(t2) - np.cos(t1)
+        way, off = np.arctan2(dy, dx), np.arccos(np.hypot(dx, dy) / 4.0)
+        return np.array([way + off - t1, t2 - way + off]), _PI + 2.0 * off
+
+    step = 1e-6
+    parts = []
+    for d1, d2 in ((step, 0.0), (0.0, step)):
+        (up, middle_up), (down, middle_down) = outer(d1, t2 + d2), outer(-d1, t2 - d2)
+        off = np.remainder(up - down + _PI, _TWO_PI) - _PI
+        rest = off.sum(axis=0) + middle_up - middle_down - mu1 * off[0] - mu2 * off[1]
+        parts.append(rest / (2 * step))
+    return holding(rng, LRL, (a, s, c), half, -parts[0], parts[1])
+
+
+# of the search's bounds, each with the word that it is of
+PARTS = {
+    "csc": (LSL, LSR),
+    "lrl": (LRL,),
+    "straight in any direction": (LSL, LSR),
+    "one circle, by turning": (LSL,),
+    "one circle, by a costate": (LSL,),
+    "no straight, best multipliers": (LSR,),
+    "no straight, any multiplier": (LSR,),
+    "no straight and a short arc, any multipliers": (LSR,),
+    "triangle, any multipliers": (LRL,),
+}
+_CSC, _LRL, _STRAIGHT, _TURNING, _APEX, _EDGE, _TOUCHING, _SHORT, _TRIANGLE = range(len(PARTS))
+
+
+@numba.njit
+def part_bound(part, word, box, any1, any2, any3):
+    """One of `PARTS`, with multipliers from numbers in [0, 1); -infinite where it says nothing."""
+    last = -1.0 if word == LSR else 1.0
+    if part == _CSC:
+        return csc_bound(box, last, math.inf)
+    if part == _LRL:
+        return lrl_bound(box)
+    if part == _STRAIGHT:
+        shift = 2.0 * any1 - 1.0
+        return csc._straight_bound(box, last, shift, -_PI - shift, _PI - shift, 0.0)[0]
+    circles = circles_of(box, last)
+    if part == _TURNING:
+        return circles.nearest + turning_bound(box, -1e-13)
+    if part == _APEX:
+        return csc._apex_bound(box, circles)
+    if part == _TRIANGLE:
+        if circles.nearest >= 4.0 or circles.turned > 0.5:
+            return -math.inf
+        low = _PI - math.asin(min(1.0, 0.25 * circles.farthest)) - 1e-13
+        psis = (low, _PI - math.asin(0.25 * circles.nearest) + 1e-13)
+        mu1, mu2 = max(0.0, 8.0 * any1 - 1.0), max(0.0, 8.0 * any2 - 1.0)
+        tilt = 2.0 * any3 - 1.0 if mu1 + mu2 > 0.0 else 0.0
+        rho = 0.3 + 6.0 * ((any1 + any2 + any3) % 1.0)
+        axis = math.atan2(circles.dy, circles.dx)
+        return lrl._triangle_bound(box, axis, psis, circles.turned, rho, tilt, mu1, mu2)
+    if circles.farthest < 2.0:
+        return -math.inf
+    if part == _EDGE:
+        return csc._edge_bound(box, circles)
+    if part == _TOUCHING:
+        return csc._touching_bound(box, circles, 4.0 * any1, 0.0, -1, 0.0)
+    end = int(2.0 * any3)
+    switch = math.atan2(circles.dy, circles.dx) + 0.5 * _PI
+    short = abs(beside(switch, box.c1 if end == 0 else box.c2))
+    short += box.h1 if end == 0 else box.h2
+    if short > 1.0:
+        return -math.inf
+    return csc._short_bound(box, circles, 6.0 * any1 - 3.0, 4.0 * any2, end, short)
+
+
+@numba.njit
+def part_bounds(part, word, boxes, anything):
+    bounds = np.empty(len(boxes))
+    for i in range(len(boxes)):
+        x, y, c1, h1, slope1, c2, h2, slope2 = boxes[i]
+        box = Box(x, y, c1, h1, slope1, c2, h2, slope2, 0)
+        any1, any2, any3 = anything[i]
+        bounds[i] = part_bound(part, word, box, any1, any2, any3)
+    return bounds
+
+
+FAMILIES = {
+    LSL: (smooth(LSL), single_arc),
+    LSR: (smooth(LSR), touching, single_arc_of_two),
+    LRL: (smooth(LRL), vanishing_outer_arcs),
+}
+
+
+@cache
+def drawn(word, n):
+    """Boxes of all sizes about paths of the word, at its edges and elsewhere, and their lengths."""
+    rng = np.random.default_rng(n + word)
+    boxes = np.concatenate([draw(rng, n, None) for draw in FAMILIES[word]])
+    return boxes, all_least(word, boxes)
+
+
+@pytest.mark.parametrize("n", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("part", "word"), [(part, word) for part, words in PARTS.items() for word in words]
+)
+def test_a_bound_is_above_no_length_in_its_box(part, word, n):
+    """Whatever the slopes are and, where a part is asked for alone, its multipliers."""
+    boxes, lengths = drawn(word, n)
+    anything = np.random.default_rng(n).random((len(boxes), 3))
+
+    bounds = part_bounds(list(PARTS).index(part), word, boxes, anything)
+
+    assert np.isfinite(lengths).mean() > 0.98
+    assert np.isfinite(bounds).mean() > 0.2
+    assert (lengths - bounds).min() >= -TOLERANCE
+
+
+# of each family the part that decides there, and by how many squares of its size the bound of a box
+# may be loose: the median, and in 19 of 20 boxes
+DECIDES = {
+    "LSL": (smooth(LSL), LSL, "csc", 1e-3, 1e-3),
+    "LSR": (smooth(LSR), LSR, "csc", 1e-3, 1e-3),
+    "LRL": (smooth(LRL), LRL, "lrl", 2.0, 6.0),
+    "LSL of one arc": (single_arc, LSL, "one circle, by a costate", 0.5, 10.0),
+    "LSR without S": (touching, LSR, "no straight, best multipliers", 2.0, 4.0),
+    "LSR of one arc": (single_arc_of_two, LSR, "no straight, best multipliers", 4.0, 16.0),
+    "LRL without outer arcs": (vanishing_outer_arcs, LRL, "lrl", 2.0, 12.0),
+}
+
+
+@pytest.mark.parametrize("n", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("family", DECIDES)
+def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family, n):
+    """With the slopes of the path in it, and of the conditions that end there."""
+    draw, word, part, median, most = DECIDES[family]
+    for half in (1e-2, 1e-3, 1e-4):
+        boxes = draw(np.random.default_rng(n), n, half)
+        anything = np.zeros((len(boxes), 3))
+
+        loose = all_least(word, boxes) - part_bounds(list(PARTS).index(part), word, boxes, anything)
+
+        squares = np.maximum(loose - 1e-12, 0.0) / half**2
+        assert np.median(squares) < median
+        assert np.quantile(squares, 0.95) < most
