@@ -11,11 +11,11 @@ from markdown_text import code, prose, table
 from dubins_study.conformance.checks import TITLES
 from dubins_study.experiments.definition.experiment import packaged, read
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
 from dubins_study.study.rows import schema
-from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING
+from dubins_study.study.tolerances import PROFILES
+from dubins_study.study.words import DERIVATIVE_FREE, QP, SAMPLING
 
 # An item of `Args:` in a docstring: names, a colon, and what they mean.
 _ITEM = re.compile(r"^ {4}([a-z_0-9]+(?:, [a-z_0-9]+)*): (.*(?:\n {8}.*)*)", re.M)
@@ -25,6 +25,13 @@ _PARTS = {
     "scenario": ("The scenario", schema.SCENARIO),
     "answer": ("The answer and its judgement", schema.ANSWER),
     "run": ("The run", schema.RUN),
+}
+
+_ENGINE_KINDS = {
+    "nlp": NLP_ENGINES,
+    "global": MINLP_ENGINES,
+    "search": names(SAMPLING, DERIVATIVE_FREE),
+    "qp": names(QP),
 }
 
 
@@ -106,13 +113,28 @@ def experiments_table() -> str:
 
 def engine_names(kind: str) -> str:
     """The names that the setting `engine` takes, each with the engine's own name."""
-    kinds = {
-        "nlp": NLP_ENGINES,
-        "global": MINLP_ENGINES,
-        "search": names(SAMPLING, DERIVATIVE_FREE),
-    }
-    engines = [f"{code(name)} ({prose(ENGINES[name].label)})" for name in kinds[kind]]
+    engines = [f"{code(name)} ({prose(ENGINES[name].label)})" for name in _ENGINE_KINDS[kind]]
     return f"Names of engines: {', '.join(engines)}."
+
+
+def options_table(kind: str) -> str:
+    """Of engines of a kind, each option that differs from the makers' default, in which set."""
+    rows = []
+    for name in _ENGINE_KINDS[kind]:
+        options, why = ENGINES[name].options, ENGINES[name].options.why
+        equal = {k: v for k, v in options.of("equal").items() if options.always.get(k) != v}
+        sets = {
+            "every": (options.always, f"{why[:1].upper()}{why[1:]}."),
+            "`equal`": (equal, ""),
+            "`tuned`": (options.tuned, options.source),
+        }
+        chosen = [(where, *texts) for where, texts in sets.items() if texts[0]]
+        if not chosen:
+            rows.append((code(name), "–", "–", "its makers' own in every set"))
+        for first, (where, values, reason) in enumerate(chosen):
+            texts = ", ".join(code(f"{key}={value}") for key, value in values.items())
+            rows.append(("" if first else code(name), where, texts, reason or "–"))
+    return table(("`engine=`", "set", "options", "why"), rows)
 
 
 def checks_table() -> str:
@@ -130,4 +152,5 @@ SOURCES: dict[str, Callable[..., str]] = {
     "experiments": experiments_table,
     "checks": checks_table,
     "engine-names": engine_names,
+    "engine-options": options_table,
 }

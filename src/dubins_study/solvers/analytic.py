@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import (
     FrameSolution,
     Guarantee,
@@ -17,7 +16,8 @@ from dubins_study.solvers.protocol import (
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.words import EVERY_BRANCH, NEEDS, Claim
+from dubins_study.study.tolerances import PROFILES
+from dubins_study.study.words import NEEDS, PATH_BRANCHES, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +36,7 @@ class Analytic(Solver):
 
     name: ClassVar[str] = "analytic"
     guarantee: ClassVar[Guarantee] = Guarantee.EXACT
-    branches: ClassVar[tuple[str, ...]] = EVERY_BRANCH
+    branches: ClassVar[tuple[str, ...]] = PATH_BRANCHES
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     summary: ClassVar[str] = "the closed form: exact, every branch, no iteration; routes: search"
 

@@ -12,6 +12,7 @@ from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import Claim
 
 Point = TypeVar("Point")
@@ -67,6 +68,26 @@ def best_of(arrived: Sequence[Run[Point]], others: Iterable[Run[Point]]) -> Run[
     return min(others, key=lambda run: run.miss)
 
 
+def settled(
+    runs: Sequence[Run[Point]], miss: Callable[[Run[Point]], float]
+) -> tuple[Run[Point], Claim]:
+    """The shortest run that is a solution to its engine, and that claim.
+
+    If there is none: the run that misses least, and the claim that all share, or `failed`. What is
+    feasible to the engine's tolerance but passes the points by is no path, and has failed too.
+    """
+    solved = [run for run in runs if run.claim is Claim.LOCAL]
+    if solved:
+        return best_of(solved, ()), Claim.LOCAL
+    missed = (miss(run) for run in runs)
+    known = zip(runs, (each if math.isfinite(each) else math.inf for each in missed), strict=True)
+    best = best_of((), (run._replace(miss=each) for run, each in known))
+    claims = {run.claim for run in runs}
+    claim = claims.pop() if len(claims) == 1 else Claim.FAILED
+    off = claim is Claim.FEASIBLE and not best.miss <= ARRIVES
+    return best, Claim.FAILED if off else claim
+
+
 def costs(runs: Sequence[Run[Any]]) -> dict[str, Any]:
     """The fields of a solution that say what all runs of a question cost."""
     return {
@@ -76,16 +97,12 @@ def costs(runs: Sequence[Run[Any]]) -> dict[str, Any]:
     }
 
 
-def staying(question: Question) -> Solution:
-    """The answer where the target is the start: the path of no length."""
+def at_start(question: Question, tolerance: float = 0.0) -> Solution | None:
+    """The path of no length where the target is within `tolerance` radii of the start, or None."""
+    if not math.hypot(*question.scenario.local()) <= tolerance:
+        return None
     path = Path(question.scenario.start, [], [])
     return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")
-
-
-def at_start(question: Question, tolerance: float = 0.0) -> Solution | None:
-    """The answer where the target is within `tolerance` radii of the start; None elsewhere."""
-    there = math.hypot(*question.scenario.local()) <= tolerance
-    return staying(question) if there else None
 
 
 def coordinate_rounding(scenario: Scenario) -> float:

@@ -9,15 +9,14 @@ from time import monotonic
 from typing import Any
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.visits import visits_of
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.path import Path, drivable
+from dubins_study.study.convex.verdict import judge_convex
+from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import (
     ANSWER,
     SCENARIO,
@@ -30,9 +29,9 @@ from dubins_study.study.rows.schema import (
     names,
 )
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.tolerances import PROFILES, Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
-from dubins_study.study.words import EVERY_BRANCH, Outcome, Proof
+from dubins_study.study.words import EVERY_BRANCH, FROZEN, PATH_BRANCHES, Outcome, Proof
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 
@@ -50,7 +49,11 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
     formulation: str
     engine: str
     guess: str
+    guesses: str
+    presolve: bool
+    knows: str
     tolerance: float | None
+    proves: float | None
     outcome: Outcome
 
     def __repr__(self) -> str:
@@ -82,13 +85,6 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         return () if optimum is None else optimum.words
 
     @property
-    def visits(self) -> tuple[float, ...]:
-        """Arc lengths at which the path is nearest to each via point, for `path.at`."""
-        if self.path is None or not drivable(self.path):
-            return ()
-        return visits_of(self.scenario, self.path).at
-
-    @property
     def curvatures(self) -> list[float] | None:
         """The path's curvatures; None without a path, or if one of its controls is not finite."""
         return controls(self.path)[0]
@@ -118,15 +114,14 @@ def check_branch(scenario: Scenario, branch: str) -> None:
         kind = (
             f"one leg with a {'free' if scenario.final_heading is None else 'given'} final heading"
         )
-    raise QuestionError(
-        f"branch {branch!r} is none of {kind}; choose one of: {', '.join(scenario.branches)}"
-    )
+    paths = ", ".join(each for each in scenario.branches if each != FROZEN)
+    raise QuestionError(f"branch {branch!r} is none of {kind}; choose one of: {paths}")
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     """Refuse an unknown branch, or a time limit that is not a positive number of seconds."""
     if not isinstance(branch, str) or branch not in EVERY_BRANCH:
-        known = f"{did_you_mean(branch, EVERY_BRANCH)}choose one of: {', '.join(EVERY_BRANCH)}"
+        known = f"{did_you_mean(branch, PATH_BRANCHES)}choose one of: {', '.join(PATH_BRANCHES)}"
         raise QuestionError(f"no branch named {short(branch)}; {known}")
     try:
         seconds = real_number(limit)
@@ -190,16 +185,22 @@ def _judged(
     """The fields of an answer that are columns of a row under the same name."""
     outcome, solution, times = reply
     scenario, branch, path = question.scenario, question.branch, solution.path
-    judgement = judge(scenario, path, solution.claim, branch, allowed)
-    certificate = certify(
-        scenario,
-        path,
-        judgement,
-        branch,
-        lower_bound=solution.lower_bound,
-        multipliers=solution.multipliers,
-        tolerances=allowed,
-    )
+    if branch == FROZEN:
+        tolerance = method.tolerance or allowed.gap
+        judgement, certificate = judge_convex(
+            scenario.label, solution.point, solution.claim, tolerance
+        )
+    else:
+        judgement = judge(scenario, path, solution.claim, branch, allowed)
+        certificate = certify(
+            scenario,
+            path,
+            judgement,
+            branch,
+            lower_bound=solution.lower_bound,
+            multipliers=solution.multipliers,
+            tolerances=allowed,
+        )
     answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": outcome}
     answer |= method.columns(question) | vars(times) | vars(judgement) | vars(certificate)
     answer |= {name: getattr(solution, name) for name in _REPORTED}

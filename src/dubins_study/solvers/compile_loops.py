@@ -10,7 +10,7 @@ import pandas as pd
 
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.study.closed_form.kernel_compile import SMALL
-from dubins_study.study.route.search import search
+from dubins_study.study.route import search
 
 
 def compile_loops() -> None:
@@ -22,7 +22,7 @@ def compile_loops() -> None:
             solve_frame(frame, branch=branch, certified=True)
         for branch in ("best", "LSL"):
             solve_frame(frame.assign(final_heading=1.0), branch=branch, certified=True)
-    search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, limit=60.0, tolerance=1e-6)
+    search.compile_loops()
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ from pkgutil import resolve_name
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.option_sets import OPTION_SETS, Options
+from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
@@ -31,7 +32,8 @@ class Engine(NamedTuple):
     kind: str  # of the problems that it reads; heads it in tables
     packages: tuple[str, ...]  # those that must be installed
     place: str = ""  # `room.module:function` of its adapter; empty if one solver has it itself
-    options: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside a question's numbers
+    arguments: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside the options
+    options: Options = Options()
     broken: str | None = None  # why it answers no question here, though its packages are installed
     check: str = ""  # `room.module:function` that says this, or returns None
     versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
@@ -50,11 +52,32 @@ class Engine(NamedTuple):
         return checked
 
     def load(self) -> Any:
-        """The adapter; what it takes and returns depends on the kind of engine."""
-        adapter = _resolved(self.place)
-        return partial(adapter, **self.options) if self.options else adapter
+        """The adapter; what it takes and returns depends on the kind of engine.
+
+        One of nonlinear programs or a search takes `tol`, `max_iter` and `options`, as the settings
+        of a solver have them, and returns an `NlpCall` or a `penalty_function.Search`.
+        """
+        adapter = partial(_resolved(self.place), **self.arguments)
+        if self.kind == PROVEN:
+            return adapter
+
+        def call(tol: float = 0.0, max_iter: int = 0, options: str = OPTION_SETS[0]) -> Any:
+            return adapter(self.options.of(options, tol, max_iter))
+
+        return call
+
+    def tolerance(self, options: str, tol: float = 0.0) -> float | None:
+        """The feasibility that the engine is asked for; None if that is left to it."""
+        chosen = self.options.of(options, tol)
+        asked = (chosen[name] for name in self.options.feasibility if name in chosen)
+        return self.fixed_tol or next(asked, None)
+
+    def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
+        """What a solver states of itself that takes these options and this tolerance."""
+        return Method(formulation, self.label, guess, self.tolerance(options, tol))
 
 
+@cache
 def _resolved(place: str) -> Any:
     return resolve_name(f"{__package__}.{place}")
 
@@ -96,72 +119,191 @@ def scip_in_pyscipopt() -> dict[str, str]:
     return {"scip": ".".join(map(str, parts))}
 
 
-def _nlp(label: str, package: str, adapter: str, **more: Any) -> Engine:
-    return Engine(label, NLP, (package,), f"nlp_engines.{adapter}", **more)
+def _nlp(label: str, package: str, adapter: str, options: Options, **more: Any) -> Engine:
+    return Engine(label, NLP, (package,), f"nlp_engines.{adapter}", options=options, **more)
 
 
-def _nlpsol(label: str, plugin: str, **more: Any) -> Engine:
-    return _nlp(label, "casadi", "casadi_nlpsol:nlpsol", options={"plugin": plugin}, **more)
+def _nlpsol(label: str, plugin: str, options: Options, **more: Any) -> Engine:
+    arguments = {"plugin": plugin}
+    return _nlp(label, "casadi", "casadi_nlpsol:nlpsol", options, arguments=arguments, **more)
 
 
 def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
-    return _nlp(label, "nlopt", "nlopt_local:nlopt", options={"algorithm": algorithm} | inner)
+    arguments = {"algorithm": algorithm} | inner
+    return _nlp(label, "nlopt", "nlopt_local:nlopt", _OF_NLOPT, arguments=arguments)
 
 
-def _gams(label: str, solver: str) -> Engine:
+def _gams(label: str, solver: str, *names: str) -> Engine:
     packages, place = ("gamspy_base", f"gamspy_{solver}"), "nlp_engines.gams:gams"
+    feasibility, optimality, iterations = names
+    options = Options((feasibility,), (optimality,), iterations)
     check = "nlp_engines.gams:unavailable"
-    return Engine(label, NLP, packages, place, {"solver": solver}, check=check)
+    return Engine(label, NLP, packages, place, {"solver": solver}, options, check=check)
 
 
 def _proven(label: str, package: str, name: str, **more: Any) -> Engine:
     return Engine(label, PROVEN, (package,), f"minlp_engines.{name}:{name}", **more)
 
 
-def _search(label: str, function: str, evaluations: int) -> Engine:
-    place = f"stochastic.penalty_function:{function}"
-    return Engine(label, SAMPLING, ("scipy",), place, evaluations=evaluations)
+def _qp(label: str, package: str, feasibility: Any, optimality: Any, *others: Any) -> Engine:
+    """One that cvxpy starts."""
+    always, why, *tuned = others or ({}, "")
+    options = Options(feasibility, optimality, "", always, why, *tuned)
+    return Engine(label, QP, ("cvxpy", package), options=options)
 
 
-def _minimizer(method: str, steps: str, values: str) -> Engine:
+def _search(label: str, name: str, budget: int, *options: Any) -> Engine:
+    """One of SciPy's."""
+    place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
+    chosen = Options((), *options)
+    return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
+
+
+def _minimizer(method: str, options: Options) -> Engine:
     """One that ends by itself long before the budget."""
-    options = {"method": method, "steps": steps, "values": values}
-    place = "stochastic.penalty_function:minimize"
-    return Engine(method, DERIVATIVE_FREE, ("scipy",), place, options, evaluations=3000)
+    place, arguments = "stochastic.penalty_function:minimize", {"method": method}
+    return Engine(method, DERIVATIVE_FREE, ("scipy",), place, arguments, options, evaluations=3000)
 
+
+_PRINTS_NOTHING = "prints nothing"
+# An interior-point method stops at a scaled error; the tolerances on the unscaled ones count too.
+_OF_BONMIN = Options(
+    ("bonmin.tol", "bonmin.constr_viol_tol"),
+    ("bonmin.tol", "bonmin.dual_inf_tol", "bonmin.compl_inf_tol"),
+    "bonmin.max_iter",
+    {
+        **{"bonmin.print_level": 0, "bonmin.sb": "yes"},
+        **{"bonmin.bb_log_level": 0, "bonmin.nlp_log_level": 0},
+    },
+    _PRINTS_NOTHING,
+)
+_OF_IPOPT = Options(
+    ("ipopt.tol", "ipopt.constr_viol_tol"),
+    ("ipopt.tol", "ipopt.dual_inf_tol", "ipopt.compl_inf_tol"),
+    "ipopt.max_iter",
+    {"ipopt.print_level": 0, "ipopt.sb": "yes"},
+    _PRINTS_NOTHING,
+    {"ipopt.bound_relax_factor": 0.0},
+    "where points off the bounds are no use: [a maker's answer]"
+    "(https://github.com/coin-or/Ipopt/discussions/440)",
+)
+_OF_NLOPT = Options(
+    ("constraint_tol",),
+    ("xtol_rel", "ftol_rel"),
+    "maxeval",
+    {"xtol_rel": 1e-4, "constraint_tol": 1e-8},
+    "NLopt has no criterion to stop by of its own; these are its "
+    "[tutorial](https://nlopt.readthedocs.io/en/latest/NLopt_Tutorial/)'s",
+)
+
+
+def _of_uno(plugin: str = "") -> Options:
+    names = ("primal_tolerance", "dual_tolerance", "max_iterations")
+    primal, dual, iterations = (f"{plugin}{name}" for name in names)
+    return Options((primal,), (dual,), iterations, {f"{plugin}logger": "SILENT"}, _PRINTS_NOTHING)
+
+
+def _of_sqp(**inner: Any) -> Options:
+    always = {"print_header": False, "print_iteration": False}
+    always |= {f"qpsol_options.{name}": value for name, value in inner.items()}
+    return Options(("tol_pr",), ("tol_du",), "max_iter", always, _PRINTS_NOTHING)
+
+
+_MINOS = "row tolerance", "optimality tolerance", "major iterations"
+_SNOPT = (
+    *("major feasibility tolerance", "major optimality tolerance"),
+    "major iterations limit",
+)
 
 ENGINES = {
-    "slsqp": _nlp("SLSQP", "scipy", "scipy_minimize:slsqp"),
-    "trust-constr": _nlp("trust-constr", "scipy", "scipy_minimize:trust_constr"),
-    "cobyqa": _nlp("COBYQA", "scipy", "scipy_minimize:cobyqa"),
-    "ipopt": _nlpsol("Ipopt", "ipopt"),
-    "uno": _nlpsol("Uno", "uno"),
-    "fatrop": _nlpsol("fatrop", "fatrop", keeps_limit=False),
-    "alpaqa": _nlpsol("alpaqa", "alpaqa", keeps_limit=False),
-    "bonmin": _nlpsol("Bonmin", "bonmin", keeps_limit=False),
+    "slsqp": _nlp(
+        "SLSQP", "scipy", "scipy_minimize:slsqp", Options(("ftol",), ("ftol",), "maxiter")
+    ),
+    "trust-constr": _nlp(
+        "trust-constr",
+        "scipy",
+        "scipy_minimize:trust_constr",
+        Options(("gtol",), ("gtol", "barrier_tol"), "maxiter"),
+    ),
+    "cobyqa": _nlp(
+        "COBYQA",
+        "scipy",
+        "scipy_minimize:cobyqa",
+        Options(("feasibility_tol",), (), "maxiter"),
+    ),
+    "ipopt": _nlpsol("Ipopt", "ipopt", _OF_IPOPT),
+    "uno": _nlpsol("Uno", "uno", _of_uno("uno.")),
+    "fatrop": _nlpsol(
+        "fatrop",
+        "fatrop",
+        Options(
+            ("fatrop.tolerance", "fatrop.constr_viol_tol"),
+            ("fatrop.tolerance",),
+            "fatrop.max_iter",
+            {"fatrop.print_level": 0},
+            _PRINTS_NOTHING,
+        ),
+        keeps_limit=False,
+    ),
+    "alpaqa": _nlpsol(
+        "alpaqa",
+        "alpaqa",
+        Options(("alpaqa.alm.dual_tolerance",), ("alpaqa.alm.tolerance",), "alpaqa.alm.max_iter"),
+        keeps_limit=False,
+    ),
+    "bonmin": _nlpsol("Bonmin", "bonmin", _OF_BONMIN, keeps_limit=False),
     # loads casadi's HiGHS, whose symbols then stand in for those of the package highspy
-    "sleqp": _nlpsol("SLEQP", "sleqp", keeps_limit=False),
-    "sqpmethod": _nlpsol("casadi sqpmethod", "sqpmethod"),
-    "qrsqp": _nlpsol("casadi qrsqp", "qrsqp"),
+    "sleqp": _nlpsol(
+        "SLEQP",
+        "sleqp",
+        Options(
+            ("sleqp.feas_tol",),
+            ("sleqp.stat_tol", "sleqp.slack_tol"),
+            "max_iter",
+            {"print_level": 0},
+            _PRINTS_NOTHING,
+        ),
+        keeps_limit=False,
+    ),
+    "sqpmethod": _nlpsol("casadi sqpmethod", "sqpmethod", _of_sqp(printLevel="none")),
+    "qrsqp": _nlpsol(
+        "casadi qrsqp",
+        "qrsqp",
+        _of_sqp(print_iter=False, print_header=False, print_info=False),
+    ),
     "blocksqp": _nlpsol(
         "blockSQP",
         "blocksqp",
+        Options(),
         broken="casadi's wheel lacks the linear solver of blockSQP's quadratic programs (HSL MA27)",
     ),
     "feasiblesqpmethod": _nlpsol(
         "casadi feasiblesqpmethod",
         "feasiblesqpmethod",
+        Options(),
         broken="feasiblesqpmethod asks for an initial guess that satisfies all equations",
     ),
-    "apopt": _nlp("APOPT", "gekko", "apopt:apopt", check="nlp_engines.apopt:unavailable"),
-    "conopt": _nlp("CONOPT", "conopt", "conopt_grg:conopt", fixed_tol=1e-7),
-    "gams-minos": _gams("MINOS", "minos"),
-    "gams-snopt": _gams("SNOPT", "snopt"),
+    "apopt": _nlp(
+        "APOPT",
+        "gekko",
+        "apopt:apopt",
+        Options(("rtol",), ("otol",), "max_iter"),
+        check="nlp_engines.apopt:unavailable",
+    ),
+    "conopt": _nlp(
+        "CONOPT",
+        "conopt",
+        "conopt_grg:conopt",
+        Options((), (), "ItLim", {"ThreadS": 1}, "one thread, as all engines have"),
+        fixed_tol=1e-7,
+    ),
+    "gams-minos": _gams("MINOS", "minos", *_MINOS),
+    "gams-snopt": _gams("SNOPT", "snopt", *_SNOPT),
     "nlopt-slsqp": _nlopt("NLopt SLSQP", "LD_SLSQP"),
     # the augmented Lagrangian of Birgin and Martinez, minimised within the bounds by L-BFGS
     "nlopt-auglag": _nlopt("NLopt AUGLAG", "LD_AUGLAG", inner="LD_LBFGS"),
     "nlopt-cobyla": _nlopt("NLopt COBYLA", "LN_COBYLA"),
-    "uno-filtersqp": _nlp("Uno filterSQP", "unopy", "uno:filtersqp"),
+    "uno-filtersqp": _nlp("Uno filterSQP", "unopy", "uno:filtersqp", _of_uno()),
     # reads nothing but Pyomo's model of (4.12), with its own tolerances
     "knitro": Engine(
         "KNITRO", NLP, ("knitro",), check="paper_nlp.program:unlicensed", keeps_limit=False
@@ -171,21 +313,77 @@ ENGINES = {
     "xpress": _proven("Xpress", "xpress", "xpress"),
     # counts the processor's seconds, and whole ones
     "maingo": _proven("MAiNGO", "maingopy", "maingo", keeps_limit=False),
-    "differential-evolution": _search("differential evolution", "differential_evolution", 8000),
+    "differential-evolution": _search(
+        "differential evolution",
+        "differential_evolution",
+        8000,
+        ("tol", "atol"),
+        *("", {}, ""),
+        {
+            **{"strategy": "rand1bin", "popsize": 10, "mutation": 0.5, "recombination": 0.9},
+            **{"vectorized": True, "updating": "deferred"},
+        },
+        "Storn and Price 1997, Journal of Global Optimization 11, pages 341 to 359: populations of "
+        "ten a variable, which change once a generation",
+    ),
     "dual-annealing": _search("dual annealing", "dual_annealing", 3000),
     "shgo": _search("SHGO", "shgo", 3000),
     "direct": _search("DIRECT", "direct", 8000),
     "cma-es": Engine(
-        "CMA-ES", SAMPLING, ("cma",), "stochastic.penalty_function:cma_es", evaluations=1000
+        *("CMA-ES", SAMPLING, ("cma",), "stochastic.penalty_function:cma_es"),
+        options=Options(
+            (),
+            ("tolx", "tolfun"),
+            "",
+            {"sigma0": 0.25, "verbose": -9, "verb_log": 0},
+            "the first step, which has no default, is a quarter of the box, as `cma` advises; "
+            "prints and writes nothing",
+            {"restarts": 9},
+            "with doubled populations: Auger and Hansen 2005, IEEE Congress on Evolutionary "
+            "Computation, pages 1769 to 1776; `cma` does nine in its examples",
+        ),
+        evaluations=1000,
     ),
-    "nelder-mead": _minimizer("Nelder-Mead", "xatol", "fatol"),
-    "powell": _minimizer("Powell", "xtol", "ftol"),
+    "nelder-mead": _minimizer(
+        "Nelder-Mead",
+        Options(
+            (),
+            ("xatol", "fatol"),
+            tuned={"adaptive": True},
+            source="Gao and Han 2012, Computational Optimization and Applications 51, 259 to 277",
+        ),
+    ),
+    "powell": _minimizer("Powell", Options((), ("xtol", "ftol"))),
     "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",)),
     "lm": Engine("MINPACK lm", ROOTS, ("scipy",)),
-    "piqp": Engine("PIQP", QP, ("cvxpy", "piqp")),
-    "clarabel": Engine("Clarabel", QP, ("cvxpy", "clarabel")),
-    "osqp": Engine("OSQP", QP, ("cvxpy", "osqp")),
-    "highs": Engine("HiGHS", QP, ("cvxpy", "highspy")),
+    "piqp": _qp(
+        "PIQP",
+        "piqp",
+        ("eps_abs", "eps_rel"),
+        ("eps_duality_gap_abs", "eps_duality_gap_rel"),
+        {"compute_timings": True},
+        "its own time is told",
+    ),
+    "clarabel": _qp("Clarabel", "clarabel", ("tol_feas",), ("tol_gap_abs", "tol_gap_rel")),
+    "osqp": _qp(
+        "OSQP",
+        "osqp",
+        ("eps_abs", "eps_rel"),
+        (),
+        {"eps_abs": 1e-3, "eps_rel": 1e-3, "max_iter": 4000, "polishing": False},
+        "OSQP's own, which cvxpy replaces",
+        {"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 10000, "polishing": True},
+        "what cvxpy chooses; the higher of the two accuracies in Stellato et al. 2020, "
+        "Mathematical Programming Computation 12, pages 637 to 672",
+    ),
+    "highs": _qp(
+        "HiGHS",
+        "highspy",
+        ("primal_feasibility_tolerance",),
+        ("dual_feasibility_tolerance",),
+        {"threads": 1},
+        "one thread, as all engines have",
+    ),
 }
 
 

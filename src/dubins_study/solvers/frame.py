@@ -19,7 +19,6 @@ from dubins_study.solvers.attempt import (
     check_branch,
     check_request,
 )
-from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
@@ -28,7 +27,7 @@ from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
 from dubins_study.study.scenario import DEFAULTS
 from dubins_study.study.scenario_frame import check_frame, list_column, row_name
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
-from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.tolerances import Tolerances, tolerances
 from dubins_study.study.values import nearest
 from dubins_study.study.words import (
     BRANCHES,
@@ -136,8 +135,8 @@ def _columns(
     n = len(solution.paths)
     claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)
     curvatures, lengths = _controls(solution.paths)
-    of_all_rows = method._asdict() | {"outcome": outcome, "native_status": solution.native_status}
-    tolerance = of_all_rows.pop("tolerance")
+    of_all_rows = method.columns() | {"outcome": outcome, "native_status": solution.native_status}
+    numbers = {name: of_all_rows.pop(name) for name in ("tolerance", "proves", "presolve")}
     columns = {name: _texts(same, [text]) for name, text in of_all_rows.items()} | {
         "region": _texts(judged.region, REGIONS),
         "word": _texts(judged.word, LEG_WORDS),
@@ -147,7 +146,7 @@ def _columns(
         "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
         "claimed_length": solution.claimed_length,
         "lower_bound": solution.lower_bound,
-        "tolerance": None if tolerance is None else np.full(n, tolerance),
+        **{name: None if x is None else np.full(n, x) for name, x in numbers.items()},
         "curvatures": curvatures,
         "lengths": lengths,
         "build_s": np.zeros(n),
@@ -229,7 +228,9 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     if not isinstance(scenarios, pd.DataFrame):
         return check_frame(scenarios), pd.DataFrame()
     known = {*names(SCENARIO), "via"}
-    own = np.array([name in known or bool(nearest(name, DEFAULTS)) for name in scenarios], np.bool_)
+    # a column that is missing has a default, which a slip of its name must not bring about
+    missing = [name for name in DEFAULTS if name not in scenarios]
+    own = np.array([name in known or bool(nearest(name, missing)) for name in scenarios], np.bool_)
     others = scenarios.loc[:, ~own & ~scenarios.columns.isin(names(ANSWER))]
     # a choice of columns would copy them
     return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others

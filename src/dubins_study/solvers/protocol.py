@@ -16,7 +16,7 @@ from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths
 from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import real_array, real_number, short
-from dubins_study.study.words import FREE_FINAL_HEADING, Claim
+from dubins_study.study.words import BY_NAME, FREE_FINAL_HEADING, GUESSES, SEVERAL, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,19 +52,34 @@ class Method(NamedTuple):
     Args:
         formulation: the problem that is handed over, one of `study.words.FORMULATIONS` if it fits.
         engine: the library that solves it, as its makers write it, e.g. `Ipopt`.
-        guess: where the search begins: `bearing`, `zero`, `random`, `given` or `none`.
+        guess: where the search begins: `bearing`, `one`, `words`, `straight`, `zero`, `random`,
+            `given` or `none`.
         tolerance: the feasibility that the engine is asked for, in its own terms; None without.
+        proves: the smallest relative gap that a bound of the solver's can prove with its settings;
+            None if it gives no bound, or does not know.
+        presolve: whether questions are presolved for the solver; its own attribute decides.
     """
 
     formulation: str = "not stated"
     engine: str = "not stated"
     guess: str = "none"
     tolerance: float | None = None
+    proves: float | None = None
+    presolve: bool = False
 
-    def columns(self, question: Question) -> dict[str, Any]:
+    def columns(self, question: Question | None = None) -> dict[str, Any]:
         """The row's columns; the guess is `warm` if the question hands one to a search."""
-        warm = question.initial_guess is not None and self.guess != "none"
-        return self._asdict() | ({"guess": "warm"} if warm else {})
+        given = question is not None and question.initial_guess is not None
+        guess = "warm" if given and self.guess != "none" else self.guess
+        guesses = GUESSES.get(guess, guess)
+        posed = BY_NAME.get(self.formulation)
+        known = [] if posed is None else posed.knows.split()
+        one_leg = question is None or question.scenario.one_free_leg
+        if posed is not None and posed.several and guess == "bearing" and one_leg:
+            guesses = SEVERAL
+        known += ["words"] * (guesses in ("words", SEVERAL)) + ["presolve"] * self.presolve
+        knows = " ".join(dict.fromkeys(known))
+        return self._asdict() | {"guess": guess, "guesses": guesses, "knows": knows}
 
 
 NOT_STATED = Method()
@@ -86,6 +101,7 @@ class Solution(Reported):
         claimed_length: objective value as the solver reports it (length unit).
         lower_bound: a bound on the scenario's shortest length, if the method proves one.
         multipliers: duals of the end point's two equations, in the world frame (dimensionless).
+        point: the numbers of a primal and dual point of a frozen convex problem.
         iterations, evaluations: the solver's own counts, summed over its subproblems.
         native_status, message: the status and message of the library that solved.
         presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
@@ -135,6 +151,10 @@ def _text(value: Any) -> str:
     return str.encode(str(value), "utf-8", "replace").decode()
 
 
+def _numbers(value: Any) -> FloatArray:
+    return real_array("point", value, (np.size(value),))
+
+
 def _pair(value: Any) -> tuple[float, float]:
     x, y = map(real_number, value)
     return x, y
@@ -155,6 +175,7 @@ def _efforts(value: Any) -> tuple[Effort, ...]:
 _OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
     "Claim": (Claim, f"one of: {', '.join(Claim)}"),
     "Path | None": (_path, "a Path or None"),
+    "FloatArray | None": (_numbers, "an array of numbers or None"),
     "float | None": (real_number, "a number or None"),
     "tuple[float, float] | None": (_pair, "two numbers or None"),
     "int | None": (_count, "a count or None"),

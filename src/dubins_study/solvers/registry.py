@@ -132,7 +132,8 @@ def stated_method(solver: Solver) -> Method:
     stated: Any = solver.method
     try:
         method = Method(*stated) if isinstance(stated, tuple) else None
-        tolerance = None if method is None or method.tolerance is None else float(method.tolerance)
+        stated_numbers = (method or Method())[3:5]
+        tolerance, proves = (None if x is None else float(x) for x in stated_numbers)
     except (TypeError, ValueError):
         method = None
     if method is None or not all(isinstance(text, str) for text in method[:3]):
@@ -140,7 +141,7 @@ def stated_method(solver: Solver) -> Method:
             f"solver {solver.name!r}: method is {stated!r:.80}; expected a tuple of texts: "
             "formulation, engine and, if there is one, the kind of initial guess"
         )
-    return method._replace(tolerance=tolerance)
+    return method._replace(tolerance=tolerance, proves=proves, presolve=solver.presolve is True)
 
 
 def settings(solver: Solver) -> dict[str, Any]:

@@ -67,6 +67,16 @@ def within(default: float, least: float, most: float, ends: bool = True) -> Any:
     return _setting(default, complaint)
 
 
+def unless_zero(least: float, most: float) -> Any:
+    """A number in a range, or 0: another setting decides."""
+
+    def complaint(value: Any) -> str | None:
+        right = value == 0 or least <= value <= most
+        return None if right else f"expected 0, or a number from {least:g} to {most:g}"
+
+    return _setting(0.0, complaint)
+
+
 def whole(default: int, least: int, most: int) -> Any:
     """A whole number in a range."""
 

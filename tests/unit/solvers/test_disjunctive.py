@@ -13,7 +13,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
+from dubins_study.solvers.course import body_course
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, Engine
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.model import WORDS, gdp_model
 from dubins_study.solvers.minlp_engines import scip
@@ -48,7 +49,8 @@ def ask(X, Y, branch="best", **changed):
 def test_without_quadrants_the_arcs_have_the_sines():
     answer = ask(3, 2, quadrants=False)
 
-    assert not hasattr(gdp_model(3, 2, quadrants=False), "quadrant")
+    course = body_course(Scenario(0, 0, 0, 3, 2, 1))
+    assert not hasattr(gdp_model(course, quadrants=False), "quadrant")
     assert (answer.claim, answer.verdict) == (Claim.OPTIMAL, Verdict.OPTIMAL)
 
 
@@ -229,7 +231,7 @@ def test_the_second_run_gets_the_time_that_is_left(monkeypatch):
         time.sleep(0.1)
         return ProvenResult(None, Claim.INFEASIBLE, math.inf, 1, 0, "infeasible", "")
 
-    monkeypatch.setattr(scip, "scip", lambda settings: engine)
+    monkeypatch.setattr(Engine, "load", lambda self: lambda settings: engine)
     solver = Disjunctive()
     solver.solve(solver.build(Question(Scenario(0, 0, 0, 0, 1, 1), "LS")), 5.0)
 
@@ -249,3 +251,36 @@ def test_no_claim_is_false(scenario):
     assert answer.lower_bound <= shortest(scenario).total * scenario.radius
     if margin(scenario) > 1e-6:
         assert answer.claim is Claim.OPTIMAL
+
+
+@pytest.mark.parametrize("final", [-2.0, 1.0, 3.0])
+@pytest.mark.parametrize("target", [(5, 1), (1.5, -0.5), (0.2, 0.3)])
+def test_a_final_heading_is_proven(target, final):
+    """Of all six words, the ones of three arcs among them where the target is near."""
+    answer = attempt(Disjunctive(), Question(Scenario(0, 0, 0.7, *target, 1, final_heading=final)))
+
+    assert answer.claim is Claim.OPTIMAL, answer.message
+    assert answer.verdict is Verdict.OPTIMAL
+    assert not answer.false_bound
+    assert answer.lower_bound <= answer.reference_high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("via", [(5, 0.5), (1.5, 0.5)])
+def test_two_legs_are_proven(via):
+    """It takes a hundred times as long as one leg."""
+    scenario = Scenario(0, 0, 0, via[0] + 4, 3, 1, via=[via])
+    answer = attempt(Disjunctive(gap=1e-4, feastol=1e-7), Question(scenario), 120.0)
+
+    assert answer.claim is Claim.OPTIMAL, answer.message
+    assert answer.verdict is Verdict.OPTIMAL
+    assert answer.lower_bound <= answer.reference_high
+
+
+def test_a_route_out_of_time_claims_nothing_and_its_bound_holds():
+    via = [(1.5, 0.5), (0.5, 3), (2, 4)]
+    answer = attempt(Disjunctive(), Question(Scenario(0, 0, 0, 1, 2, 1, via=via)), 2.0)
+
+    assert answer.claim in (Claim.LIMIT, Claim.OPTIMAL)
+    assert not answer.false_claim
+    assert not answer.false_bound

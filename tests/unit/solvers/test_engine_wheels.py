@@ -37,7 +37,8 @@ def _run(name: str, max_iter: int = 200, seconds: float = 10.0) -> Any:
     return ENGINES[name].load()(1e-8, max_iter)(program, np.array([2.0, 2.0]), seconds)
 
 
-@pytest.mark.parametrize("name", WHEELS)
+# one major iteration of MINOS solves it
+@pytest.mark.parametrize("name", [name for name in WHEELS if name != "gams-minos"])
 def test_too_few_iterations_are_a_limit(name):
     assert _run(name, max_iter=1).claim is Claim.LIMIT
 

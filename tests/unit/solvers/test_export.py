@@ -183,16 +183,17 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
     """The shortest path satisfies every row of both files, its word's binary being 1."""
     scenario = CASES[name]
     optimum = shortest(scenario)
-    z = dict.fromkeys("LRS", 0.0) | dict(zip(optimum.word, optimum.segments, strict=True))
-    values = {f"z[{i}]": z[letter] for i, letter in enumerate("LRS", 1)}
-    for i in (1, 2):
-        arc, quarter = values[f"z[{i}]"], math.pi / 2
+    first, second = optimum.segments
+    straight = optimum.word[1] == "S"
+    values = {"w[0]": second if straight else 0.0}
+    for name, arc in {"alpha": first, "gamma": 0.0 if straight else second}.items():
+        angle, quarter = f"0,{name}", math.pi / 2
         quadrant = min(int(arc / quarter), 3)
-        q = values[f"q[{i}]"] = arc - quadrant * quarter
-        values |= {f"c[{i}]": math.cos(arc), f"s[{i}]": math.sin(arc)}
-        values |= {f"cos_q[{i}]": math.cos(q), f"sin_q[{i}]": math.sin(q)}
-        values |= {f"quadrant[{i},{k}]": float(k == quadrant) for k in range(4)}
-    values |= {f"word[{word}]": float(word == optimum.word) for word in ("LS", "RS", "LR", "RL")}
+        q = values[f"q[{angle}]"] = arc - quadrant * quarter
+        values |= {f"z[{angle}]": arc, f"c[{angle}]": math.cos(arc), f"s[{angle}]": math.sin(arc)}
+        values |= {f"cos_q[{angle}]": math.cos(q), f"sin_q[{angle}]": math.sin(q)}
+        values |= {f"quadrant[{angle},{k}]": float(k == quadrant) for k in range(4)}
+    values |= {f"word[0,{word}]": float(word == optimum.word) for word in ("LS", "RS", "LR", "RL")}
     text = export(scenario, "disjunctive", "nl")
     assert set(names_in(text)) == set(values)
 
@@ -209,7 +210,7 @@ def test_the_closed_form_solves_the_disjunctive_model(name, tmp_path):
     assert sum(nl.discrete) == 4 + 2 * 4
 
     in_gams = {re.sub(r"\W", "_", name): value for name, value in values.items()}
-    binary = re.compile(r"^(word_.._|quadrant_._._)$")
+    binary = re.compile(r"^(word_0_.._|quadrant_0_\w+_._)$")
     in_gams = {binary.sub(r"\1_binary_indicator_var", n): in_gams[n] for n in in_gams}
     equations = gams_equations(export(scenario, "disjunctive", "gams"))
     assert len(equations) == len(g) + 1

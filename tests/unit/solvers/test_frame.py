@@ -156,6 +156,17 @@ def test_answers_can_be_asked_again_and_other_columns_are_carried():
     pd.testing.assert_frame_equal(again[[*expected.columns]], expected)
 
 
+def test_a_slip_of_a_name_brings_about_no_default():
+    """A column that is missing has a default; one beside its like is the caller's own."""
+    frame = pd.DataFrame({"target_x": [3.0], "target_y": [4.0]})
+
+    assert solve_frame(frame)["radius"].item() == 1.0
+    with pytest.raises(ScenarioError, match="unknown column 'radus'; did you mean 'radius'"):
+        solve_frame(frame.assign(radus=2.0))
+    rows = solve_frame(frame.assign(radius=2.0, radius_2=5.0))
+    assert rows[["radius", "radius_2"]].iloc[0].tolist() == [2.0, 5.0]
+
+
 def test_every_answer_of_the_closed_form_is_optimal_or_rightly_absent():
     frame = hard_frame(5000, seed=8)
     for branch in BRANCHES:

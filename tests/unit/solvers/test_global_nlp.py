@@ -12,10 +12,9 @@ import pytest
 from cases import PAPER
 
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES
+from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, Engine
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
 from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
-from dubins_study.solvers.minlp_engines import scip
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
     ProvenResult,
@@ -120,7 +119,7 @@ BROKEN = ProvenResult(None, Claim.FAILED, -math.inf, None, None, "error", "licen
 def test_claims_and_bounds_of_all_programs_together(monkeypatch, results, claim, bound):
     """The least bound of the four words, if all have one; optimal only if all are solved."""
     left = iter(results)
-    monkeypatch.setattr(scip, "scip", lambda settings: lambda *_: next(left))
+    monkeypatch.setattr(Engine, "load", lambda engine: lambda settings: lambda *_: next(left))
     solver = GlobalNlp(model="words", polish=False)
     question = Question(Scenario(0, 0, 0, 3.0, 2.0, 10.0))
     solution = solver.solve(solver.build(question), 10.0)

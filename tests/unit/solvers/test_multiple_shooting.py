@@ -29,21 +29,23 @@ LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
 def test_equations_are_the_gaps_between_driven_segments(n, seed, integrator, equal):
     """An adaptive integrator, or the textbook's Runge-Kutta step, drives every segment."""
     random = np.random.default_rng(seed)
-    left, right, straight = random.uniform(0, 1, (3, n))
-    whole, poses = random.uniform(1, 5), random.normal(size=(n - 1, 3))
+    controls = random.uniform(0, 1, (n, 3))
+    left, right, straight = controls.T
+    whole, starts = random.uniform(1, 5), np.vstack((np.zeros(3), random.normal(size=(n - 1, 3))))
     target = random.normal(size=2)
-    program = expressions(n, (1, -1), equal, integrator)
-    x = np.concatenate((left, right, straight, [whole] if equal else [], poses.ravel()))
+    program = expressions(n, (1, -1), equal, integrator, 1, 0)
+    x = np.append(np.hstack((starts, controls)).ravel()[3:], [whole] if equal else [])
 
     gaps = program.functions(target).equations(x)
 
     length, turn = left + right + straight, left - right
-    starts = np.vstack((np.zeros(3), poses))
     drive = driven if integrator == "exact" else runge_kutta
     ends = np.array([drive(*state) for state in zip(starts, turn, length, strict=True)])
-    expected = np.concatenate(((starts[1:] - ends[:-1]).ravel(), target - ends[-1, :2]))
-    if equal:
-        expected = np.concatenate((length - whole / n, expected))
+    each = (length - whole / n)[:, None] if equal else np.empty((n, 0))
+    expected = np.hstack((np.vstack((starts[1:] - ends[:-1], np.zeros(3))), each)).ravel()
+    expected = np.append(
+        np.delete(expected, slice(-3 - equal, expected.size - equal)), target - ends[-1, :2]
+    )
     assert gaps == pytest.approx(expected, abs=1e-10)
     objective = program.functions(target).objective(x)
     assert objective == pytest.approx(whole if equal else length.sum())

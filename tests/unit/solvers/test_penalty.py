@@ -127,7 +127,7 @@ def test_the_time_limit_ends_the_search(name, monkeypatch):
 
     guess = np.ones(3) if ENGINES[name].kind == DERIVATIVE_FREE else None
     with pytest.raises(penalty_function.SearchEndError, match="out of time"):
-        ENGINES[name].load()(penalty_function.Task(function, guess, np.random.default_rng(0)))
+        ENGINES[name].load()()(penalty_function.Task(function, guess, np.random.default_rng(0)))
 
     evaluated_at_once = 45  # differential evolution's generation
     assert function.evaluations <= 11 * evaluated_at_once

@@ -26,7 +26,7 @@ from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import TURN, Claim, Outcome, Verdict
 
 # they look for LS and RS among all paths that turn one way
-TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation", "heading-milp"]
+TRANSCRIPTIONS = ["turn-rate-qp", "turn-rates", "multiple-shooting", "collocation"]
 # of solvers that answer words
 ENGINES = [
     name for name in available_solvers() if name != "analytic" and "LS" in load(name).branches

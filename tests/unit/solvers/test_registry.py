@@ -7,10 +7,10 @@ import pytest
 
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
-from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import SolverError, canonical, load, settings
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import ProfileError
 from dubins_study.study.words import Outcome
 
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
@@ -178,7 +178,7 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
 
 def test_a_spec_leaves_out_what_its_profile_has_anyway():
     """What is asked for explicitly is kept where the profile says otherwise."""
-    assert canonical("ipopt[tol=1e-8]") == "ipopt"
+    assert canonical("ipopt[tol=0]") == "ipopt"
     assert canonical("ipopt[tol=1e-8]", "accurate") == "ipopt[tol=1e-08]"
     assert canonical("ipopt[tol=1e-11]", "accurate") == "ipopt"
     assert load(canonical("ipopt[tol=1e-8]", "accurate"), "accurate").tol == 1e-8

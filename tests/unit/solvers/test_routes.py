@@ -12,19 +12,19 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.reply import ask
 from dubins_study.solvers.route import headings, joint
-from dubins_study.solvers.route.legs import WORD_TURNS, path_of, route_of
+from dubins_study.solvers.route.legs import WORD_TURNS, route_of
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import Claim, Outcome
 
 # Its library breaks others in the same process.
 ALONE = ("sleqp",)
@@ -34,7 +34,6 @@ SPECS = [
     *(f"route-nlp[engine={name}]" for name in NLP_ENGINES if name not in ALONE),
 ]
 AVAILABLE = [spec for spec in SPECS if load(spec).unavailable() is None]
-SOLVED = (Claim.LOCAL, Claim.FEASIBLE)
 FAR = Scenario(1, 2, "30deg", 22, 9, 2, via=[(12, 4), (14, -8)])  # all legs above 4 radii
 SCENARIOS = {
     "free": FAR,
@@ -100,7 +99,7 @@ def test_slopes_and_curvatures_of_a_route_are_those_of_its_length(low):
         functions = headings.program(route).functions
         steps = h * np.eye(x.size)
         words = {
-            tuple(route.legs(route.headings(x + s))[1]) for s in (*steps, *-steps, 0 * steps[0])
+            tuple(route.shortest(route.headings(x + s))[1]) for s in (*steps, *-steps, 0 * steps[0])
         }
         curved = functions.hessian(x, np.empty(0))
         if len(words) > 1 or not np.abs(curved).max() < 50:
@@ -134,7 +133,7 @@ def test_the_program_holds_all_six_words(seed):
     route = route_of(scenario)
     program, point = joint.program(route), joint.words_guess(route)
 
-    segments, words = route.legs(route.headings(route.toward_next()))
+    segments, words = route.shortest(route.headings(route.toward_next()))
     driven = path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel())
 
     assert np.abs(program.functions.equations(point)).max() < 1e-12
@@ -222,36 +221,6 @@ def test_a_route_is_found_and_nothing_false_is_claimed(spec, name):
     assert path.total_length > least - 0.02 * radius
 
 
-@pytest.mark.parametrize("spec", AVAILABLE)
-def test_the_check_finds_no_false_claim(spec):
-    """Against the proven interval of the certified search."""
-    answer = attempt(load(spec), Question(SCENARIOS["free"]), 10.0)
-
-    assert not answer.false_claim
-    assert answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER) or answer.claim not in SOLVED
-    if answer.claim in SOLVED:
-        assert answer.length >= answer.reference_low * (1 - 1e-6)  # what a miss may save
-
-
-GOOD = ("powell", "differential-evolution", "trust-constr", "uno-filtersqp", "nlopt-auglag")
-
-
-@pytest.mark.parametrize(
-    "spec",
-    [f"headings[engine={name}]" for name in GOOD] + ["route-nlp", "route-nlp[engine=conopt]"],
-)
-@pytest.mark.parametrize("name", ["free", "given"])
-def test_far_points_have_the_shortest_route(spec, name):
-    """With legs above 4 radii the guess `bearing` leads to the shortest route of these."""
-    scenario = SCENARIOS[name]
-    if load(spec).unavailable() is not None:
-        pytest.skip(f"{spec}: {load(spec).unavailable()}")
-    path = ask(load(spec), Question(scenario), 10.0).solution.path
-
-    assert path is not None
-    assert path.total_length <= least_on_a_grid(scenario, 720) + 1e-6
-
-
 def test_the_final_heading_may_be_turns_away():
     """The equation of a final heading holds after a whole turn more, and not at the opposite."""
     route = route_of(SCENARIOS["given"])
@@ -297,24 +266,10 @@ def test_turns_below_zero_are_given_to_their_neighbours():
     np.testing.assert_allclose(driven @ turns, arcs @ turns, atol=1e-16)
 
 
-@pytest.mark.parametrize("solver", ["headings[engine=slsqp,initial_guess=random,count=3]"])
-def test_a_repeat_draws_other_guesses(solver):
-    def evaluations(repeat: int) -> int | None:
-        return ask(load(solver), Question(FAR, repeat=repeat), 10.0).solution.evaluations
-
-    assert len({evaluations(repeat) for repeat in range(4)}) > 1
-    assert evaluations(2) == evaluations(2)
-
-
 @pytest.mark.parametrize("spec", ["headings[engine=shgo]", "headings[engine=ipopt]"])
 def test_engines_that_cannot_read_headings_are_refused(spec):
     with pytest.raises(SolverError, match="expected one of"):
         load(spec)
-
-
-def test_a_search_of_the_whole_box_takes_no_guess():
-    with pytest.raises(SolverError, match="searches the whole box and takes none"):
-        load("headings[engine=cma-es,initial_guess=random]")
 
 
 @pytest.mark.parametrize("spec", SPECS)

@@ -24,7 +24,7 @@ REFUSED = [
 # what lies just outside of a setting's values
 REFUSED += [
     *(("collocation", "n", 2), ("collocation", "n", 4.5), ("collocation", "max_iter", True)),
-    *(("collocation", "tol", 0), ("disjunctive", "gap", 0.0), ("global-nlp", "gap", 0.1)),
+    *(("collocation", "tol", 0.1), ("disjunctive", "gap", 0.0), ("global-nlp", "gap", 0.1)),
     *(("global-nlp", "feastol", 1e-12), ("global-nlp", "model", "both")),
     *(("heading-milp", "headings", 1001), ("heading-milp", "engine", "maingo")),
     *(("penalty", "evaluations", 10_000_000), ("penalty", "initial_guess", "given")),
@@ -51,9 +51,12 @@ def test_a_seed_or_count_out_of_range_is_refused(name, setting):
         load(f"{name}[initial_guess=random,{setting}]")
 
 
-def test_a_search_of_the_whole_box_takes_no_guess():
+@pytest.mark.parametrize(
+    "spec", ["penalty[initial_guess=zero]", "headings[engine=cma-es,initial_guess=random]"]
+)
+def test_a_search_of_the_whole_box_takes_no_guess(spec):
     with pytest.raises(SolverError, match="searches the whole box and takes none"):
-        load("penalty[initial_guess=zero]")
+        load(spec)
 
 
 @pytest.mark.parametrize("name", ["/bin/ls", "../ls", "..", "-rf", "a b", "a;b", "ls\n", ""])
@@ -72,6 +75,7 @@ def test_an_executable_is_a_name_and_no_path(name):
         "multiple-shooting[initial_guess=random,count=1]",
         "penalty[evaluations=300,rounds=1,polish=false]",
         "headings[engine=cma-es,evaluations=300]",
+        "headings[engine=slsqp,initial_guess=random,count=3]",
         "route-nlp[initial_guess=random,count=2]",
     ],
 )

@@ -6,7 +6,6 @@ the target only to a tolerance, is polished.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
@@ -14,23 +13,26 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, summed
+from dubins_study.solvers.course import Course, body_course, path_of
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.global_minlp.model import (
     TRANSFORMATIONS,
     WORDS,
     Translated,
     gdp_model,
+    pieces,
     transformed,
     translated,
 )
 from dubins_study.solvers.minlp_engines.program import ProvenResult, Settings
+from dubins_study.solvers.optimal_control.arcs import RATES, Elements, close_enough, closed
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
-from dubins_study.solvers.paper_nlp.polish import Polished, meet_target
+from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.study.path import FloatArray
-from dubins_study.study.words import Claim
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.words import NEEDS, TURN, Claim
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
@@ -51,21 +53,35 @@ class Model(NamedTuple):
     """A question, translated for `solve`."""
 
     question: Question
-    words: tuple[str, ...]
+    course: Course
+    words: tuple[str, ...]  # of a last leg to a free final heading
     pyomo: Any  # the transformed model, of a type that its package does not state
     translated: Translated
 
 
 class Point(NamedTuple):
-    """The word that an engine has chosen, and its lengths (left, right, straight), in radii."""
+    """The words that an engine has chosen, leg by leg, and the lengths (radii) of their pieces."""
 
-    word: str
-    z: FloatArray
+    words: list[str]
+    pieces: list[FloatArray]
+
+    @property
+    def length(self) -> float:
+        return float(sum(each.sum() for each in self.pieces))
+
+
+class Met(NamedTuple):
+    """A path made to meet the points: its length and miss (radii), and whether that is rounding."""
+
+    path: Path
+    length: float
+    miss: float
+    meets: bool
 
 
 @dataclass(frozen=True)
 class Disjunctive(EngineSolver):
-    """One disjunct for each word, proven by an engine's branch and bound.
+    """One disjunct for each word of each leg, proven by an engine's branch and bound.
 
     Args:
         engine: `scip`, `gurobi`, `xpress` or `maingo`.
@@ -80,7 +96,7 @@ class Disjunctive(EngineSolver):
             then cut off the optimum (see docs/decisions.md). The other engines run with their
             defaults.
         presolve: whether words that cannot exist are left out (`solvers.presolve`): the bound then
-            holds for the others.
+            holds for the others. Only of one leg with a free final heading.
 
     A feasible point of the engine's may miss the target by the tolerance. Near the front of a
     turning circle that buys up to a full turn, and no polishing closes the miss: the point is then
@@ -101,6 +117,7 @@ class Disjunctive(EngineSolver):
     name: ClassVar[str] = "disjunctive"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
     variants: ClassVar[tuple[str, ...]] = tuple(
@@ -113,16 +130,18 @@ class Disjunctive(EngineSolver):
 
     @property
     def method(self) -> Method:
-        return Method("disjunction", ENGINES[self.engine].label, "none", self.feastol)
+        # the bound is lowered by up to twice the tolerance
+        proves = max(self.gap, 2 * self.feastol)
+        return Method("disjunction", ENGINES[self.engine].label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> Model:
-        disjuncts = words(question, self.presolve)
-        stated = gdp_model(*question.scenario.local(), disjuncts, self.quadrants)
-        pyomo = transformed(stated, self.transformation)
-        return Model(question, disjuncts, pyomo, translated(pyomo))
+        course = body_course(question.scenario)
+        disjuncts = words(question, self.presolve) if course.free_leg else WORDS
+        pyomo = transformed(gdp_model(course, disjuncts, self.quadrants), self.transformation)
+        return Model(question, course, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: Model, limit: float) -> Solution:
-        there = at_start(model.question)
+        there = at_start(model.question) if model.course.free_leg else None
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit
@@ -148,19 +167,14 @@ class Disjunctive(EngineSolver):
         )
         seconds, point = perf_counter() - began, None
         if (x := result.x) is not None:
-            place = model.translated.place
-            lengths = [x[place[id(length)]] for length in model.pyomo.z.values()]
-            chosen = [
-                x[place[id(model.pyomo.word[word].binary_indicator_var)]] for word in model.words
-            ]
-            point = Point(model.words[int(np.argmax(chosen))], np.array(lengths))
+            point = _point(model, x)
         return result.run("all words", seconds, point)
 
     def _answer(self, model: Model, run: Run[Point | None], feastol: float) -> Solution:
-        question, scenario = model.question, model.question.scenario
+        scenario = model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
-        provable = math.hypot(*scenario.local()) <= _PROVABLE
+        provable = _provable(model.course)
         known = Solution(
             # only `_claim` makes the claim that a path is optimal
             Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim,
@@ -170,40 +184,83 @@ class Disjunctive(EngineSolver):
             message=run.message,
         )
         if run.point is None:
-            return _without_a_path(question, known)
-        word, polished = meet_target(scenario, model.words, *run.point)
+            return _without_a_path(model, known)
+        words, met = _met(model, run.point)
         stopped = run.claim is Claim.LIMIT
-        claim, message = self._claim(question, stopped, feastol, bound, polished)
+        claim, message = self._claim(model.course, stopped, feastol, bound, met)
         return replace(
             known,
             claim=claim,
-            path=as_path(scenario, SUBPROBLEMS[word], polished.z),
-            claimed_length=float(run.point.z.sum()) * scenario.radius,
-            message=f"{word}: {message}",
+            path=met.path,
+            claimed_length=run.point.length * scenario.radius,
+            message=f"{words}: {message}",
         )
 
     def _claim(
-        self, question: Question, stopped: bool, feastol: float, bound: float, polished: Polished
+        self, course: Course, stopped: bool, feastol: float, bound: float, met: Met
     ) -> tuple[Claim, str]:
         """The claim for a polished path, and why; the engine's is for its own point only."""
-        if not polished.meets:
-            close = polished.miss <= _SLACK * feastol
-            message = f"meets the target only to {polished.miss:.1e} radii"
+        if not met.meets:
+            close = met.miss <= _SLACK * feastol
+            message = f"meets the points only to {met.miss:.1e} radii"
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
-        length = float(polished.z.sum())
-        gap = (length - bound) / max(length, 1.0)
+        gap = (met.length - bound) / max(met.length, 1.0)
         message = f"within {gap:.1e} of the bound"
-        if gap <= self.gap and math.hypot(*question.scenario.local()) > _PROVABLE:
+        if gap <= self.gap and not _provable(course):
             return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
         return (Claim.LIMIT if stopped else Claim.FEASIBLE), message
 
 
-def _without_a_path(question: Question, known: Solution) -> Solution:
+def _provable(course: Course) -> bool:
+    return bool((np.hypot(*course.steps.T) <= _PROVABLE).all())
+
+
+def _point(model: Model, x: FloatArray) -> Point:
+    """The words and lengths of an engine's point."""
+    pyomo, place = model.pyomo, model.translated.place
+
+    def value(variable: Any) -> float:
+        return float(x[place[id(variable)]])
+
+    words: list[str] = []
+    for leg in pyomo.one_word:
+        of_leg = [word for each, word in pyomo.word if each == leg]
+        chosen = [value(pyomo.word[leg, word].binary_indicator_var) for word in of_leg]
+        words.append(of_leg[int(np.argmax(chosen))])
+    lengths = []
+    for leg, word in enumerate(words):
+        angles = [value(pyomo.z[leg, name]) for name in ("alpha", "gamma")]
+        beta = value(pyomo.z[leg, "beta"]) if (leg, "beta") in pyomo.z else 0.0
+        alpha, gamma = angles
+        lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
+    return Point(words, lengths)
+
+
+def _met(model: Model, point: Point) -> tuple[str, Met]:
+    """The point made to meet the points of the course, and its words."""
+    scenario, course = model.question.scenario, model.course
+    if course.free_leg:
+        z = np.zeros(3)
+        for letter, length in zip(point.words[0], point.pieces[0], strict=True):
+            z["LRS".index(letter)] = length
+        word, polished = meet_target(scenario, model.words, point.words[0], z)
+        path = as_path(scenario, SUBPROBLEMS[word], polished.z)
+        return word, Met(path, float(polished.z.sum()), polished.miss, polished.meets)
+    turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
+    length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
+    elements = Elements(np.ravel(turns) * length, length)
+    elements, off, _ = closed(elements, RATES["best"], course, equal=False)
+    path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
+    return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
+
+
+def _without_a_path(model: Model, known: Solution) -> Solution:
+    question = model.question
     if known.claim is not Claim.INFEASIBLE:
         return known
-    if math.hypot(*question.scenario.local()) > _PROVABLE:
+    if not _provable(model.course):
         # the engine's tolerances are wider than what tells the words apart
         message = f"infeasible, which proves nothing beyond {_PROVABLE:g} radii"
         return replace(known, claim=Claim.FAILED, lower_bound=None, message=message)

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
+from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
@@ -27,7 +28,6 @@ from dubins_study.solvers.nlp_engines.expressions import rebuilt
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import (
-    FULL_TURN,
     MODELS,
     ORDERS,
     SUBPROBLEMS,
@@ -111,7 +111,8 @@ class GlobalNlp(EngineSolver):
     @property
     def method(self) -> Method:
         posed = formulation(self.model, self.order)
-        return Method(posed, ENGINES[self.engine].label, "none", self.feastol)
+        proves = max(self.gap, self.feastol)  # a bound may be too high by the tolerance
+        return Method(posed, ENGINES[self.engine].label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> Model:
         chosen = subproblems(question, self.model, self.order, self.presolve)

@@ -1,4 +1,7 @@
-"""The shortest path as a generalised disjunctive program (docs/formulations/disjunction.md)."""
+"""The shortest path or route as a disjunctive program (docs/formulations/disjunction.md).
+
+Everything in body coordinates in units of the radius.
+"""
 
 from __future__ import annotations
 
@@ -8,85 +11,166 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.course import FULL_TURN, Course
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Written
-from dubins_study.solvers.paper_nlp.model import FULL_TURN
+from dubins_study.study.path import FloatArray
+from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
 
-WORDS = ("LS", "RS", "LR", "RL")
+WORDS = BRANCHES[1:]  # of a last leg to a free final heading
+_OF_LEGS = POSE_BRANCHES[1:]  # of all others
+_THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
-_QUADRANTS = (0, 1, 2, 3)
+_QUARTER = FULL_TURN / 4
+# binaries that say how many whole turns a heading is off, from _FEWEST_TURNS on
+_TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
 
-def gdp_model(X: float, Y: float, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
-    """The shortest path among some words to (X, Y) radii, in Pyomo.GDP, not transformed.
+def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
+    """The shortest path through the points of a course, in Pyomo.GDP, not transformed.
 
-    The least z[1] + z[2] + z[3] such that exactly one word leads to the target: how far the vehicle
-    turns to the left, to the right (rad), and goes straight (radii); c[i] and s[i] are the cosine
-    and sine of z[i], which is q[i] past the beginning of its quadrant. Without `quadrants` sines
-    and cosines are of the arcs themselves, up to 2 pi.
+    Of each leg exactly one word holds; `words` are those of a last leg to a free final heading. z
+    are the angles `alpha`, `gamma`, `beta` and `mu` of a leg, c and s their cosines and sines; an
+    angle is q past the beginning of its quadrant. w is what is not turned in `alpha` and `gamma`.
+    Without `quadrants` sines and cosines are of the angles themselves.
     """
-    from pyomo.environ import ConcreteModel, Constraint, Objective, RangeSet, Var, cos, sin
+    from pyomo.environ import Binary, ConcreteModel, Constraint, Objective, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
 
-    # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
-    farthest = math.hypot(X, Y) + 2
+    n, away = course.legs, np.hypot(*course.steps.T).tolist()
+    free = [course.last is None and leg == n - 1 for leg in range(n)]
+    of_leg = [
+        words if ends else [word for word in _OF_LEGS if each < _THREE_ARCS or "S" in word]
+        for each, ends in zip(away, free, strict=True)
+    ]
+    ranges: dict[tuple[int, str], tuple[float, float]] = {}
+    for leg in range(n):
+        three_arcs = "RLR" in of_leg[leg]
+        turns = -FULL_TURN / 2 if three_arcs else 0.0, FULL_TURN
+        ranges |= dict.fromkeys(((leg, "alpha"), (leg, "gamma")), turns)
+        if leg:
+            ranges[leg, "mu"] = 0.0, FULL_TURN
+        if three_arcs:
+            ranges[leg, "beta"] = _QUARTER, FULL_TURN / 2
     m = ConcreteModel(name="dubins-disjunctive")
-    m.turns = RangeSet(2)
-    m.z = Var(RangeSet(3), bounds=lambda m, i: (0, farthest if i == 3 else FULL_TURN), initialize=1)
-    m.c = Var(m.turns, bounds=(-1, 1), initialize=math.cos(1))
-    m.s = Var(m.turns, bounds=(-1, 1), initialize=math.sin(1))
+    m.z = Var(ranges, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
+    m.c = Var(ranges, bounds=(-1, 1), initialize=math.cos(1))
+    m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
+    # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
+    farthest = [
+        each + 2 if ends else max(each + 4, 2 * FULL_TURN)
+        for each, ends in zip(away, free, strict=True)
+    ]
+    m.w = Var(range(n), bounds=lambda m, leg: (0, farthest[leg]), initialize=1)
+    # the headings between the legs, and whole turns by which they leave the range of `mu`
+    m.theta = Var(range(1, n + (course.last is not None)), bounds=(-2 * FULL_TURN, 3 * FULL_TURN))
+    m.whole = Var(m.theta.index_set(), _TURN_DIGITS, domain=Binary)
     if quadrants:
-        _add_quadrants(m)
+        _add_quadrants(m, ranges)
     else:
-        m.cosine = Constraint(m.turns, rule=lambda m, i: m.c[i] == cos(m.z[i]))
-        m.sine = Constraint(m.turns, rule=lambda m, i: m.s[i] == sin(m.z[i]))
-    m.word = Disjunct(list(words), rule=lambda disjunct, word: _word(disjunct, word, X, Y))
-    m.one_word = Disjunction(expr=[m.word[word] for word in words])
-    m.length = Objective(expr=m.z[1] + m.z[2] + m.z[3])
+        m.cosine = Constraint(ranges, rule=lambda m, *key: m.c[key] == cos(m.z[key]))
+        m.sine = Constraint(ranges, rule=lambda m, *key: m.s[key] == sin(m.z[key]))
+    chosen = [(leg, word) for leg in range(n) for word in of_leg[leg]]
+
+    def rule(disjunct: Any, leg: int, word: str) -> None:
+        _word(disjunct, leg, word, *map(float, course.steps[leg]))
+
+    m.word = Disjunct(chosen, rule=rule)
+    m.one_word = Disjunction(range(n), rule=lambda m, leg: [m.word[leg, w] for w in of_leg[leg]])
+    if course.last is not None:
+        last = math.remainder(course.last, FULL_TURN)
+        m.arrives = Constraint(expr=m.theta[n] - _whole_turns(m, n) == last)
+    ends = sum(m.z[leg, name] for leg in range(n) for name in ("alpha", "gamma"))
+    m.length = Objective(expr=ends + sum(m.w[leg] for leg in range(n)))
     return m
 
 
-def _add_quadrants(m: Any) -> None:
-    """Variables, constraints and disjuncts that tie the arcs to their sines and cosines."""
+def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
+    """Variables, constraints and disjuncts that tie the angles to their sines and cosines."""
     from pyomo.environ import Constraint, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
 
-    m.q = Var(m.turns, bounds=(0, FULL_TURN / 4), initialize=1)
-    m.cos_q = Var(m.turns, bounds=(0, 1), initialize=math.cos(1))
-    m.sin_q = Var(m.turns, bounds=(0, 1), initialize=math.sin(1))
-    m.cosine = Constraint(m.turns, rule=lambda m, i: m.cos_q[i] == cos(m.q[i]))
-    m.sine = Constraint(m.turns, rule=lambda m, i: m.sin_q[i] == sin(m.q[i]))
-    m.quadrant = Disjunct(m.turns, _QUADRANTS, rule=_quadrant)
-    m.one_quadrant = Disjunction(m.turns, rule=lambda m, i: [m.quadrant[i, k] for k in _QUADRANTS])
+    m.q = Var(ranges, bounds=(0, _QUARTER), initialize=1)
+    m.cos_q = Var(ranges, bounds=(0, 1), initialize=math.cos(1))
+    m.sin_q = Var(ranges, bounds=(0, 1), initialize=math.sin(1))
+    m.cosine = Constraint(ranges, rule=lambda m, *key: m.cos_q[key] == cos(m.q[key]))
+    m.sine = Constraint(ranges, rule=lambda m, *key: m.sin_q[key] == sin(m.q[key]))
+    of_angle = {
+        key: range(round(low / _QUARTER), round(high / _QUARTER))
+        for key, (low, high) in ranges.items()
+    }
+    places = [(*key, k) for key, quadrants in of_angle.items() for k in quadrants]
+    m.quadrant = Disjunct(places, rule=_quadrant)
+    m.one_quadrant = Disjunction(
+        ranges, rule=lambda m, *key: [m.quadrant[(*key, k)] for k in of_angle[key]]
+    )
 
 
-def _quadrant(disjunct: Any, i: int, k: int) -> None:
-    """Constraints of arc i in quadrant k: turning by pi / 2 takes (cos, sin) to (-sin, cos)."""
+def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
+    """Constraints of an angle in quadrant k: turning by pi / 2 takes (cos, sin) to (-sin, cos)."""
     from pyomo.environ import Constraint
 
-    m = disjunct.model()
-    c, s = m.cos_q[i], m.sin_q[i]
-    for _ in range(k):
+    m, key = disjunct.model(), (leg, name)
+    c, s = m.cos_q[key], m.sin_q[key]
+    for _ in range(k % 4):
         c, s = -s, c
-    disjunct.angle = Constraint(expr=m.z[i] == m.q[i] + k * FULL_TURN / 4)
-    disjunct.cosine = Constraint(expr=m.c[i] == c)
-    disjunct.sine = Constraint(expr=m.s[i] == s)
+    disjunct.angle = Constraint(expr=m.z[key] == m.q[key] + k * _QUARTER)
+    disjunct.cosine = Constraint(expr=m.c[key] == c)
+    disjunct.sine = Constraint(expr=m.s[key] == s)
 
 
-def _word(disjunct: Any, word: str, X: float, Y: float) -> None:
-    """Constraints of one word: see `gdp_model`."""
+def _word(disjunct: Any, leg: int, word: str, X: float, Y: float) -> None:
+    """Constraints of one word of a leg over the step (X, Y)."""
     from pyomo.environ import Constraint
 
     m = disjunct.model()
-    first, second, side = (1, 2, 1) if word[0] == "L" else (2, 1, -1)
-    straight = word[1] == "S"
+    alpha, gamma = m.z[leg, "alpha"], m.z[leg, "gamma"]
+    cos_a, sin_a, cos_c, sin_c = (
+        part[leg, name] for name in ("alpha", "gamma") for part in (m.c, m.s)
+    )
+    first, last, w = TURN[word[0]], TURN[word[-1]], m.w[leg]
+    turned = first * alpha
+    if leg:  # the direction that the leg is seen along
+        mu, cos_mu, sin_mu = m.z[leg, "mu"], m.c[leg, "mu"], m.s[leg, "mu"]
+        disjunct.begins = Constraint(expr=mu == m.theta[leg] + turned - _whole_turns(m, leg))
+    else:  # from heading 0
+        mu, cos_mu, sin_mu = turned, cos_a, first * sin_a
     scale = max(1.0, math.hypot(X, Y))
-    x, y = X / scale, (side * Y - 1) / scale
-    c, s = m.c[first], m.s[first]
-    along = m.z[3] if straight else m.s[second]
-    across = 1 if straight else 2 - m.c[second]
-    disjunct.absent = Constraint(expr=m.z[second if straight else 3] == 0)
-    disjunct.along = Constraint(expr=x * c + y * s == along / scale)
-    disjunct.across = Constraint(expr=x * s - y * c == across / scale)
+    along = (X * cos_mu + Y * sin_mu) / scale
+    across = (Y * cos_mu - X * sin_mu) / scale
+    if "S" in word or len(word) == 2:
+        ahead, aside = w, last * (1 - cos_c) - first * (1 - cos_a)
+        if len(word) == 2:
+            absent = gamma if word[1] == "S" else w
+            disjunct.absent = Constraint(expr=absent == 0)
+        else:
+            disjunct.forward = Constraint(expr=alpha >= 0)
+            disjunct.and_last = Constraint(expr=gamma >= 0)
+            if (leg, "beta") in m.z:
+                disjunct.absent = Constraint(expr=m.z[leg, "beta"] == _QUARTER)
+    else:
+        beta = m.z[leg, "beta"]
+        ahead, aside = 4 * m.s[leg, "beta"], first * (cos_a - cos_c)
+        disjunct.middle = Constraint(expr=w == 4 * beta)
+        disjunct.forward = Constraint(expr=alpha + beta >= 0)
+        disjunct.and_last = Constraint(expr=gamma + beta >= 0)
+    disjunct.along = Constraint(expr=along == (ahead + sin_a + sin_c) / scale)
+    disjunct.across = Constraint(expr=across == aside / scale)
+    if leg + 1 in m.theta:
+        disjunct.ends = Constraint(expr=m.theta[leg + 1] == mu + last * gamma)
+
+
+def _whole_turns(m: Any, point: int) -> Any:
+    digits = sum(digit * m.whole[point, digit] for digit in _TURN_DIGITS)
+    return FULL_TURN * (_FEWEST_TURNS + digits)
+
+
+def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:
+    """The lengths of a word's two or three pieces."""
+    if len(word) == 2:
+        return np.array((alpha, w if word[1] == "S" else gamma))
+    if "S" in word:
+        return np.array((alpha, w, gamma))
+    return np.array((alpha + beta, 2 * beta, gamma + beta))
 
 
 def transformed(model: Any, transformation: str = "bigm") -> Any:

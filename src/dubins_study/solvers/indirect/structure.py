@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import FULL_TURN
+from dubins_study.solvers.course import FULL_TURN
 from dubins_study.study.path import FloatArray
 
 # Controls of the model's three lengths; mirrored together with the subproblem.

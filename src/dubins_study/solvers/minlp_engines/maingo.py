@@ -39,7 +39,7 @@ def maingo(settings: Settings) -> MinlpCall:
             "epsilonA": settings.gap,
             "deltaEq": settings.feastol,
             "deltaIneq": settings.feastol,
-            "maxTime": max(math.ceil(seconds), 1),  # it cuts the digits after the point
+            "maxTime": max(int(seconds), 1),  # whole seconds: it ends before the limit
             "BAB_verbosity": maingopy.VERB_NONE,
             "LBP_verbosity": maingopy.VERB_NONE,
             "UBP_verbosity": maingopy.VERB_NONE,

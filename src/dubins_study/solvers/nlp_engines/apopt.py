@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 
@@ -37,16 +38,15 @@ _LANGUAGE = Language("APMonitor", "x[{}]", "(({})^({}))", 2000)
 _MODEL = "model"  # APMonitor's names of its files
 
 
-def apopt(tol: float, max_iter: int) -> NlpCall:
-    """APOPT; `tol` is its RTOL (equations) and OTOL (objective)."""
+def apopt(options: dict[str, Any]) -> NlpCall:
+    """APOPT; its RTOL is on the equations, its OTOL on the objective."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        residual = program.attainable(tol)
-        options = {"solver": 1, "imode": 3, "rtol": residual, "otol": tol, "max_iter": max_iter}
+        chosen = {"solver": 1, "imode": 3, **program.attainable(options, "rtol")}
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
             folder = FilePath(name)
             (folder / f"{_MODEL}.apm").write_text(_model(program, guess))
-            lines = [f"apm.{option} = {value}\n" for option, value in options.items()]
+            lines = [f"apm.{option} = {value}\n" for option, value in chosen.items()]
             (folder / f"{_MODEL}.dbs").write_text("".join(lines))
             log = _log(folder, seconds)
             x = _point(folder / "results.json", guess.size)

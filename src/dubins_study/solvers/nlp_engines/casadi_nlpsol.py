@@ -1,7 +1,4 @@
-"""The engines that casadi's wheel carries, all through its `nlpsol`.
-
-They have their own defaults but for tolerance, iterations and silence.
-"""
+"""The engines that casadi's wheel carries, all through its `nlpsol`."""
 
 from __future__ import annotations
 
@@ -22,7 +19,8 @@ from dubins_study.solvers.nlp_engines.program import (
     needs_watch,
     no_point,
 )
-from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, Deadline
+from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, PLAIN, Deadline
+from dubins_study.solvers.option_sets import nested
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -31,34 +29,18 @@ _UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT
 
 
 class _Plugin(NamedTuple):
-    """A plug-in of `nlpsol`: its options for a tolerance and a number of iterations, its claims."""
+    """A plug-in of `nlpsol`: its claims, and how it behaves."""
 
-    options: Callable[[float, int], dict[str, Any]]
     claims: dict[str, Claim]  # by the engine's status; other statuses have casadi's word
     watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
     raises: bool = False  # where it fails
     remembers: bool = False  # an answer depends on what the same object solved before
 
 
-def _sqp(qp: dict[str, Any], tol: float, max_iter: int) -> dict[str, Any]:
-    quiet = {"print_header": False, "print_iteration": False}
-    return {"tol_pr": tol, "tol_du": tol, "max_iter": max_iter, "qpsol_options": qp, **quiet}
-
-
 _PLUGINS = {
-    "ipopt": _Plugin(
-        lambda tol, n: {"ipopt": {"tol": tol, "max_iter": n, "print_level": 0, "sb": "yes"}},
-        CLAIMS,
-        watched=True,
-    ),
+    "ipopt": _Plugin(CLAIMS, watched=True),
     # its statuses say both how it stopped and what the point is
     "uno": _Plugin(
-        lambda tol, n: {
-            "uno": {
-                **{"primal_tolerance": tol, "dual_tolerance": tol, "max_iterations": n},
-                "logger": "SILENT",
-            }
-        },
         {
             "Converged with feasible KKT point": Claim.LOCAL,
             "Converged with feasible FJ point": Claim.FEASIBLE,
@@ -68,30 +50,12 @@ _PLUGINS = {
         },
         watched=True,
     ),
-    "fatrop": _Plugin(
-        lambda tol, n: {"fatrop": {"tolerance": tol, "max_iter": n, "print_level": 0}},
-        {"1": Claim.FAILED},  # of every kind; 0 is a success
-    ),
-    # the outer iterations, of the augmented Lagrangian; an inner one has 100 steps by default
-    "alpaqa": _Plugin(
-        lambda tol, n: {
-            "alpaqa": {"alm.tolerance": tol, "alm.dual_tolerance": tol, "alm.max_iter": n}
-        },
-        {},
-    ),
+    "fatrop": _Plugin({"1": Claim.FAILED}),  # of every kind; 0 is a success
+    "alpaqa": _Plugin({}),
     # without integers a branch and bound of one node: its Ipopt, and a presolve around it
-    "bonmin": _Plugin(
-        lambda tol, n: {
-            "bonmin": {
-                **{"tol": tol, "max_iter": n, "print_level": 0, "sb": "yes"},
-                **{"bb_log_level": 0, "nlp_log_level": 0},
-            }
-        },
-        {"INFEASIBLE": Claim.INFEASIBLE, "LIMIT_EXCEEDED": Claim.LIMIT},
-    ),
+    "bonmin": _Plugin({"INFEASIBLE": Claim.INFEASIBLE, "LIMIT_EXCEEDED": Claim.LIMIT}),
     # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
     "sleqp": _Plugin(
-        lambda tol, n: {"sleqp": {"feas_tol": tol}, "max_iter": n, "print_level": 0},
         {
             "optimal": Claim.LOCAL,
             "feasible": Claim.FEASIBLE,
@@ -104,15 +68,8 @@ _PLUGINS = {
     ),
     # both raise where a quadratic program has no solution
     # qpOASES starts where it ended last
-    "sqpmethod": _Plugin(
-        partial(_sqp, {"printLevel": "none"}), CLAIMS, watched=True, raises=True, remembers=True
-    ),
-    "qrsqp": _Plugin(
-        partial(_sqp, dict.fromkeys(("print_iter", "print_header", "print_info"), False)),
-        CLAIMS,
-        watched=True,
-        raises=True,
-    ),
+    "sqpmethod": _Plugin(CLAIMS, watched=True, raises=True, remembers=True),
+    "qrsqp": _Plugin(CLAIMS, watched=True, raises=True),
 }
 
 
@@ -125,16 +82,20 @@ class _Silence(io.TextIOBase):
 
 @lru_cache(maxsize=256)
 def _compiled(
-    expressions: Expressions, plugin: str, tol: float, max_iter: int
+    expressions: Expressions, plugin: str, chosen: tuple[tuple[str, Any], ...], watched: bool
 ) -> tuple[Callable[[], Any], Deadline | None]:
     """What gives the object that solves a program once, and what stops it, if anything does."""
     import casadi
 
     problem = {name: getattr(expressions, name) for name in ("x", "p", "f", "g")}
-    options = {"print_time": False, "expand": True} | _PLUGINS[plugin].options(tol, max_iter)
+    options = PLAIN | nested(dict(chosen))
     n, m = expressions.x.numel(), expressions.g.numel()
+    if plugin == "fatrop" and expressions.stages is not None:
+        sizes = expressions.stages._asdict().items()
+        options |= {name: list(size) for name, size in sizes} | {"equality": [True] * m}
+        options |= {"structure_detection": "manual", "N": len(expressions.stages.nx) - 1}
     deadline = None
-    if _PLUGINS[plugin].watched and needs_watch(max_iter, n):
+    if watched:
         deadline = Deadline()
         options["iteration_callback"] = deadline.watch(n, m)
     solver = casadi.nlpsol("engine", plugin, problem, options)
@@ -149,15 +110,18 @@ def _compiled(
     return again, deadline
 
 
-def nlpsol(tol: float, max_iter: int, plugin: str) -> NlpCall:
-    """A plug-in of `nlpsol` by its name; what `tol` is to it stands in `_PLUGINS`."""
+def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
+    """A plug-in of `nlpsol` by its name."""
+    chosen = tuple(options.items())
+    max_iter = next((value for name, value in chosen if name.endswith("max_iter")), None)
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         with ExitStack() as streams:
             if plugin != "ipopt":  # whose options silence it
                 streams.enter_context(redirect_stdout(_Silence()))
                 streams.enter_context(redirect_stderr(_Silence()))
-            solver, deadline = _compiled(program.expressions, plugin, tol, max_iter)
+            watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)
+            solver, deadline = _compiled(program.expressions, plugin, chosen, watched)
             solve = solver()
             if deadline is not None:
                 deadline.at = perf_counter() + seconds

@@ -17,8 +17,8 @@ from dubins_study.solvers.nlp_engines.program import EngineResult, Functions, Nl
 from dubins_study.study.path import FloatArray
 
 
-def conopt(tol: float, max_iter: int) -> NlpCall:
-    """CONOPT 4 with first and second derivatives; it does not take `tol`."""
+def conopt(options: dict[str, Any]) -> NlpCall:
+    """CONOPT 4 with first and second derivatives."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         import conopt
@@ -27,9 +27,9 @@ def conopt(tol: float, max_iter: int) -> NlpCall:
         solver = conopt.Conopt("program")
         solver.setMessageHandler(messages)
         solver.loadModel(model)
-        solver.setItLim(max_iter)
+        for name, value in options.items():
+            getattr(solver, f"set{name}")(value)
         solver.setResLim(float(seconds))
-        solver.setThreadS(1)
         solver.solve()
         numbers = solver.solutionStatus(), solver.modelStatus()
         x, marginals = solver.getVariableValues(), solver.getConstraintMarginals()

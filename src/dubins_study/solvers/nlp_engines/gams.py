@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 
@@ -46,18 +47,7 @@ _SOLVER_STATUS = {
 
 _LANGUAGE = Language("GAMS", "x{}", "power({}, {})", sys.maxsize)
 
-# the names of feasibility, optimality and the limit of iterations in files of options
-_OPTIONS = {
-    # Gill, Murray and Saunders's sparse sequential quadratic programming
-    "snopt": (
-        *("major feasibility tolerance", "major optimality tolerance"),
-        "major iterations limit",
-    ),
-    # Murtagh and Saunders's projected Lagrangian method
-    "minos": ("row tolerance", "optimality tolerance", "major iterations"),
-}
-
-_MINOR_ITERATIONS = 10  # in a major one; MINOS heeds no limit of these, and may not end
+_FEASIBILITY = ("major feasibility tolerance", "row tolerance")
 
 _NO_LICENCE = 7  # GAMS's exit code
 _START_S = 10.0  # for GAMS to start, which takes 20 ms
@@ -92,16 +82,14 @@ def _exit_code() -> int | None:
         return _run(folder, _START_S)
 
 
-def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
+def gams(options: dict[str, Any], solver: str) -> NlpCall:
     """A solver of GAMS, by its name in files of options."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        residual = program.attainable(tol)
-        values = zip(_OPTIONS[solver], (residual, tol, max_iter), strict=True)
-        lines = [f"{option} {value!r}\n" for option, value in values]
+        chosen = program.attainable(options, *(name for name in options if name in _FEASIBILITY))
+        lines = [f"{option} {value!r}\n" for option, value in chosen.items()]
         with _folder(solver) as folder:
-            minor = _MINOR_ITERATIONS * max_iter
-            (folder / "program.gms").write_text(_model(program, guess, solver, minor))
+            (folder / "program.gms").write_text(_model(program, guess, solver))
             (folder / f"{solver}.opt").write_text("".join(lines))
             code = _run(folder, seconds)
             file = folder / "results.txt"
@@ -120,7 +108,7 @@ def gams(tol: float, max_iter: int, solver: str) -> NlpCall:
     return run
 
 
-def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
+def _model(program: Program, guess: FloatArray, solver: str) -> str:
     """The program in GAMS's language, which writes status numbers, iterations, x and marginals."""
     text = algebra_text(program, _LANGUAGE)
     rows = [f"e{i + 1}" for i in range(len(text.equations))]
@@ -145,7 +133,7 @@ def _model(program: Program, guess: FloatArray, solver: str, minor: int) -> str:
             *starts,
             *equations,
             f"objective.. length =e= {text.objective};".replace(" ", "\n "),
-            f"model program / all /; option nlp = {solver}, iterlim = {minor};",
+            f"model program / all /; option nlp = {solver};",
             "program.optfile = 1;",
             "solve program using nlp minimizing length;",
             "file results / 'results.txt' /; results.nr = 2; results.nd = 15; results.nw = 30;",

@@ -13,8 +13,8 @@ from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
 # NLopt's return codes by name. Its manual calls the positive ones a success; the two of the limits
-# say nothing about the problem. SLSQP and the augmented Lagrangian stop at a tolerance only where
-# the equations hold; COBYLA does wherever its steps become small, and so claims what is not true.
+# say nothing about the problem. A success says that steps have become small, on the equations or
+# off them: it is a claim only where they hold to the tolerance that NLopt was given.
 _CLAIMS = {
     "SUCCESS": Claim.LOCAL,
     "FTOL_REACHED": Claim.LOCAL,
@@ -29,54 +29,55 @@ _STATUSES = (
     "FORCED_STOP",
 )
 
-# NLopt limits evaluations, not iterations; a line search of SLSQP takes up to ten in an iteration
-_EVALUATIONS_PER_ITERATION = 10
-
 Objective = Callable[[FloatArray, FloatArray], float]
 Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
 
 
-def nlopt(tol: float, max_iter: int, algorithm: str, inner: str = "") -> NlpCall:
+def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
     """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
 
-    `tol` is the violation of each equation, and the relative change of length and variables.
+    `constraint_tol` is the violation of each equation, `maxeval` limits evaluations; the other
+    options are tolerances by which both algorithms stop.
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        search = _search(algorithm, guess.size, tol)
+        chosen = program.attainable(options, "constraint_tol")
+        allowed, most = chosen.pop("constraint_tol"), chosen.pop("maxeval", 0)
+        search = _search(algorithm, guess.size, chosen)
         if inner:
-            search.set_local_optimizer(_search(inner, guess.size, tol))
+            search.set_local_optimizer(_search(inner, guess.size, chosen))
         search.set_exceptions_enabled(False)  # an exception would lose the point
-        search.set_maxeval(_EVALUATIONS_PER_ITERATION * max_iter)
+        search.set_maxeval(most)  # 0 for no limit
         search.set_maxtime(max(seconds, 1e-6))  # NLopt takes 0 for no limit
         search.set_lower_bounds(program.lower)
         search.set_upper_bounds(program.upper)
-        objective, equations, violation = _functions(program, guess, tol)
+        objective, equations = _functions(program)
         search.set_min_objective(objective)
-        search.add_equality_mconstraint(equations, violation)
+        m = program.functions.equations(guess).size
+        search.add_equality_mconstraint(equations, np.full(m, allowed))
         # NLopt refuses a guess outside the bounds
         x = np.asarray(search.optimize(np.clip(guess, program.lower, program.upper)))
         status = _status_names()[search.last_optimize_result()]
         message = status.replace("_", " ").lower()
         claim = _CLAIMS.get(status, Claim.FAILED)
+        if claim is Claim.LOCAL and not (np.abs(program.functions.equations(x)) <= allowed).all():
+            claim = Claim.FAILED
         return EngineResult(x, claim, None, None, search.get_numevals(), status, message)
 
     return run
 
 
-def _search(algorithm: str, n: int, tol: float) -> Any:
+def _search(algorithm: str, n: int, tolerances: dict[str, float]) -> Any:
     import nlopt
 
     search = nlopt.opt(getattr(nlopt, algorithm), n)
-    search.set_xtol_rel(tol)
-    search.set_ftol_rel(tol)
+    for name, value in tolerances.items():
+        getattr(search, f"set_{name}")(value)
     return search
 
 
-def _functions(
-    program: Program, guess: FloatArray, tol: float
-) -> tuple[Objective, Equations, FloatArray]:
-    """Objective, equations and their tolerances; derivatives go where NLopt wants them."""
+def _functions(program: Program) -> tuple[Objective, Equations]:
+    """Objective and equations; derivatives go where NLopt wants them."""
     functions = program.functions
 
     def objective(x: FloatArray, gradient: FloatArray) -> float:
@@ -89,8 +90,7 @@ def _functions(
         if jacobian.size:
             jacobian[:] = functions.jacobian(x)
 
-    violation = np.full(functions.equations(guess).size, program.attainable(tol))
-    return objective, equations, violation
+    return objective, equations
 
 
 @cache

@@ -6,7 +6,7 @@ bounds and an initial guess. Engines that want functions get compiled ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,18 +18,28 @@ from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
 
+class Stages(NamedTuple):
+    """How many states, controls and equations, but for those of the next state, a stage has."""
+
+    nx: tuple[int, ...]
+    nu: tuple[int, ...]
+    ng: tuple[int, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Expressions:
     """min f(x, p) subject to g(x, p) = 0 and bounds on x, in casadi's SX symbols.
 
     Of shapes (n,) for x, (k,) for p, (m,) for g. Engines keep what they compiled of an object, so a
-    formulation keeps it.
+    formulation keeps it. With `stages`, x and g follow those of a control problem: the state, then
+    the controls of a stage; that it ends at the next state, then its other equations.
     """
 
     x: Any
     p: Any
     f: Any
     g: Any
+    stages: Stages | None = None
 
     @cached_property
     def _compiled(self) -> list[Any]:
@@ -111,9 +121,10 @@ class Program:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
 
-    def attainable(self, tol: float) -> float:
-        """A tolerance on the equations, but no less than what their rounding leaves of them."""
-        return max(tol, 64 * EPS * self.magnitude)
+    def attainable(self, options: Mapping[str, Any], *names: str) -> dict[str, Any]:
+        """Options, no named tolerance on the equations less than what their rounding leaves."""
+        least = 64 * EPS * self.magnitude
+        return {**options, **{key: max(options[key], least) for key in names if key in options}}
 
 
 class EngineResult(NamedTuple):
@@ -132,12 +143,15 @@ class EngineResult(NamedTuple):
     message: str
 
 
-def needs_watch(max_iter: int, n: int) -> bool:
-    """Whether a run on n variables may take a tenth of a second, so that it looks at the time.
+_QUICK_ITERATIONS = 3000  # Ipopt's default; on ten variables they take a third of a second
+
+
+def needs_watch(max_iter: int | None, n: int) -> bool:
+    """Whether a run on n variables may take half a second, so that it looks at the time.
 
     In a quicker one these looks would cost a tenth of it, or more than the iterations do.
     """
-    return max_iter > 1000 or n > 10
+    return n > 10 or (max_iter or 0) > _QUICK_ITERATIONS
 
 
 def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:

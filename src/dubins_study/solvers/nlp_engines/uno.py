@@ -21,24 +21,16 @@ _SUCCESS = {
 _LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
 
 
-def filtersqp(tol: float, max_iter: int) -> NlpCall:
-    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD.
-
-    `tol` is the violation of the equations, and the residual of stationarity.
-    """
+def filtersqp(options: dict[str, Any]) -> NlpCall:
+    """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         import unopy
 
         solver = unopy.UnoSolver()
         solver.set_preset("filtersqp")
-        for name, value in {
-            "logger": "SILENT",
-            "primal_tolerance": program.attainable(tol),
-            "dual_tolerance": tol,
-            "max_iterations": max_iter,
-            "time_limit": float(seconds),
-        }.items():
+        chosen = program.attainable(options, "primal_tolerance")
+        for name, value in {**chosen, "time_limit": float(seconds)}.items():
             solver.set_option(name, value)
         result = solver.optimize(_model(program, guess))
         ending, point = result.optimization_status.name, result.solution_status.name

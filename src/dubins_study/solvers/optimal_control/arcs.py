@@ -1,22 +1,22 @@
-"""Paths of n arcs: their end points, gradients, and the way back to a target.
+"""Paths of N elements over several legs: where the legs end, and the way back to their points.
 
 An arc of turn a and length h leads by h sinc(a/2) along the heading theta + a/2. As sinc(z) is the
 mean of cos(z t) over 0 <= t <= 1, a quadrature replaces the quotient, which is undefined for a
 straight, by a sum of cosines that every engine can read.
 
-Everything in body coordinates in units of the turning radius. Step k drives the share w_k of the
-whole length T, and turns by a_k = theta_k - theta_{k-1} (theta_{-1} = 0): written in the headings
-theta instead of the rates, the end point's derivatives are local and |a_k| <= w_k T is linear.
+Everything in body coordinates in units of the turning radius. All legs have n elements, so that
+N = n legs. Written in the headings theta instead of the turns a_k = theta_k - theta_{k-1}
+(theta_{-1} = 0), the derivatives of a leg's end are local and |a_k| <= h_k is linear.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.course import Course, wrapped
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
 
@@ -48,25 +48,43 @@ def chord(heading: Any, turn: Any, length: Any, integrator: str = "exact") -> tu
 
 
 HERE = Pose(0.0, 0.0, 0.0)
-# Bounds on turns (rad). A shortest path turns by less than a full turn and, if it has two arcs, by
-# pi/3 at most the other way (docs/derivation.md, section 4): elements of free length share
-# MOST_TURN. No equally long element needs more than half a turn. Without these bounds a few
+# Bounds on turns (rad). A shortest path to a free final heading turns by less than a full turn and,
+# if it has two arcs, by pi/3 at most the other way (docs/derivation.md, section 4): elements of
+# free length share 3 pi. Three arcs between given headings, the middle one of up to a full turn,
+# take 4 pi. No equally long element needs more than half a turn. Without these bounds a few
 # elements take all the turning: full turns that lead nowhere, which in a collocated element even
 # make the path shorter, by the error of the quadrature.
-MOST_TURN = 3 * math.pi
 MOST_TURN_EACH = math.pi
 LEAST = 1e-3  # radii; elements of no length would be a poor guess
 
 
+def most_turn(course: Course, n: int, equal: bool) -> float:
+    """The largest turn (rad) of one of the n elements of a leg."""
+    if equal:
+        return MOST_TURN_EACH
+    return (3 if course.free_leg else 4) * math.pi / n
+
+
+class Rates(NamedTuple):
+    """Least and largest turn rate allowed, in units of 1 / radius."""
+
+    lower: float
+    upper: float
+
+
+# by branch: LS and RS forbid turning the other way
+RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
+
+
 class Elements(NamedTuple):
-    """Turns (n,) in rad, positive to the left, and lengths (n,) in radii of the elements."""
+    """Turns (N,) in rad, positive to the left, and lengths (N,) in radii of the elements."""
 
     turn: FloatArray
     length: FloatArray
 
     @property
     def rate(self) -> FloatArray:
-        """Turn rates (n,) in units of 1 / radius; 0 for an element of no length."""
+        """Turn rates (N,) in units of 1 / radius; 0 for an element of no length."""
         some = self.length > 0
         return np.divide(self.turn, self.length, out=np.zeros_like(self.turn), where=some)
 
@@ -74,10 +92,10 @@ class Elements(NamedTuple):
     def total(self) -> float:
         return float(self.length.sum())
 
-    @property
-    def path(self) -> Path:
-        """The path in body coordinates at unit radius."""
-        return Path(HERE, self.rate, self.length)
+    def within(self, rates: Rates) -> Elements:
+        """The elements with every turn rate brought within its bounds."""
+        length = np.maximum(self.length, 0.0)
+        return Elements(np.clip(self.turn, rates.lower * length, rates.upper * length), length)
 
 
 def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
@@ -109,34 +127,8 @@ _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter tha
 _CORRECTIONS = 30  # Newton's method takes 2 to 5; more are needed where rates reach their bounds
 
 
-@dataclass(frozen=True, eq=False)
-class Controls:
-    """Headings at the ends of the steps, shape (n,), rad; whole length (turning radii)."""
-
-    heading: FloatArray
-    length: float
-
-    @property
-    def turns(self) -> FloatArray:
-        """Turn of every step, shape (n,), rad, positive to the left."""
-        turns = self.heading.copy()
-        turns[1:] -= self.heading[:-1]
-        return turns
-
-
-class Rates(NamedTuple):
-    """Least and largest turn rate allowed, in units of 1 / radius."""
-
-    lower: float
-    upper: float
-
-
-# by branch: LS and RS forbid turning the other way
-RATES = {"best": Rates(-1.0, 1.0), "LS": Rates(0.0, 1.0), "RS": Rates(-1.0, 0.0)}
-
-
 def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of the length, summing to 1, for a target so many radii away.
+    """The steps' shares (n,) of a leg's length, summing to 1, for points so many radii apart.
 
     On `graded` half of the steps share about a full circle's length at the start, where the path
     turns, unless equal steps are shorter than that.
@@ -149,33 +141,30 @@ def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
 
 
 class Rollout(NamedTuple):
-    """End point (2,), its gradient by the headings (2, n), and the chords of the steps (2, n)."""
+    """Elements driven exactly: their chords, and these by the headings before and after them."""
 
-    end: FloatArray
-    gradient: FloatArray
-    chords: FloatArray
+    chords: FloatArray  # shape (2, N)
+    by_before: FloatArray
+    by_after: FloatArray
+
+    def gaps(self, elements: Elements, course: Course) -> FloatArray:
+        """What each leg lacks of its step, shape (legs, 2), in radii."""
+        legs = self.chords.reshape(2, course.legs, -1).sum(axis=2)
+        gaps: FloatArray = course.steps - legs.T
+        return gaps
 
 
-def rollout(controls: Controls, shares: FloatArray) -> Rollout:
-    """End point of the path, its exact gradient by the headings, and the chords.
-
-    The derivative by the length at fixed headings is `end / length`: every chord grows with it.
-    The steps' `shares` (n,) of the length sum to 1.
-    """
-    half = controls.turns / 2
-    lengths = shares * controls.length
-    middle = controls.heading - half
+def rollout(elements: Elements) -> Rollout:
+    """Drive the elements; the derivatives are exact, at fixed lengths."""
+    half = elements.turn / 2
+    middle = np.cumsum(elements.turn) - half
     along = np.array([np.cos(middle), np.sin(middle)])
     across = np.array([-along[1], along[0]])
     sinc = _sinc(half)
-    chords = lengths * sinc * along
-    # d chord / d theta_k and d chord / d theta_{k-1}: the mean heading turns by half of each,
-    # and the chord's length changes with the turn
-    swing = (0.5 * lengths * sinc) * across
-    stretch = (0.5 * lengths * _sinc_slope(half, sinc)) * along
-    gradient = swing + stretch
-    gradient[:, :-1] += (swing - stretch)[:, 1:]
-    return Rollout(chords.sum(axis=1), gradient, chords)
+    # the mean heading turns by half of each heading, and the chord's length changes with the turn
+    swing = (0.5 * elements.length * sinc) * across
+    stretch = (0.5 * elements.length * _sinc_slope(half, sinc)) * along
+    return Rollout(elements.length * sinc * along, swing - stretch, swing + stretch)
 
 
 def _sinc(x: FloatArray) -> FloatArray:
@@ -193,57 +182,93 @@ def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:
     return slope
 
 
-def clipped(controls: Controls, shares: FloatArray, rates: Rates) -> Controls:
-    """The controls with every turn rate brought within its bounds."""
-    lengths = shares * controls.length
-    turns = np.clip(controls.turns, rates.lower * lengths, rates.upper * lengths)
-    return Controls(np.cumsum(turns), controls.length)
+def turn_left(elements: Elements, course: Course) -> float:
+    """What the elements lack of a final heading (rad), within half a turn; 0 if it is free."""
+    return 0.0 if course.last is None else float(wrapped(course.last - elements.turn.sum()))
+
+
+def missed(elements: Elements, course: Course) -> FloatArray:
+    """What the path lacks of each point (x, y in radii) and of a final heading; shape (m,)."""
+    gaps = np.cumsum(rollout(elements).gaps(elements, course), axis=0).ravel()
+    return gaps if course.last is None else np.append(gaps, turn_left(elements, course))
+
+
+def miss(elements: Elements, course: Course) -> float:
+    """The largest distance (radii) from a point, or angle from the final heading (rad)."""
+    return largest(missed(elements, course), course)
+
+
+def largest(gaps: FloatArray, course: Course) -> float:
+    """The largest of what `missed` says."""
+    away = np.hypot(*gaps[: 2 * course.legs].reshape(-1, 2).T)
+    return float(np.append(away, np.abs(gaps[2 * course.legs :])).max())
+
+
+def slopes(elements: Elements, course: Course) -> tuple[FloatArray, FloatArray]:
+    """Derivatives (m, N) of where legs end (x, y) and of a final heading, as `missed` has them.
+
+    By the elements' turns, and by their growth at fixed rates: (1 + g) times the length and turn.
+    """
+    rolled, legs, N = rollout(elements), course.legs, elements.turn.size
+    ends = np.cumsum(rolled.chords, axis=1)
+    last = np.arange(1, legs + 1) * (N // legs) - 1
+    before = np.arange(N) <= last[:, None]  # a leg ends after these elements
+    arm = (ends[:, last].T[:, :, None] - ends) * before[:, None]  # a turn swings what follows it
+    by_turn = np.stack((-arm[:, 1], arm[:, 0]), axis=1) + rolled.by_after * before[:, None]
+    by_growth = rolled.chords * before[:, None] + by_turn * elements.turn
+    by_turn, by_growth = by_turn.reshape(-1, N), by_growth.reshape(-1, N)
+    if course.last is not None:
+        by_turn = np.vstack((by_turn, np.ones(N)))
+        by_growth = np.vstack((by_growth, elements.turn))
+    return by_turn, by_growth
+
+
+def close_enough(course: Course) -> float:
+    """A miss that needs no correction: rounding of far coordinates leaves as much."""
+    return max(CLOSE, 8 * np.finfo(float).eps * (course.magnitude - 1.0))
 
 
 def corrected(
-    controls: Controls, shares: FloatArray, rates: Rates, target: FloatArray, close: float = CLOSE
-) -> tuple[Controls, float, int]:
-    """Change the controls as little as needed for the path to end at the target.
+    elements: Elements, rates: Rates, course: Course, close: float = CLOSE
+) -> tuple[Elements, float, int]:
+    """Change the controls as little as needed for the path to meet its points.
 
-    Newton's method in the turn rates and the length: the shortest step that solves the linearised
-    equations, with rates that would leave their bounds set to the bound. Also returns the miss
-    (radii) and the number of rollouts.
+    Newton's method in the turn rates and the legs' lengths, whose elements keep their shares: the
+    shortest step that solves the linearised equations, with rates that would leave their bounds set
+    to the bound. Also returns the miss (radii) and the number of rollouts.
     """
-    lengths = shares * controls.length
-    rate = np.clip(controls.turns / lengths, rates.lower, rates.upper)
-    length = controls.length
-    best, least, rollouts = controls, np.inf, 0
+    rate = np.clip(elements.rate, rates.lower, rates.upper)
+    now, best, least, rollouts = elements, elements, np.inf, 0
     while rollouts < _CORRECTIONS:
-        now = Controls(np.cumsum(rate * shares * length), length)
-        rolled = rollout(now, shares)
+        now = Elements(rate * now.length, now.length)
+        gaps = missed(now, course)
         rollouts += 1
-        residual = target - rolled.end
-        miss = float(np.hypot(*residual))
-        if miss < least:
-            best, least = now, miss
-        if miss <= close or not np.isfinite(miss):
+        off = largest(gaps, course)
+        if off < least:
+            best, least = now, off
+        if off <= close or not np.isfinite(off):
             break
-        jacobian = _rate_jacobian(now, rolled, shares)
-        rate, length = _least_step(jacobian, residual, rate, length, rates)
+        by_turn, by_growth = slopes(now, course)
+        jacobian = np.column_stack((by_turn * now.length, _a_leg(by_growth, course.legs)))
+        rate, growth = _least_step(jacobian, gaps, rate, rates)
+        factor = np.exp(np.clip(growth, -0.5, 0.5))
+        now = now._replace(length=now.length * np.repeat(factor, rate.size // course.legs))
     return best, least, rollouts
 
 
-def _rate_jacobian(controls: Controls, rolled: Rollout, shares: FloatArray) -> FloatArray:
-    """Derivatives (2, n + 1) of the end point by the rates and, last, by log(length)."""
-    T = controls.length
-    by_rate = np.cumsum(rolled.gradient[:, ::-1], axis=1)[:, ::-1] * (shares * T)
-    # a longer path at fixed rates has longer chords and larger turns
-    by_log_length = rolled.end + rolled.gradient @ controls.heading
-    return np.column_stack((by_rate, by_log_length))
+def _a_leg(derivatives: FloatArray, legs: int) -> FloatArray:
+    """Derivatives (m, N) by elements, added up over each leg: (m, legs)."""
+    added: FloatArray = derivatives.reshape(len(derivatives), legs, -1).sum(axis=2)
+    return added
 
 
 def _least_step(
-    jacobian: FloatArray, residual: FloatArray, rate: FloatArray, length: float, rates: Rates
-) -> tuple[FloatArray, float]:
-    """The least-norm Newton step within the bounds on the rates; the length stays positive."""
+    jacobian: FloatArray, residual: FloatArray, rate: FloatArray, rates: Rates
+) -> tuple[FloatArray, FloatArray]:
+    """The rates after the least-norm Newton step within their bounds, and the step's other part."""
     n = rate.size
-    free = np.ones(n + 1, dtype=bool)
-    step = np.zeros(n + 1)
+    free = np.ones(jacobian.shape[1], dtype=bool)
+    step = np.zeros(free.size)
     left = residual
     for _ in range(n):
         step[free] = np.linalg.lstsq(jacobian[:, free], left, rcond=1e-12)[0]
@@ -254,66 +279,50 @@ def _least_step(
         step[:n][out] = np.clip(moved, rates.lower, rates.upper)[out] - rate[out]
         free[:n] &= ~out
         left = residual - jacobian[:, ~free] @ step[~free]
-    bounded = np.clip(rate + step[:n], rates.lower, rates.upper)
-    return bounded, length * float(np.exp(np.clip(step[n], -0.5, 0.5)))
+    return np.clip(rate + step[:n], rates.lower, rates.upper), step[n:]
 
 
 _STEPS = 30  # Newton's method takes 1 to 4; more are needed where bounds cut steps short
 _WITHIN = 0.9  # the share of the way to a bound that a step may go
 
 
-def miss(elements: Elements, target: FloatArray) -> float:
-    """Distance (radii) from where the controls, integrated exactly, end to the target (2,)."""
-    end = elements.path.end
-    return float(np.hypot(end.x - target[0], end.y - target[1]))
-
-
 def closed(
-    elements: Elements, rates: Rates, target: FloatArray, equal: bool
+    elements: Elements, rates: Rates, course: Course, equal: bool
 ) -> tuple[Elements, float, int]:
-    """Change the controls as little as needed for the path to end at the target.
+    """Change the controls as little as needed for the path to meet its points.
 
-    Newton's method in the rates and the lengths (only in the whole length if all are `equal`), with
-    every variable in units of its distance from its bounds: what the solver left at a bound stays
-    there, and to first order the length changes by no more than if the target had moved by the
-    miss. Where no variable is free, as on a turning circle, the rates then change as needed. Also
-    returns the miss (radii) and the number of rollouts.
+    Newton's method in the rates and the lengths (only in the legs' lengths if the elements of each
+    are `equal`), with every variable in units of its distance from its bounds: what the solver left
+    at a bound stays there, and to first order the length changes by no more than if the points had
+    moved by the miss. Where no variable is free, as on a turning circle, the rates then change as
+    needed. Also returns the miss (radii) and the number of rollouts.
     """
-    # rounding of such coordinates leaves a miss of this size
-    close = max(CLOSE, 8 * np.finfo(float).eps * float(np.abs(target).sum()))
+    close = close_enough(course)
     moved, rollouts = elements, 0
     for _ in range(_STEPS):
         rollouts += 1
-        if not moved.total > 0 or (off := miss(moved, target)) <= close:
+        if not moved.total > 0 or miss(moved, course) <= close:
             break
-        moved = _step(moved, rates, target, equal)
-    off = miss(moved, target)
+        moved = _step(moved, rates, course, equal)
+    off = miss(moved, course)
     if off <= close or not elements.total > 0:
         return moved, off, rollouts
-    shares = elements.length / elements.total
-    some = elements.length > 0
-    controls = Controls(np.cumsum(elements.turn[some]), elements.total)
-    bent, off, used = corrected(controls, shares[some], rates, target, close)
-    turn = np.zeros_like(elements.turn)
-    turn[some] = bent.turns
-    return Elements(turn, shares * bent.length), off, rollouts + used
+    bent, off, used = corrected(elements, rates, course, close)
+    return bent, off, rollouts + used
 
 
-def _step(elements: Elements, rates: Rates, target: FloatArray, equal: bool) -> Elements:
-    turn, length = elements
-    rate, total = elements.rate, elements.total
-    rolled = rollout(Controls(np.cumsum(turn), total), length / total)
-    by_turn = np.cumsum(rolled.gradient[:, ::-1], axis=1)[:, ::-1]
+def _step(elements: Elements, rates: Rates, course: Course, equal: bool) -> Elements:
+    rate, legs = elements.rate, course.legs
+    by_turn, by_length = slopes(elements, course)
     # derivatives by a rate in units of its distance to the nearer bound, and by a length at a
     # fixed rate
     slack = np.minimum(rate - rates.lower, rates.upper - rate)
-    by_rate = by_turn * (length * slack)
-    by_length = rolled.chords + by_turn * turn
     if equal:
-        by_length = by_length.sum(axis=1, keepdims=True)
-    jacobian = np.column_stack((by_rate, by_length))
-    step = np.linalg.lstsq(jacobian, target - rolled.end, rcond=None)[0]
+        by_length = _a_leg(by_length, legs)
+    jacobian = np.column_stack((by_turn * (elements.length * slack), by_length))
+    step = np.linalg.lstsq(jacobian, missed(elements, course), rcond=None)[0]
     step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
-    rate = np.clip(rate + step[: turn.size] * slack, rates.lower, rates.upper)
-    length = length * (1.0 + step[turn.size :])
+    n = rate.size
+    rate = np.clip(rate + step[:n] * slack, rates.lower, rates.upper)
+    length = elements.length * (1.0 + np.repeat(step[n:], n // (step.size - n)))
     return Elements(rate * length, length)

@@ -11,10 +11,11 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
@@ -27,8 +28,14 @@ from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     nl_file,
     unavailable,
 )
-from dubins_study.solvers.optimal_control.arcs import MOST_TURN, MOST_TURN_EACH, Elements, Rates
-from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
+from dubins_study.solvers.optimal_control.arcs import Elements, Rates, most_turn
+from dubins_study.solvers.optimal_control.transcription import (
+    Guess,
+    Meshed,
+    NlpTranscription,
+    Transcribed,
+)
+from dubins_study.solvers.option_sets import nested
 from dubins_study.solvers.setting_checks import missing_package, one_of, whole
 from dubins_study.study.path import FloatArray
 
@@ -78,46 +85,37 @@ def asked(model: PyomoProgram, data: slice, engine: NlpCall, deadline: Deadline)
 
 
 @dataclass(frozen=True, eq=False)
-class Template:
+class Template(Meshed):
     """The transcription of one choice of settings, compiled."""
 
-    n: int
-    equal: bool  # whether all elements are equally long
-    element: Any  # which element a collocation point lies in, shape (m,), from 0
-    fraction: FloatArray  # how far into it, shape (m,), in (0, 1]
+    fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
     deadline: Deadline  # when a solve stops; Ipopt's executable does not look at it
 
-    @property
-    def shares(self) -> FloatArray | None:
-        """As `transcription.Template.shares`."""
-        return np.full(self.n, 1 / self.n) if self.equal else None
-
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the states of the guess follow its controls."""
-        n, durations = self.n, 1 if self.equal else self.n
-        times = np.array([guess.total]) if self.equal else guess.length
-        values = np.concatenate((times, guess.turn, target, self._states(guess)))
+        turn, length = guess.elements
+        times = length.reshape(self.legs, -1).sum(axis=1) if self.equal else length
+        data = course.data
+        values = np.concatenate((times, turn, data, self._states(guess)))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
-        lower[:durations] = 0.0
-        turns, data = slice(durations, durations + n), slice(durations + n, durations + n + 2)
+        lower[: times.size] = 0.0
+        turns = slice(times.size, times.size + turn.size)
+        fixed = slice(turns.stop, turns.stop + data.size)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
-        most = MOST_TURN_EACH if self.equal else MOST_TURN / n
+        most = most_turn(course, self.n, self.equal)
         lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
-        lower[data] = upper[data] = target
+        lower[fixed] = upper[fixed] = data
         self.deadline.at = until
         result = self.ask(values, lower, upper)
-        length = np.maximum(result.x[:durations], 0.0)
-        if self.equal:
-            length = np.full(n, length[0] / n)
-        turn = np.clip(result.x[turns], rates.lower * length, rates.upper * length)
-        return Transcribed(Elements(turn, length), result)
+        driven = np.maximum(result.x[: times.size], 0.0)
+        length = np.repeat(driven / self.n, self.n) if self.equal else driven
+        return Transcribed(Elements(result.x[turns], length).within(rates), result)
 
-    def _states(self, guess: Elements) -> FloatArray:
+    def _states(self, guess: Guess) -> FloatArray:
         """x, y, theta at the collocation points and their derivatives by tau, shape (6 m,)."""
-        length, turn = guess.length[self.element], guess.turn[self.element]
-        before = np.cumsum(guess.length) - guess.length
-        x, y, heading = guess.path.at(before[self.element] + self.fraction * length).T
+        turn, length = (np.repeat(each, self.fraction.size) for each in guess.elements)
+        x, y, heading = guess.states(self.legs, self.fraction).T
         slopes = (length * np.cos(heading), length * np.sin(heading), turn)
         return np.concatenate((x, y, heading, *slopes))
 
@@ -128,41 +126,50 @@ def _sided(rate: float) -> float:
 
 @lru_cache(maxsize=64)
 def template(
-    n: int, points: int, equal: bool, engine: str, tol: float, max_iter: int, by_executable: bool
+    shape: Shape, engine: str, tol: float, max_iter: int, options: str, by_executable: bool
 ) -> Template:
-    """The transcription into n elements of so many points each, compiled once per setting."""
-    model, deadline = program(n, points, equal), Deadline()
+    """A transcription, compiled once per setting and number of legs."""
+    model, data = program(shape)
+    deadline = Deadline()
     if engine == "ipopt":
-        options = (("tol", tol), ("max_iter", max_iter), ("bound_relax_factor", 0.0))
+        chosen = nested(ENGINES["ipopt"].options.of(options, tol, max_iter))["ipopt"]
         # the NL file as it is, with inequalities and fixed variables
-        ask = compiled(model, options, by_executable, deadline)
+        ask = compiled(model, tuple(chosen.items()), by_executable, deadline)
     else:
-        first = 1 + n if equal else 2 * n  # of X and Y
-        data = slice(first, first + 2)
-        ask = asked(model, data, ENGINES[engine].load()(tol, max_iter), deadline)
-    element = np.repeat(np.arange(n), points)
+        ask = asked(model, data, ENGINES[engine].load()(tol, max_iter, options), deadline)
     # not from the points' labels in the model, which Pyomo rounds
-    fraction = np.tile(model.model.tau.get_discretization_info()["tau_points"][1:], n)
-    return Template(n, equal, element, fraction, ask, deadline)
+    fraction = np.array(model.model.tau.get_discretization_info()["tau_points"][1:])
+    return Template(shape.n, shape.legs, shape.equal, fraction, ask, deadline)
 
 
-def program(n: int, points: int, equal: bool) -> PyomoProgram:
-    """The transcription with its variables in the order in which `Template.solve` gives them."""
-    model = pyomo_model(n, points, equal)
+class Shape(NamedTuple):
+    """Elements of a leg, points of an element, whether elements are equal, legs, final heading."""
+
+    n: int
+    points: int
+    equal: bool
+    legs: int
+    final: bool
+
+
+def program(shape: Shape) -> tuple[PyomoProgram, slice]:
+    """The transcription with its variables in the order in which `Template.solve` gives them.
+
+    And the places of the data among them.
+    """
+    model = pyomo_model(shape)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
-    variables = [
-        *model.duration.values(),
-        *model.turn.values(),
-        model.X,
-        model.Y,
-        *(state[tau] for state in states for tau in times),
-    ]
-    return PyomoProgram(model, variables, [model.x_end, model.y_end])
+    controls = [*model.duration.values(), *model.turn.values()]
+    data = list(model.data.values())
+    variables = [*controls, *data, *(state[tau] for state in states for tau in times)]
+    end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
+    places = slice(len(controls), len(controls) + len(data))
+    return PyomoProgram(model, variables, end), places
 
 
-def pyomo_model(n: int, points: int, equal: bool) -> Any:
-    """The transcription in Pyomo; the target is a pair of variables X, Y to be fixed."""
+def pyomo_model(shape: Shape) -> Any:
+    """The transcription in Pyomo; the points and the final heading are variables to be fixed."""
     from pyomo.dae import ContinuousSet, DerivativeVar
     from pyomo.environ import (
         ConcreteModel,
@@ -175,22 +182,23 @@ def pyomo_model(n: int, points: int, equal: bool) -> Any:
         sin,
     )
 
+    n, points, equal, legs, final = shape
     m = ConcreteModel(name="dubins-2.2")
-    m.tau = ContinuousSet(initialize=range(n + 1))
-    m.elements = RangeSet(n)
-    m.duration = Var([1] if equal else m.elements, bounds=(0, None), initialize=1.0)
+    m.tau = ContinuousSet(initialize=range(n * legs + 1))
+    m.elements = RangeSet(n * legs)
+    m.duration = Var(RangeSet(legs) if equal else m.elements, bounds=(0, None), initialize=1.0)
     m.turn = Var(m.elements, initialize=0.0)
-    m.X, m.Y = Var(initialize=1.0), Var(initialize=1.0)
+    m.data = Var(range(2 * legs + final), initialize=1.0)
     m.x, m.y, m.theta = (Var(m.tau, initialize=0.0) for _ in range(3))
     m.dx, m.dy, m.dtheta = (DerivativeVar(state, wrt=m.tau) for state in (m.x, m.y, m.theta))
     TransformationFactory("dae.collocation").apply_to(
-        m, wrt=m.tau, nfe=n, ncp=points, scheme="LAGRANGE-RADAU"
+        m, wrt=m.tau, nfe=n * legs, ncp=points, scheme="LAGRANGE-RADAU"
     )
     for state in (m.x, m.y, m.theta):
         state[0].fix(0.0)
 
     def length(e: int) -> Any:
-        return m.duration[1] / n if equal else m.duration[e]
+        return m.duration[(e - 1) // n + 1] / n if equal else m.duration[e]
 
     times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
     m.east = Constraint(times, rule=lambda m, t: m.dx[t] == length(times[t]) * cos(m.theta[t]))
@@ -198,15 +206,18 @@ def pyomo_model(n: int, points: int, equal: bool) -> Any:
     m.bend = Constraint(times, rule=lambda m, t: m.dtheta[t] == m.turn[times[t]])
     m.left = Constraint(m.elements, rule=lambda m, e: m.turn[e] <= length(e))
     m.right = Constraint(m.elements, rule=lambda m, e: -m.turn[e] <= length(e))
-    m.x_end = Constraint(expr=m.X - m.x[n] == 0)
-    m.y_end = Constraint(expr=m.Y - m.y[n] == 0)
+    passed = [state[n * leg] for leg in range(1, legs + 1) for state in (m.x, m.y)]
+    m.passes = Constraint(range(2 * legs), rule=lambda m, i: m.data[i] - passed[i] == 0)
+    if final:  # as `course.heading_gap`
+        heading = m.theta[n * legs] - m.data[2 * legs]
+        m.arrives = Constraint(expr=2 * sin(heading / 2) == 0)
     m.length = Objective(expr=sum(m.duration.values()))
     return m
 
 
 @dataclass(frozen=True)
-class Collocation(Transcription):
-    """Problem (2.2) collocated at Legendre-Gauss-Radau points; other settings: `Transcription`.
+class Collocation(NlpTranscription):
+    """Problem (2.2) collocated at Legendre-Gauss-Radau points; other settings: `NlpTranscription`.
 
     Args:
         points: collocation points in each element.
@@ -232,18 +243,13 @@ class Collocation(Transcription):
             return unavailable(self.via)
         return missing_package("pyomo", "casadi") or super().unavailable()
 
-    @property
-    def keeps_limit(self) -> bool:
-        # Pyomo lets the executable run; compiling takes 0.4 s at 500 points and 5 s at 5000
-        quick = not by_executable(self.via) and self.n * self.points <= 250
-        return self.engine == "ipopt" and quick
-
     def library_versions(self) -> dict[str, str]:
         if self.engine != "ipopt":
             return super().library_versions()
         return ipopt_executable() if by_executable(self.via) else ipopt_in_casadi()
 
-    def template(self, distance: float) -> Template:
-        equal, executable = self.mesh == "equal", by_executable(self.via)
-        numbers = self.tol, self.max_iter
-        return template(self.n, self.points, equal, self.engine, *numbers, executable)
+    def template(self, course: Course) -> Template:
+        final = course.last is not None
+        shape = Shape(self.n, self.points, self.mesh == "equal", course.legs, final)
+        numbers, executable = (self.tol, self.max_iter), by_executable(self.via)
+        return template(shape, self.engine, *numbers, self.options, executable)

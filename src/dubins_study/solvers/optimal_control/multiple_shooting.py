@@ -9,24 +9,31 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from dubins_study.solvers.course import Course, heading_gap
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.arcs import (
     INTEGRATORS,
-    MOST_TURN,
-    MOST_TURN_EACH,
     Elements,
     Rates,
     chord,
+    most_turn,
 )
-from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
+from dubins_study.solvers.optimal_control.transcription import (
+    Guess,
+    Meshed,
+    NlpTranscription,
+    Transcribed,
+)
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
 
+_POSE = 3  # x, y, heading
+
 
 @dataclass(frozen=True)
-class MultipleShooting(Transcription):
-    """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `Transcription`.
+class MultipleShooting(NlpTranscription):
+    """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `NlpTranscription`.
 
     The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
     the mesh `equal` have h_k = T / n.
@@ -47,86 +54,96 @@ class MultipleShooting(Transcription):
         "accurate": {"tol": 1e-11},
     }
 
-    @property
-    def keeps_limit(self) -> bool:
-        # a dense engine's iteration takes 0.1 s at 20 segments and 10 s at 50
-        return super().keeps_limit and self.n <= 20
-
-    def template(self, distance: float) -> Segments:
-        engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
-        return Segments(self.n, self.mesh == "equal", self.integrator, engine)
+    def template(self, course: Course) -> Segments:
+        engine = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        return Segments(self.n, course.legs, self.mesh == "equal", self.integrator, engine)
 
 
 @dataclass(frozen=True, eq=False)
-class Segments:
-    """The program over n segments, which are equally long or not, and its engine."""
+class Segments(Meshed):
+    """The program over segments, and its engine."""
 
-    n: int
-    equal: bool
     integrator: str
     engine: NlpCall
 
-    @property
-    def shares(self) -> FloatArray | None:
-        """As `transcription.Template.shares`."""
-        return np.full(self.n, 1 / self.n) if self.equal else None
-
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
-        n = self.n
+        turn, length = guess.elements
         signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
-        turns = [np.maximum(sign * guess.turn, 0.0) for sign in signs]
-        straight = np.maximum(guess.length - np.abs(guess.turn), 0.0)
-        whole = [np.array([guess.total])] if self.equal else []
-        poses = guess.path.at(np.cumsum(guess.length)[:-1]).ravel()
-        begin = np.concatenate((*turns, straight, *whole, poses))
-        lower, upper = np.full(begin.size, -np.inf), np.full(begin.size, np.inf)
-        lower[: begin.size - poses.size] = 0.0
-        upper[: n * len(signs)] = MOST_TURN_EACH if self.equal else MOST_TURN / n
+        turns = [np.maximum(sign * turn, 0.0) for sign in signs]
+        straight = np.maximum(length - np.abs(turn), 0.0)
+        poses = guess.states(self.legs, np.zeros(1))
+        most = most_turn(course, self.n, self.equal)
+        lowest = [-np.inf] * _POSE + [0.0] * (len(signs) + 1)
+        highest = [np.inf] * _POSE + [most] * len(signs) + [np.inf]
+        whole = length.reshape(self.legs, -1).sum(axis=1) if self.equal else np.empty(0)
+
+        def point(rows: FloatArray, whole: FloatArray) -> FloatArray:
+            return np.concatenate((rows.ravel()[_POSE:], whole))
+
+        begin = point(np.column_stack((poses, *turns, straight)), whole)
+        lower = point(np.tile(lowest, (turn.size, 1)), 0.0 * whole)
+        upper = point(np.tile(highest, (turn.size, 1)), whole + np.inf)
+        final = course.last is not None
         program = Program(
-            expressions(n, signs, self.equal, self.integrator),
-            target,
+            expressions(self.n, signs, self.equal, self.integrator, self.legs, final),
+            course.data,
             lower,
             upper,
-            magnitude=1.0 + float(np.abs(target).sum()),
+            magnitude=course.magnitude,
         )
         result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
-        lengths = np.maximum(result.x[: n * (len(signs) + 1)], 0.0).reshape(-1, n)
-        turn = np.array(signs, dtype=float) @ lengths[:-1]
+        rows = np.append(np.zeros(_POSE), result.x[: result.x.size - whole.size])
+        lengths = np.maximum(rows.reshape(turn.size, -1)[:, _POSE:], 0.0)
+        elements = Elements(lengths[:, :-1] @ np.array(signs, dtype=float), lengths.sum(axis=1))
         if self.equal:
-            length = np.full(n, lengths.sum() / n)
-            turn = np.clip(turn, rates.lower * length, rates.upper * length)
-        else:
-            length = lengths.sum(axis=0)
+            mean = elements.length.reshape(self.legs, -1).mean(axis=1)
+            elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
         duals = None if result.duals is None else result.duals[-2:]
-        return Transcribed(Elements(turn, length), result._replace(duals=duals))
+        return Transcribed(elements, result._replace(duals=duals))
 
 
 @lru_cache(maxsize=32)
-def expressions(n: int, signs: tuple[int, ...], equal: bool, integrator: str) -> Expressions:
-    """The program over n segments, with the target (2,) as its parameters.
+def expressions(
+    n: int, signs: tuple[int, ...], equal: bool, integrator: str, legs: int, final: bool
+) -> Expressions:
+    """The program over n segments a leg; its parameters are the points and the `final` heading.
 
-    Its variables are, for each of the signs 1 (left) and -1 (right), the segments' lengths of
-    turning (n,); their lengths of going straight (n,); the whole length (1,) if they are equally
-    long; the pose (x, y, heading) at the start of each segment but the first. The last two
+    Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
+    first), for each of the signs 1 (left) and -1 (right) its length of turning, and that of going
+    straight; then the whole length of each leg, if its segments are equally long. A segment's
+    equations: that it ends at the next pose, and the last of a leg at the point. The last two
     equations are those of the end point.
     """
     import casadi as ca
 
-    turning = [ca.SX.sym(f"turning{sign}", n) for sign in signs]
-    straight, whole = ca.SX.sym("straight", n), ca.SX.sym("whole", 1 if equal else 0)
-    target, pose = ca.SX.sym("target", 2), ca.SX.sym("pose", 3, n - 1)
-    turn: Any = sum(sign * part for sign, part in zip(signs, turning, strict=True))
-    length: Any = straight + sum(turning)
-    gaps = [length - whole / n] if equal else []
-    x, y, heading = ca.SX(0), ca.SX(0), ca.SX(0)
-    for k in range(n):
-        along, across = chord(heading, turn[k], length[k], integrator)
-        x, y, heading = x + along, y + across, heading + turn[k]
-        if k < n - 1:
-            gaps.append(pose[:, k] - ca.vertcat(x, y, heading))
-            x, y, heading = ca.vertsplit(pose[:, k])
-    gaps.append(target - ca.vertcat(x, y))
-    variables = ca.vertcat(*turning, straight, whole, ca.vec(pose))
-    objective = whole if equal else ca.sum1(length)
-    return Expressions(variables, target, objective, ca.vertcat(*gaps))
+    segments = n * legs
+    pose = ca.SX.sym("pose", _POSE, segments)
+    control = ca.SX.sym("control", len(signs) + 1, segments)
+    whole, data = ca.SX.sym("whole", legs if equal else 0), ca.SX.sym("data", 2 * legs + final)
+    length, gaps = ca.sum1(control), []
+    state = [ca.SX(0)] * _POSE
+    for k in range(segments):
+        x, y, heading = state
+        turn = sum(sign * control[i, k] for i, sign in enumerate(signs))
+        along, across = chord(heading, turn, length[k], integrator)
+        end = ca.vertcat(x + along, y + across, heading + turn)
+        if k < segments - 1:
+            gaps.append(pose[:, k + 1] - end)
+            state = ca.vertsplit(pose[:, k + 1])
+        elif final:
+            gaps.append(heading_gap(end[2], data[2 * legs]))
+        if equal:
+            gaps.append(length[k] - whole[k // n] / n)
+        if k % n == n - 1:
+            leg = k // n
+            gaps.append(data[2 * leg : 2 * leg + 2] - end[:2])
+    variables = ca.vertcat(ca.vec(ca.vertcat(pose, control))[_POSE:], whole)
+    objective = ca.sum1(whole) if equal else ca.sum2(length)
+    stages = Stages(
+        (0, *(_POSE,) * (segments - 1)),
+        (len(signs) + 1,) * segments,
+        tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
+    )
+    g = ca.vertcat(*gaps)
+    return Expressions(variables, data, objective, g, stages=None if equal else stages)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
+from itertools import chain, islice, pairwise
 from time import perf_counter
 from typing import ClassVar, NamedTuple, Protocol
 
@@ -15,13 +15,15 @@ import numpy as np
 from dubins_study.solvers.answers import (
     Attempts,
     Run,
+    at_start,
     best_of,
+    coordinate_rounding,
     costs,
     in_world,
-    staying,
     total,
     tried,
 )
+from dubins_study.solvers.course import FULL_TURN, Course, body_course
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
@@ -34,21 +36,45 @@ from dubins_study.solvers.optimal_control.arcs import (
     cut,
     miss,
 )
+from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
-from dubins_study.solvers.paper_nlp.model import FULL_TURN
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path, drivable
-from dubins_study.study.words import Claim
+from dubins_study.study.scenario import Pose
+from dubins_study.study.words import NEEDS, Claim
 
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
 _SAME = (
     1e-6  # relative; of two answers this near, the one that its engine calls a solution is taken
 )
+
+
+class Guess(NamedTuple):
+    """An initial guess, and the word whose shape it has, or its kind, or `warm`."""
+
+    subproblem: str
+    elements: Elements
+    begins: FloatArray | None = None  # poses where legs begin, shape (legs, 3); None: at their ends
+
+    def states(self, legs: int, fraction: FloatArray) -> FloatArray:
+        """Poses in each of the N elements at fractions (k,) of it, shape (N k, 3)."""
+        rate, length = (
+            each.reshape(legs, -1) for each in (self.elements.rate, self.elements.length)
+        )
+        start, poses = HERE, []
+        for leg in range(legs):
+            if self.begins is not None:
+                start = Pose(*self.begins[leg])
+            path = Path(start, rate[leg], length[leg])
+            before = np.cumsum(length[leg]) - length[leg]
+            poses.append(path.at((before[:, None] + fraction * length[leg][:, None]).ravel()))
+            start = path.end
+        return np.concatenate(poses)
 
 
 class Transcribed(NamedTuple):
@@ -59,114 +85,114 @@ class Transcribed(NamedTuple):
 
 
 class Template(Protocol):
-    """A transcription, compiled for its settings."""
+    """A transcription, compiled for its settings and a number of legs."""
 
     @property
     def shares(self) -> FloatArray | None:
-        """Shares of the whole length that the elements have, shape (n,); None if free."""
+        """Shares of its leg's length that the n elements of a leg have, (legs, n); None if free."""
 
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
-        """Solve for a target (2,) in radii from a guess until a time (s, on `perf_counter`)."""
+    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
+        """Solve in body coordinates from a guess until a time (s, on `perf_counter`)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Meshed:
+    """What a template of n elements a leg has, whose lengths are free or `equal`."""
+
+    n: int
+    legs: int
+    equal: bool
+
+    @property
+    def shares(self) -> FloatArray | None:
+        """As `Template.shares`."""
+        return np.full((self.legs, self.n), 1 / self.n) if self.equal else None
 
 
 class Model(NamedTuple):
     """A question in body coordinates, in radii."""
 
     question: Question
-    place: Local
+    course: Course
     rates: Rates
     template: Template
-
-    @property
-    def target(self) -> FloatArray:
-        """Shape (2,)."""
-        return np.array((self.place.X, self.place.Y))
 
 
 @dataclass(frozen=True)
 class Transcription(EngineSolver):
-    """Problem (2.2) of the paper over n elements, each of one turn rate.
+    """Problem (2.2) of the paper over n elements a leg, each of one turn rate; a phase a leg.
 
     The engine's controls are integrated exactly; where the path misses by the transcription's own
     error or the engine's tolerance, a last correction removes the miss. `LS` and `RS` forbid
-    turning the other way. For `best`, the engine starts from the shape of every word, and the
-    shortest path is the answer.
+    turning the other way. For `best` of one leg with a free final heading, the engine starts from
+    the shape of every word, and the shortest path is the answer; a route, or a leg with a final
+    heading, has one guess that knows no word.
 
     Args:
-        n: number of elements.
-        engine: a name in `solvers.engines` of the kind `local NLP`.
-        mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
-            them and the gap is the engine's tolerance; or `equal` ones, whose gap falls like
-            1 / n^2.
+        n: number of elements of a leg.
         initial_guess, seed, count: where the search begins (`trials`).
         correct: whether a last correction removes the miss.
-        tol, max_iter: the engine's own.
         presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
     """
 
     # Three elements hold every word: an arc of up to a full turn takes two free elements. A
     # thousand take minutes.
     n: int = whole(5, 3, 1000)
-    engine: str = one_of("ipopt", NLP_ENGINES)
-    mesh: str = one_of("free", ("free", "equal"))
     initial_guess: str = one_of("bearing", INITIAL_GUESSES)
     seed: int = whole(0, 0, 2**32)
     count: int = whole(10, 1, 10**6)
     correct: bool = True
-    tol: float = within(1e-9, 1e-14, 1e-2)
-    max_iter: int = whole(200, 1, 10**6)
     presolve: bool = False
 
     formulation: ClassVar[str]
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     warm: ClassVar[bool] = True
 
     @property
-    def method(self) -> Method:
-        engine = ENGINES[self.engine]
-        tol = engine.fixed_tol or self.tol
-        return Method(self.formulation, engine.label, self.initial_guess, tol)
+    def keeps_limit(self) -> bool:
+        # compiling takes seconds for hundreds of legs
+        return False
 
-    def template(self, distance: float) -> Template:
-        """The compiled transcription for a target so far away (radii)."""
+    def template(self, course: Course) -> Template:
+        """The transcription of a course, compiled."""
         raise NotImplementedError
 
     def build(self, question: Question) -> Model:
-        place = local(question.scenario)
-        template = self.template(math.hypot(place.X, place.Y))
-        return Model(question, place, RATES[question.branch], template)
+        course = body_course(question.scenario)
+        return Model(question, course, RATES[question.branch], self.template(course))
 
     def solve(self, model: Model, limit: float) -> Solution:
-        question, place, rates, template = model
-        if place.X == place.Y == 0:
-            return staying(question)
+        question, course = model.question, model.course
+        rounding = coordinate_rounding(question.scenario)
+        if course.free_leg and (there := at_start(question, rounding)):
+            return there
+        if self.initial_guess == "words" and not course.free_leg:
+            # those of a route's legs are known from the closed form only
+            message = "the guess `words` is of one leg with a free final heading"
+            return Solution(Claim.FAILED, message=message)
         until = perf_counter() + limit
-        shapes = nearer_first(question, self.presolve, place.Y)
-        kind = Kind(self.initial_guess, self.seed + question.repeat, self.count)
-        run = partial(self._run, model)
         every = self.initial_guess == "random"
-        each = (
-            Attempts(guesses, run, lambda _: not every)
-            for guesses in trials(question, place, shapes, self.n, template.shares, rates, kind)
-        )
+        run = partial(self._run, model)
+        each = (Attempts(guesses, run, lambda _: not every) for guesses in trials(model, self))
         return _answer(model, tried(each, until), in_time=perf_counter() <= until)
 
     def _run(self, model: Model, guess: Guess, until: float) -> Run[Elements]:
-        began, target = perf_counter(), model.target
-        elements, native = model.template.solve(guess.elements, model.rates, target, until)
+        began, course = perf_counter(), model.course
+        elements, native = model.template.solve(guess, model.rates, course, until)
         # what is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
         missed, off, rollouts = math.inf, math.inf, 0
         if not (np.isfinite(elements.turn).all() and np.isfinite(elements.length).all()):
             claim = Claim.FAILED
         else:
-            missed, rollouts = miss(elements, target), 1
+            missed, rollouts = miss(elements, course), 1
             off = missed
             if self.correct:
                 fixed = model.template.shares is not None
-                elements, off, rollouts = closed(elements, model.rates, target, fixed)
-                if claim is Claim.LOCAL and not _arrives(off, target):
+                elements, off, rollouts = closed(elements, model.rates, course, fixed)
+                if claim is Claim.LOCAL and not _arrives(off, course):
                     claim = Claim.FAILED
         result = native._replace(
             claim=claim,
@@ -177,31 +203,58 @@ class Transcription(EngineSolver):
         return Run(guess.subproblem, seconds, elements, *result[1:], elements.total, off)
 
 
-def _arrives(off: float, target: FloatArray) -> bool:
-    return off <= max(_ARRIVED, _ROUNDED * float(np.abs(target).sum()))
+@dataclass(frozen=True)
+class NlpTranscription(Transcription):
+    """A transcription into one nonlinear program; other settings: `Transcription`.
+
+    Args:
+        engine: a name in `solvers.engines` of the kind `local NLP`.
+        mesh: `free` elements, whose lengths are variables, so that a switch falls between two of
+            them and the gap is the engine's tolerance; or `equal` ones, whose gap falls like
+            1 / n^2.
+        options, tol, max_iter: as those of `nlp`.
+    """
+
+    engine: str = one_of("ipopt", NLP_ENGINES)
+    mesh: str = one_of("free", ("free", "equal"))
+    options: str = option_set()
+    tol: float = tolerance()
+    max_iter: int = iterations()
+
+    @property
+    def method(self) -> Method:
+        posed = self.formulation, self.initial_guess
+        return ENGINES[self.engine].method(*posed, self.options, self.tol)
+
+
+def _arrives(off: float, course: Course) -> bool:
+    return off <= max(_ARRIVED, _ROUNDED * (course.magnitude - 1.0))
 
 
 def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
-    """The shortest run that arrives, or else the one that ends nearest to the target.
+    """The shortest run that arrives, or else the one that misses least.
 
     Of equally short runs one that the engine calls a solution goes first.
     """
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
-    scenario, rates = model.question.scenario, model.rates
-    arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, model.target)]
+    scenario, rates, course = model.question.scenario, model.rates, model.course
+    arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
     shortest = min((run.length for run in arrived), default=math.inf)
     tied = [run for run in arrived if run.length <= shortest * (1 + _SAME)]
     best = best_of([run for run in tied if run.claim is Claim.LOCAL] or tied, runs)
     claim, message = best.claim, best.message
     if not in_time:
         claim = Claim.LIMIT
-    elif claim is not Claim.LOCAL and _arrives(best.miss, model.target):
+    elif claim is not Claim.LOCAL and _arrives(best.miss, course):
         # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
         claim = Claim.FEASIBLE
     elif claim is not Claim.LOCAL:
+        # to meet all points, or a target by rates of one sign, is always possible: what an engine
+        # calls infeasible there is its own neighbourhood
         none = {run.claim for run in runs} == {Claim.INFEASIBLE}
-        claim = Claim.INFEASIBLE if none else Claim.FAILED
+        said = none and course.free_leg and model.question.branch == "best"
+        claim = Claim.INFEASIBLE if said else Claim.FAILED
     path = None
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
@@ -231,96 +284,101 @@ _SWINGS = (0.7, -0.7)
 # rad, to which the rounding of the bearing is added: a bearing so near to a full turn is straight
 # ahead
 _STRAIGHT = 1e-9
+_SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
-class Guess(NamedTuple):
-    """An initial guess, and the word whose shape it has, or `warm`, `zero` or `random`."""
-
-    subproblem: str
-    elements: Elements
-
-
-class Kind(NamedTuple):
-    """Where a search begins: the settings `initial_guess`, `seed` and `count`."""
-
-    name: str = "bearing"
-    seed: int = 0
-    draws: int = 10
-
-
-def trials(
-    question: Question,
-    target: Local,
-    shapes: Sequence[str],
-    n: int,
-    shares: FloatArray | None,
-    rates: Rates,
-    kind: Kind = Kind(),  # noqa: B008  (frozen)
-) -> Iterator[Iterator[Guess]]:
-    """Initial guesses, subproblem by subproblem, of n elements with `shares` (n,) of the length.
+def trials(model: Model, solver: Transcription) -> Iterator[Iterator[Guess]]:
+    """Initial guesses by a solver's settings, subproblem by subproblem.
 
     The question's own path goes first if it can be driven: among the guesses of the word that is
-    asked for, or alone if the branch is `best`. The others are shaped like each of the words
-    `shapes` (kind `bearing`), or have no turn and no length (`zero`, AMPL's default), or are drawn
-    at random within the `rates`, up to twice the target's distance, a turning circle's length and
-    its diameter long. Kind `given` has the question's own path only, if there is one. Without
-    shares the elements' lengths are free.
+    asked for, or alone if the branch is `best`. The others (`initial_guesses.INITIAL_GUESSES`) are:
+    `bearing`: of one leg with a free final heading shaped like each of the words, elsewhere as
+    `one`: at each point one turn toward the next, and a straight; `straight`: poses on the lines
+    between the points; `zero`: no turn and no length (AMPL's default); `random`: within the rates,
+    each leg up to twice its points' distance, a turning circle's length and its diameter long.
+    `given` is the question's own path only, if there is one.
     """
-    warm = [Guess("warm", cut(path, n, shares)) for path in _given(question)]
-    if kind.name == "given" and warm:
+    question, course, _, template = model
+    shares, name, n = template.shares, solver.initial_guess, solver.n
+    warm = _given(question, course, n, shares)
+    if name == "given" and warm:
         yield iter(warm)
         return
-    if kind.name == "zero":
-        cold = [iter([Guess("zero", Elements(np.zeros(n), np.zeros(n)))])]
-    elif kind.name == "random":
-        cold = [_random(question, target, n, shares, rates, kind)]
+    if name == "zero":
+        none = np.zeros(n * course.legs)
+        cold = [iter([Guess("zero", Elements(none, none))])]
+    elif name == "random":
+        cold = [_random(model, solver)]
+    elif name == "straight":
+        cold = [iter([_straight(course, n, shares)])]
+    elif course.free_leg and name != "one":
+        place = local(question.scenario)
+        share, most = None if shares is None else shares[0], 1 if name == "words" else None
+
+        def shaped(word: str) -> Iterator[Guess]:
+            paths = islice(_shaped(word, place), most)
+            return (Guess(word, cut(path, n, share)) for path in paths)
+
+        cold = [shaped(word) for word in nearer_first(question, solver.presolve, place.Y)]
     else:
-        cold = _words(question, target, shapes, n, shares)
+        signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
+        legs = zip(signs, np.abs(course.turned()), strict=True)
+        cold = [iter([Guess("one", _cut_legs([Path(HERE, *leg) for leg in legs], n, shares))])]
     if question.branch == "best":
-        if warm:
-            yield iter(warm)
+        yield from ([iter(warm)] if warm else [])
         yield from cold
         return
     (only,) = cold
     yield chain(warm, only)
 
 
-def _words(
-    question: Question, target: Local, shapes: Sequence[str], n: int, shares: FloatArray | None
-) -> list[Iterator[Guess]]:
-    def shaped(word: str) -> Iterator[Guess]:
-        return (Guess(word, cut(path, n, shares)) for path in _shaped(word, target))
-
-    if question.branch != "best":
-        return [shaped(question.branch)]
-    return [shaped(word) for word in shapes]
+def _cut_legs(paths: Sequence[Path], n: int, shares: FloatArray | None) -> Elements:
+    """The paths of legs, each from heading 0, as elements."""
+    of_legs = shares if shares is not None else [None] * len(paths)
+    legs = [cut(path, n, share) for path, share in zip(paths, of_legs, strict=True)]
+    return Elements(*map(np.concatenate, zip(*legs, strict=True)))
 
 
-def _random(
-    question: Question,
-    target: Local,
-    n: int,
-    shares: FloatArray | None,
-    rates: Rates,
-    kind: Kind,
-) -> Iterator[Guess]:
-    random = np.random.default_rng((kind.seed, question.repeat))
-    longest = 2 * math.hypot(target.X, target.Y) + 2 + FULL_TURN
-    for _ in range(kind.draws):  # one by one: time may be up long before the last
+def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
+    """Straights from point to point, which turn on the spot at the points."""
+    ends = np.cumsum(course.steps, axis=0)
+    share = np.full((course.legs, n), 1 / n) if shares is None else shares
+    length = (share * np.hypot(*course.steps.T)[:, None]).ravel()
+    begins = np.column_stack((ends - course.steps, np.unwrap(course.bearings())))
+    return Guess("straight", Elements(np.zeros(length.size), length), begins)
+
+
+def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
+    question, course, rates, template = model
+    n, shares, repeat = solver.n, template.shares, question.repeat
+    random = np.random.default_rng((solver.seed + repeat, repeat))
+    longest = (2 * np.hypot(*course.steps.T) + 2 + FULL_TURN)[:, None]
+    for _ in range(solver.count):  # one by one: time may be up long before the last
         if shares is None:
-            length = random.uniform(0.0, 2 * longest / n, n)
+            length = (random.uniform(0.0, 2 / n, (course.legs, n)) * longest).ravel()
         else:
-            length = shares * random.uniform(0.0, longest)
-        yield Guess(
-            "random", Elements(random.uniform(rates.lower, rates.upper, n) * length, length)
-        )
+            length = (shares * random.uniform(0.0, 1.0, (course.legs, 1)) * longest).ravel()
+        turn = random.uniform(rates.lower, rates.upper, length.size) * length
+        yield Guess("random", Elements(turn, length))
 
 
-def _given(question: Question) -> Iterator[Path]:
-    """The question's path in body coordinates at unit radius, if it can be driven."""
+def _given(question: Question, course: Course, n: int, shares: FloatArray | None) -> list[Guess]:
+    """The question's path, cut where it is nearest to the points in turn, if it can be driven."""
     path, radius = question.initial_guess, question.scenario.radius
-    if path is not None and drivable(path) and path.total_length > 0:
-        yield Path(HERE, path.curvature * radius, path.length / radius)
+    if path is None or not drivable(path) or not path.total_length > 0:
+        return []
+    path = Path(HERE, path.curvature * radius, path.length / radius)
+    places = np.linspace(0.0, path.total_length, _SAMPLES * course.legs + 1)
+    points = np.cumsum(course.steps, axis=0)[:-1, None]
+    away = np.hypot(*(path.at(places)[:, :2] - points).T)
+    ends = np.maximum.accumulate(places[away.argmin(axis=0)]) if len(points) else places[:0]
+    bounds = np.concatenate(([0.0], ends, [path.total_length]))
+    done = np.cumsum(path.length) - path.length
+    legs = [
+        Path(HERE, path.curvature, np.clip(path.length + done, a, b) - np.clip(done, a, b))
+        for a, b in pairwise(bounds)
+    ]
+    return [Guess("warm", _cut_legs(legs, n, shares))]
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:

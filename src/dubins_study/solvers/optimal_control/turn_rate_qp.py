@@ -2,81 +2,68 @@
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, best_of, coordinate_rounding, costs, in_world
-from dubins_study.solvers.engines import ENGINES, EngineSolver, names
+from dubins_study.solvers.course import Course
+from dubins_study.solvers.engines import ENGINES, names
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
     CLOSE,
-    RATES,
+    LEAST,
     SHARINGS,
-    Controls,
+    Elements,
     Rates,
-    clipped,
+    Rollout,
     corrected,
+    missed,
     rollout,
     step_shares,
+    turn_left,
 )
+from dubins_study.solvers.optimal_control.transcription import Guess, Transcribed, Transcription
 from dubins_study.solvers.optimal_control.turn_rate_template import (
     Answer,
     EngineError,
     Template,
     template,
 )
-from dubins_study.solvers.paper_nlp.polish import one_sided_only
-from dubins_study.solvers.presolve import nearer_first
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.option_sets import option_set
+from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.path import FloatArray
 from dubins_study.study.words import QP, Claim
 
 
-@dataclass(frozen=True, eq=False)
-class TurnRateModel:
-    """A question in body coordinates, in units of the radius; shares of the steps (n,)."""
-
-    question: Question
-    target: FloatArray
-    shares: FloatArray
-    rates: Rates
-    qp: Template
-
-
 @dataclass(frozen=True)
-class TurnRateQp(EngineSolver):
-    """Problem (2.2) of the paper with n turn rates, each held for an equal part of a free duration.
+class TurnRateQp(Transcription):
+    """Problem (2.2) of the paper with n turn rates a leg, each held for a given part of its length.
 
     Every step is an exact arc, so the path can be driven; it is the best of its n steps, not of
-    all paths. `LS` and `RS` forbid turning the other way. For `best`, a sequence of QPs starts from
-    the shape of every word, and the shortest path is the answer.
+    all paths. Other settings: `Transcription`.
 
     Args:
-        n: number of steps.
+        n: number of steps of a leg.
         engine: QP engine, one of clarabel, osqp, piqp, highs.
-        mesh: `equal` steps, or `graded`: for a far target half of the steps share about a full
-            circle's length at the start, where the path turns.
+        mesh: `equal` steps, or `graded`: for a far point half of the steps share about a full
+            circle's length at the start of the leg, where the path turns.
         tolerance: a sequence has converged when a QP promises less than this times the length.
         max_qps: most QPs from one initial guess.
-        presolve: whether no guess is shaped like a word that cannot exist (`solvers.presolve`).
+        options: whose choice the QP engine's options are, `equal`, `default` or `tuned`
+            (docs/engines.md).
     """
 
-    n: int = whole(50, 2, 2000)  # the QPs are dense: a larger one takes gigabytes
+    n: int = whole(50, 2, 2000)
     engine: str = one_of("piqp", names(QP))
     mesh: str = one_of("equal", SHARINGS)
     tolerance: float = within(1e-7, 0, 1, ends=False)
     max_qps: int = whole(60, 1, 10**6)
-    presolve: bool = False
+    options: str = option_set()
 
     name: ClassVar[str] = "turn-rate-qp"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    branches: ClassVar[tuple[str, ...]] = tuple(RATES)
-    warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
     summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
     # gaps near 1e-9 outside the discs and 2e-6 inside, for ten times the time
@@ -84,127 +71,31 @@ class TurnRateQp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        return Method("turn rates", ENGINES[self.engine].label, "bearing", self.tolerance)
+        label = ENGINES[self.engine].label
+        return Method("turn rates", label, self.initial_guess, self.tolerance)
 
-    @property
-    def keeps_limit(self) -> bool:
-        # compiling takes 0.4 s at 1000 steps and 1.6 s at 2000; PIQP has no limit of its own
-        return self.n <= 1000
-
-    def build(self, question: Question) -> TurnRateModel:
-        target = np.array(question.scenario.local())
-        shares = step_shares(self.n, self.mesh, math.hypot(*target))
-        qp = template(self.n, self.engine)
-        return TurnRateModel(question, target, shares, RATES[question.branch], qp)
-
-    def solve(self, model: TurnRateModel, limit: float) -> Solution:
-        deadline = time.perf_counter() + limit
-        if math.hypot(*model.target) <= coordinate_rounding(model.question.scenario):
-            none, reason = np.zeros(self.n), "the target is at the start"
-            return Solution(
-                Claim.LOCAL,
-                path=Path(model.question.scenario.start, none, none),
-                claimed_length=0.0,
-                iterations=0,
-                evaluations=0,
-                native_status=reason,
-                message=reason,
-            )
-        sequence = Sequence(model, self, deadline)
-        runs: list[Run[Controls]] = []
-        for subproblem, guess in _guesses(model, runs, self.presolve):
-            runs.append(sequence.run(subproblem, guess))
-            if runs[-1].claim is Claim.LIMIT:
-                break
-        return _solution(model, runs)
+    def template(self, course: Course) -> Qps:
+        away = np.hypot(*course.steps.T)
+        shares = np.array([step_shares(self.n, self.mesh, float(each)) for each in away])
+        return Qps(
+            self, template(self.n, course.legs, course.last is not None, self.engine), shares
+        )
 
 
-def _guesses(
-    model: TurnRateModel, runs: list[Run[Controls]], presolve: bool
-) -> Iterator[tuple[str, Controls]]:
-    """Initial guesses in the order to be tried, and whose shape they have; `runs` as far as known.
+@dataclass(frozen=True, eq=False)
+class Qps:
+    """The QP of a course, compiled."""
 
-    The question's own guess comes first, then one shaped like each word. `LS` and `RS` end with the
-    first guess that succeeds.
-    """
-    question, ends = model.question, np.cumsum(model.shares)
-    X, Y = model.target
-    if (
-        question.initial_guess is not None
-        and (warm := _resampled(question.initial_guess, model)) is not None
-    ):
-        yield "warm", warm
-    if question.branch != "best":
-        if not (runs and runs[-1].claim is Claim.LOCAL):
-            yield question.branch, _turn_then_straight(question.branch, X, Y, ends)
-        return
-    for word in nearer_first(question, presolve, Y):
-        if word[1] == "S":
-            yield word, _turn_then_straight(word, X, Y, ends)
-        else:
-            yield word, _two_arcs(word[1], ends)
+    solver: TurnRateQp
+    qp: Template
+    shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
 
-
-def _turn_then_straight(word: str, X: float, Y: float, ends: FloatArray) -> Controls:
-    """Turn to the bearing of the target, then as far as the target is away.
-
-    `ends` (n,) are the shares of the length at the ends of the steps.
-    """
-    sign = 1.0 if word[0] == "L" else -1.0
-    bearing = (sign * math.atan2(Y, X)) % (2 * math.pi)
-    if bearing > 2 * math.pi - 1e-9:  # straight ahead, up to rounding
-        bearing = 0.0
-    length = math.hypot(X, Y) + bearing
-    return Controls(sign * np.minimum(ends * length, bearing), length)
-
-
-def _two_arcs(last: str, ends: FloatArray) -> Controls:
-    """A short arc away, then most of a circle back to the side `last`; `ends` as above."""
-    first, second = 0.5, 4.5
-    sign = 1.0 if last == "L" else -1.0
-    driven = ends * (first + second)
-    heading = np.maximum(driven - first, 0.0) - np.minimum(driven, first)
-    return Controls(sign * heading, first + second)
-
-
-def _resampled(path: Path, model: TurnRateModel) -> Controls | None:
-    """A path cut into the model's steps; None if it cannot be driven or has no length."""
-    if not drivable(path) or not path.total_length > 0:
-        return None
-    ends = np.cumsum(model.shares) * path.total_length
-    heading = path.at(ends)[:, 2] - path.start.heading
-    return Controls(heading, path.total_length / model.question.scenario.radius)
-
-
-def _solution(model: TurnRateModel, runs: list[Run[Controls]]) -> Solution:
-    """The shortest path that arrives, or else the nearest to the target, and its claim."""
-    scenario = model.question.scenario
-    arrived = [run for run in runs if run.miss <= CLOSE]
-    best = best_of(arrived, runs)
-    claim = best.claim
-    if any(run.claim is Claim.LIMIT for run in runs):
-        claim = Claim.LIMIT
-    elif arrived and claim is Claim.FAILED:
-        claim = Claim.FEASIBLE  # the engine failed, but its last point arrives
-    steps = model.shares * best.length
-    with np.errstate(invalid="ignore"):
-        rate = np.where(steps > 0, best.point.turns / steps, 0.0)
-    rate = np.clip(rate, model.rates.lower, model.rates.upper)
-    path = Path(scenario.start, rate / scenario.radius, steps * scenario.radius)
-    message = "; ".join(dict.fromkeys(run.status for run in runs))
-    if claim in (Claim.LOCAL, Claim.FEASIBLE) and (reason := one_sided_only(model.question, path)):
-        claim, message = Claim.FAILED, reason
-    duals = best.duals if claim is Claim.LOCAL else None
-    return Solution(
-        claim,
-        path=path,
-        claimed_length=best.length * scenario.radius,
-        multipliers=None if duals is None else in_world(scenario, duals),
-        native_status=best.status,
-        message=message,
-        best_run=best.effort,
-        **costs(runs),
-    )
+    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
+        """As `transcription.Template.solve`: one sequence."""
+        turn, length = guess.elements
+        least = (LEAST * self.shares).ravel()  # a step of no length cannot grow by a part of itself
+        begin = Elements(turn, np.maximum(length, least))
+        return Sequence(self, rates, course, until).run(begin)
 
 
 _RETRIES = 3  # with a smaller trust region each, after which a failing engine ends the sequence
@@ -221,16 +112,16 @@ class Sequence:
     backwards) is replaced by zero, which keeps every QP convex.
     """
 
-    def __init__(self, model: TurnRateModel, solver: TurnRateQp, deadline: float) -> None:
-        self.qp, self.target, self.shares = model.qp, model.target, model.shares
-        self.rates, self.solver, self.deadline = model.rates, solver, deadline
+    def __init__(self, qps: Qps, rates: Rates, course: Course, deadline: float) -> None:
+        self.qp, self.solver = qps.qp, qps.solver
+        self.options = ENGINES[qps.solver.engine].options.of(qps.solver.options)
+        self.rates, self.course, self.deadline = rates, course, deadline
 
-    def run(self, subproblem: str, guess: Controls) -> Run[Controls]:
+    def run(self, guess: Elements) -> Transcribed:
         """Solve from one initial guess; QPs count as iterations, rollouts as evaluations."""
-        began = time.perf_counter()
         self.restored = False
         self.qp.forget()
-        self._begin(clipped(guess, self.shares, self.rates))
+        self._begin(guess.within(self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"
         while self.qps < self.solver.max_qps:
@@ -252,66 +143,72 @@ class Sequence:
                 break
         if claim is Claim.LOCAL and not self._arrived():
             claim, status = Claim.FEASIBLE, "a dead end off the target"
-        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        elements, miss, used = corrected(self.now, self.rates, self.course)
         self.rollouts += used
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
-            claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off the target"
-        duals = self.duals if claim is Claim.LOCAL else None
-        seconds, texts = time.perf_counter() - began, (status, status)
-        counts = self.qps, self.rollouts
-        return Run(
-            subproblem, seconds, controls, claim, duals, *counts, *texts, controls.length, miss
-        )
+            claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off"
+        duals = self.duals[-1] if claim is Claim.LOCAL else None
+        counts, point = (self.qps, self.rollouts), np.append(elements.turn, elements.length)
+        return Transcribed(elements, EngineResult(point, claim, duals, *counts, status, status))
 
-    def _begin(self, controls: Controls) -> None:
+    def _begin(self, elements: Elements) -> None:
         self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
-        self.now, self.rolled = controls, rollout(controls, self.shares)
-        final = controls.heading[-1]
-        self.duals = np.array([np.cos(final), np.sin(final)])
+        self.now, self.rolled = elements, rollout(elements)
+        ends = np.cumsum(elements.turn).reshape(self.course.legs, -1)[:, -1]
+        self.duals = np.column_stack([np.cos(ends), np.sin(ends)])
 
     def _ask(self) -> Answer:
         """Write the linearisation at the present point into the QP, and solve it."""
-        qp, now, T = self.qp, self.now, self.now.length
-        self.unit = unit = min(1.0, T)  # a short path's headings change by about its length
-        steps = self.shares * (T / unit)
-        along = np.maximum(self.duals @ self.rolled.chords, 0.0) / T
-        curvature = along / 2
-        curvature[:-1] += along[1:] / 2
+        qp, now, rolled, legs = self.qp, self.now, self.rolled, self.course.legs
+        self.scale = scale = now.total / legs
+        self.unit = unit = min(1.0, scale)  # a short path's headings change by about its length
+        chords = rolled.chords.reshape(2, legs, -1)
+        along = np.maximum(np.einsum("li,iln->ln", self.duals, chords), 0.0).ravel() / scale
+        # a heading is in the chord before it and in the one after it
+        curvature = (along + np.append(along[1:], 0.0)) / 2
         floor = _LEAST_CURVATURE / along.size
-        turns = now.turns / unit
-        upper, lower = self.rates.upper * steps, self.rates.lower * steps
-        qp.G[:] = self.rolled.gradient * (unit / T)
-        qp.q[:] = self.rolled.end / T
-        qp.r[:] = (self.target - self.rolled.end) / T
+        by_before = rolled.by_before.reshape(2, legs, -1)
+        G = rolled.by_after.reshape(2, legs, -1).copy()
+        G[:, :, :-1] += by_before[:, :, 1:]
+        gaps = rolled.gaps(now, self.course).T
+        lengths, turns = now.length / unit, now.turn / unit
+        upper, lower = self.rates.upper * lengths, self.rates.lower * lengths
+        qp.G[:] = G.reshape(2, -1) * (unit / scale)
+        qp.P[:] = by_before[:, :, 0] * (unit / scale)
+        qp.q[:] = chords.sum(axis=2) / scale
+        qp.r[:] = gaps / scale
+        qp.w[:] = now.length.reshape(legs, -1).sum(axis=1) / scale
         qp.upper[:], qp.above[:] = upper, upper - turns
         qp.lower[:], qp.below[:] = lower, turns - lower
         qp.c[:] = np.maximum(curvature * self.ease, floor) * unit**2
         qp.penalty[:] = self.penalty
         qp.reach[:], qp.stretch[:] = self.reach / unit, min(self.reach, 0.5)
-        return qp.solve(max(self.deadline - time.perf_counter(), 1e-3))
+        qp.h[:], qp.r_h[:] = unit / scale, turn_left(now, self.course) / scale
+        return qp.solve(self.options, max(self.deadline - time.perf_counter(), 1e-3))
 
-    def _merit(self, length: float, end: FloatArray) -> float:
-        return length + self.penalty * float(np.abs(end - self.target).sum())
+    def _merit(self, elements: Elements, rolled: Rollout) -> float:
+        gaps = float(np.abs(rolled.gaps(elements, self.course)).sum())
+        return elements.total + self.penalty * (gaps + abs(turn_left(elements, self.course)))
 
     def _advance(self, answer: Answer) -> bool:
         """Take the QP's step if it lowers the merit function; True if there is nothing to gain."""
-        T = self.now.length
-        before = self._merit(T, self.rolled.end)
-        promised = before - T * (1.0 + answer.value)
-        moved = Controls(self.now.heading + self.unit * answer.z, T * (1.0 + answer.t))
-        trial = clipped(moved, self.shares, self.rates)
-        rolled = rollout(trial, self.shares)
+        before = self._merit(self.now, self.rolled)
+        promised = before - self.now.total - self.scale * answer.value
+        growth = np.repeat(1.0 + answer.t, self.now.length.size // answer.t.size)
+        turn = self.now.turn + self.unit * np.diff(answer.z, prepend=0.0)
+        trial = Elements(turn, self.now.length * growth).within(self.rates)
+        rolled = rollout(trial)
         self.rollouts += 1
-        gain = before - self._merit(trial.length, rolled.end)
+        gain = before - self._merit(trial, rolled)
         if answer.slack < 1e-6 and gain < 0.7 * promised:
             # second-order correction: a good step must not fail for the linearisation's error
-            closer, _, used = corrected(trial, self.shares, self.rates, self.target)
-            bent = rollout(closer, self.shares)
+            closer, _, used = corrected(trial, self.rates, self.course)
+            bent = rollout(closer)
             self.rollouts += used + 1
-            better = before - self._merit(closer.length, bent.end)
+            better = before - self._merit(closer, bent)
             if better > gain:
                 trial, rolled, gain = closer, bent, better
-        if promised < self.solver.tolerance * T:
+        if promised < self.solver.tolerance * self.now.total:
             if not answer.solved:
                 raise EngineError("the engine stopped at its limit, before any gain")
             return self._arrived() or not (self._raise_penalty() or self._restore())
@@ -321,8 +218,8 @@ class Sequence:
         return False
 
     def _arrived(self) -> bool:
-        off = float(np.abs(self.rolled.end - self.target).sum())
-        return off <= max(_ARRIVED * self.now.length, CLOSE)
+        off = float(np.abs(missed(self.now, self.course)).sum())
+        return off <= max(_ARRIVED * self.now.total, CLOSE)
 
     def _raise_penalty(self) -> bool:
         """Raise the penalty on missing the target; False if it is at its largest.
@@ -341,16 +238,16 @@ class Sequence:
         if self.restored:
             return False
         self.restored = True
-        controls, miss, used = corrected(self.now, self.shares, self.rates, self.target)
+        elements, miss, used = corrected(self.now, self.rates, self.course)
         self.rollouts += used + 1
         if miss > CLOSE:
             return False
-        self._begin(controls)
+        self._begin(elements)
         return True
 
     def _adapt(self, answer: Answer, ratio: float) -> None:
         """Adapt the trust region and the curvature to the ratio of gain to predicted gain."""
-        turned, stretched = self.unit * float(np.abs(answer.z).max()), abs(answer.t)
+        turned, stretched = self.unit * float(np.abs(answer.z).max()), float(np.abs(answer.t).max())
         if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:
             self.reach = min(2 * self.reach, 4.0)
         elif ratio < 0.25:

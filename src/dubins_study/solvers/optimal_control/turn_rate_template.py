@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
+from copy import deepcopy
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import diags_array, issparse
+from scipy.sparse import diags_array, eye_array, issparse, kron
 
 from dubins_study.study.path import FloatArray
-
-
-def _options(engine: str, n: int, seconds: float) -> dict[str, Any]:
-    if engine == "piqp":
-        return {"compute_timings": True}  # its limit of 250 iterations is short enough
-    if engine == "clarabel":
-        return {"time_limit": seconds}
-    if engine == "osqp":
-        # at 1e-6 and less it takes twice as long and stops at its limit, for the same paths
-        return {"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 20_000, "time_limit": seconds}
-    # its active-set method takes about 4 n steps, or cycles without end
-    return {"threads": 1, "time_limit": seconds, "qp_iteration_limit": 20 * n + 200}
 
 
 class Compiled:
@@ -41,7 +29,8 @@ class Compiled:
         first, second = 1 + random.random((2, sum(sizes)))
         old, *_ = self._data(parameters, first, engine)
         new, self.chain, self.inverse = self._data(parameters, second, engine)
-        self.frame = new
+        # the engines' interfaces compare the arrays with the last ones: two sets take turns
+        self.frames = [deepcopy(new), new]
         self.places = {}
         for key, array in new.items():
             values, before = _numbers(array), _numbers(old.get(key))
@@ -52,6 +41,10 @@ class Compiled:
         self.memory: dict[str, Any] = {}  # the engine's, from one QP to the next
         for part, parameter in zip(parts, parameters, strict=True):
             setattr(self, parameter.name(), part.reshape(parameter.shape))
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> FloatArray: ...
 
     def forget(self) -> None:
         """Let the engine start cold, so that no answer depends on an earlier question."""
@@ -65,36 +58,31 @@ class Compiled:
         return self.problem.get_problem_data(engine, solver_opts={})
 
     def solve_compiled(self, options: dict[str, Any]) -> None:
-        """Solve for the present `values`; the answer is in the problem and its variables.
+        """Solve for the present `values`; the answer is `solution`, cvxpy's own.
 
-        The arrays are fresh every time, since the engines' interfaces compare them with the last
-        ones.
+        It is not written into the problem, which would evaluate the objective.
         """
-        data = dict(self.frame)
+        self.frames.reverse()
+        data = dict(self.frames[0])
         for key, (where, which, sign) in self.places.items():
-            array = data[key].copy()
-            _numbers(array)[where] = sign * self.values[which]
-            data[key] = array
+            _numbers(data[key])[where] = sign * self.values[which]
         raw = self.chain.solver.solve_via_data(
             data, warm_start=True, verbose=False, solver_opts=options, solver_cache=self.memory
         )
         # OSQP catches Ctrl-C itself
         if getattr(getattr(raw, "info", None), "status", None) == "interrupted":
             raise KeyboardInterrupt
-        with warnings.catch_warnings():
-            # the caller judges an answer at the engine's limit
-            warnings.filterwarnings("ignore", "Solution may be inaccurate")
-            self.problem.unpack_results(raw, self.chain, self.inverse)
+        self.solution = self.chain.invert(raw, self.inverse)
 
 
 class Answer(NamedTuple):
-    """A QP's solution: changes of the headings z (n,) and of the length t, duals (2,), objective.
+    """A QP's solution: changes of headings z (N,) and lengths t (legs,), duals (legs, 2), value.
 
     `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
     """
 
     z: FloatArray
-    t: float
+    t: FloatArray
     duals: FloatArray
     slack: float
     value: float
@@ -106,78 +94,97 @@ class EngineError(RuntimeError):
 
 
 class Template(Compiled):
-    """The QP for a number of steps and an engine.
+    """The QP for n steps a leg, N in all, a final heading or none, and an engine.
 
-    Lengths are in units of the present length, headings in units that the caller chooses:
+    A leg's length changes by its part t of itself; headings are in units that the caller chooses,
+    lengths in those of the caller too:
 
-        minimise    t + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
-        subject to  G z + q t + s_+ - s_- = r,  s >= 0     the end point, linearised
-                    z_k - z_{k-1} - upper_k t <= above_k   |u| <= b, exact
-                    z_{k-1} - z_k + lower_k t <= below_k
-                    |z_k| <= reach,  |t| <= stretch        the trust region
+        minimise    sum_i w_i t_i + 1/2 sum_k c_k z_k^2 + penalty * sum(s)
+        subject to  sum_k G_k z_k + P_i z_before + q_i t_i + s_+ - s_- = r_i,  s >= 0
+                    z_k - z_{k-1} - upper_k t_i <= above_k   |u| <= b, exact
+                    z_{k-1} - z_k + lower_k t_i <= below_k
+                    h z_N + s_+ - s_- = r_h                  the final heading, if one is given
+                    |z_k| <= reach,  |t_i| <= stretch        the trust region
 
-    The parameters G (2, n), q, r (2,), upper, lower, above, below, c (n,), penalty, reach and
-    stretch (1,) are attributes, arrays to be written into.
+    The first equation, two a leg, says where the leg leads, linearised; its z are those of its own
+    steps, and the one before them. The parameters G (2, N), P, q, r (2, legs), w (legs,), upper,
+    lower, above, below, c (N,), penalty, reach, stretch, h and r_h (1,) are attributes, arrays to
+    be written into.
     """
 
-    G: FloatArray
-    q: FloatArray
-    r: FloatArray
-    upper: FloatArray
-    lower: FloatArray
-    above: FloatArray
-    below: FloatArray
-    c: FloatArray
-    penalty: FloatArray
-    reach: FloatArray
-    stretch: FloatArray
-
-    def __init__(self, n: int, engine: str) -> None:
+    def __init__(self, n: int, legs: int, final: bool, engine: str) -> None:
         import cvxpy as cp
 
-        self.n, self.engine = n, engine
-        shapes: dict[str, Any] = {"G": (2, n), "q": 2, "r": 2}
-        shapes |= dict.fromkeys(("penalty", "reach", "stretch"), 1)
-        shapes |= dict.fromkeys(("upper", "lower", "above", "below", "c"), n)
+        self.engine, N = engine, n * legs
+        shapes: dict[str, Any] = {"G": (2, N), "w": legs}
+        shapes |= dict.fromkeys(("P", "q", "r"), (2, legs))
+        shapes |= dict.fromkeys(("penalty", "reach", "stretch", "h", "r_h"), 1)
+        shapes |= dict.fromkeys(("upper", "lower", "above", "below", "c"), N)
         p = {
             name: cp.Parameter(shape, name=name, nonneg=name in ("c", "penalty"))
             for name, shape in shapes.items()
         }
-        self.z, self.t, self.s = cp.Variable(n), cp.Variable(1), cp.Variable(4)
-        ones = np.ones(n)
+        self.z, self.t = cp.Variable(N), cp.Variable(legs)
+        self.s = cp.Variable((4, legs))
+        self.s_h = cp.Variable(2 if final else 0)
+        ones = np.ones(N)
         turn = diags_array([ones, -ones[1:]], offsets=[0, -1], format="csc") @ self.z
-        self.end = p["G"] @ self.z + cp.multiply(p["q"], self.t) + self.s[:2] - self.s[2:] == p["r"]
+        a_leg = kron(eye_array(legs), np.ones((1, n)), format="csr")  # adds up a leg's steps
+        before = diags_array([np.ones(legs - 1)], offsets=[-1], shape=(legs, legs)) @ (
+            kron(eye_array(legs), np.eye(1, n, n - 1), format="csr")
+        )
+        self.ends = [
+            a_leg @ cp.multiply(p["G"][i], self.z)
+            + cp.multiply(p["P"][i], before @ self.z)
+            + cp.multiply(p["q"][i], self.t)
+            + self.s[2 * i]
+            - self.s[2 * i + 1]
+            == p["r"][i]
+            for i in range(2)
+        ]
+        stretched = a_leg.T @ self.t
         bounds = [
-            turn - cp.multiply(p["upper"], self.t) <= p["above"],
-            cp.multiply(p["lower"], self.t) - turn <= p["below"],
+            turn - cp.multiply(p["upper"], stretched) <= p["above"],
+            cp.multiply(p["lower"], stretched) - turn <= p["below"],
             self.z <= p["reach"],
             -self.z <= p["reach"],
             self.t <= p["stretch"],
             -self.t <= p["stretch"],
             self.s >= 0,
         ]
+        if final:
+            arrives = cp.multiply(p["h"], self.z[-1:]) + self.s_h[:1] - self.s_h[1:] == p["r_h"]
+            bounds += [arrives, self.s_h >= 0]
         bend = 0.5 * (p["c"] @ cp.square(self.z))
-        objective = cp.sum(self.t) + bend + cp.sum(cp.multiply(p["penalty"], self.s))
-        problem = cp.Problem(cp.Minimize(objective), [self.end, *bounds])
+        slack = cp.sum(self.s) + cp.sum(self.s_h)
+        objective = p["w"] @ self.t + bend + p["penalty"] @ cp.reshape(slack, (1,), order="C")
+        problem = cp.Problem(cp.Minimize(objective), [*self.ends, *bounds])
         super().__init__(problem, list(p.values()), engine.upper())
 
-    def solve(self, seconds: float) -> Answer:
+    def solve(self, options: dict[str, Any], seconds: float) -> Answer:
         """Solve the QP for the parameters' present values; an EngineError if there is no answer."""
         import cvxpy as cp
 
-        problem = self.problem
         try:
-            self.solve_compiled(_options(self.engine, self.n, seconds))
+            # PIQP has no limit of time; its 250 iterations are short enough
+            limits: dict[str, Any] = {} if self.engine == "piqp" else {"time_limit": seconds}
+            if self.engine == "highs":  # takes about four iterations a step, or cycles without end
+                limits["qp_iteration_limit"] = 20 * self.z.size + 200
+            self.solve_compiled(options | limits)
         except cp.error.SolverError as error:
             raise EngineError(str(error)) from error
-        if self.z.value is None or problem.status not in cp.settings.SOLUTION_PRESENT:
-            raise EngineError(str(problem.status))
-        z, t, slack = self.z.value, float(self.t.value[0]), float(np.abs(self.s.value).sum())
+        solution, status = self.solution, str(self.solution.status)
+        if status not in cp.settings.SOLUTION_PRESENT:
+            raise EngineError(status)
+        values, dual_values = solution.primal_vars, solution.dual_vars
+        z, t = values[self.z.id], values[self.t.id]
+        slack = sum(float(np.abs(values[s.id]).sum()) for s in (self.s, self.s_h) if s.size)
         # not problem.value, which is the objective at the parameters of the compilation
-        value = t + 0.5 * float(self.c @ z**2) + float(self.penalty[0]) * slack
-        if not (np.isfinite(value) and np.isfinite(self.end.dual_value).all()):
-            raise EngineError(f"{problem.status}, with numbers that are not finite")
-        return Answer(z, t, -self.end.dual_value, slack, value, problem.status == cp.OPTIMAL)
+        value = float(self.w @ t + 0.5 * (self.c @ z**2)) + float(self.penalty[0]) * slack
+        duals = -np.column_stack([dual_values[end.id] for end in self.ends])
+        if not (np.isfinite(value) and np.isfinite(duals).all()):
+            raise EngineError(f"{status}, with numbers that are not finite")
+        return Answer(z, t, duals, slack, value, status == cp.OPTIMAL)
 
 
 def _numbers(array: Any) -> Any:
@@ -203,6 +210,6 @@ def _places(
 
 
 @lru_cache(maxsize=32)
-def template(n: int, engine: str) -> Template:
+def template(n: int, legs: int, final: bool, engine: str) -> Template:
     """The compiled QP; kept, since compiling takes as long as many solves."""
-    return Template(n, engine)
+    return Template(n, legs, final, engine)

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from dubins_study.solvers.course import Course, heading_gap
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.arcs import (
@@ -20,7 +21,7 @@ from dubins_study.solvers.optimal_control.arcs import (
     chord,
     step_shares,
 )
-from dubins_study.solvers.optimal_control.transcription import Transcribed, Transcription
+from dubins_study.solvers.optimal_control.transcription import Guess, NlpTranscription, Transcribed
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
 
@@ -29,12 +30,12 @@ _DETOUR = 4 * math.pi
 
 
 @dataclass(frozen=True)
-class TurnRates(Transcription):
-    """Problem (2.2) with n turn rates and the whole length; other settings: `Transcription`.
+class TurnRates(NlpTranscription):
+    """Problem (2.2) with n turn rates and the length of a leg; other settings: `NlpTranscription`.
 
-    Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the end
-    point's two equations are the only ones. Steps so long that they could turn by more than half a
-    circle get a smaller bound.
+    Single shooting: the path is driven from the start to its end (`arcs.chord`), so that the
+    equations are those of the points and of a final heading only. Steps so long that they could
+    turn by more than half a circle get a smaller bound.
 
     Args:
         mesh: `equal` steps, or `graded` ones (`arcs.step_shares`).
@@ -52,58 +53,64 @@ class TurnRates(Transcription):
         "accurate": {"n": 200, "mesh": "graded"},
     }
 
-    @property
-    def keeps_limit(self) -> bool:
-        # compiling takes 0.2 s at 50 steps and 5 s at 200, a dense engine's iteration as much
-        return super().keeps_limit and self.n <= 50
-
-    def template(self, distance: float) -> Steps:
-        shares = step_shares(self.n, self.mesh, distance)
-        most = np.minimum(1.0, MOST_TURN_EACH / (shares * (distance + _DETOUR)))
-        engine = ENGINES[self.engine].load()(self.tol, self.max_iter)
-        return Steps(self.n, shares, most, engine)
+    def template(self, course: Course) -> Steps:
+        away = np.hypot(*course.steps.T)
+        shares = np.array([step_shares(self.n, self.mesh, float(each)) for each in away])
+        most = np.minimum(1.0, MOST_TURN_EACH / (shares * (away[:, None] + _DETOUR)))
+        engine = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        return Steps(shares, most.ravel(), engine)
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """The program over n turn rates, and its engine."""
+    """The program over n turn rates a leg, and its engine."""
 
-    n: int
-    shares: FloatArray  # of the length, shape (n,), summing to 1
-    most: FloatArray  # the largest turn rates, shape (n,), at most 1
+    shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
+    most: FloatArray  # the largest turn rates, shape (N,), at most 1
     engine: NlpCall
 
-    def solve(self, guess: Elements, rates: Rates, target: FloatArray, until: float) -> Transcribed:
+    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`."""
+        legs, n = self.shares.shape
         lower, upper = rates.lower * self.most, rates.upper * self.most
         program = Program(
-            expressions(self.n),
-            np.concatenate((target, self.shares)),
-            np.append(lower, 0.0),
-            np.append(upper, np.inf),
-            magnitude=1.0 + float(np.abs(target).sum()),
+            expressions(n, legs, course.last is not None),
+            np.concatenate((course.data, self.shares.ravel())),
+            np.append(lower, np.zeros(legs)),
+            np.append(upper, np.full(legs, np.inf)),
+            magnitude=course.magnitude,
         )
-        begin = np.append(np.clip(guess.rate, lower, upper), guess.total)
+        whole = guess.elements.length.reshape(legs, n).sum(axis=1)
+        begin = np.append(np.clip(guess.elements.rate, lower, upper), whole)
         result = self.engine(program, begin, until - perf_counter())
-        length = self.shares * max(float(result.x[-1]), 0.0)
-        elements = Elements(np.clip(result.x[:-1], rates.lower, rates.upper) * length, length)
-        return Transcribed(elements, result)
+        rate, whole = np.split(result.x, [-legs])
+        length = (self.shares * np.maximum(whole, 0.0)[:, None]).ravel()
+        duals = None if result.duals is None else result.duals[-2:]
+        elements = Elements(np.clip(rate, rates.lower, rates.upper) * length, length)
+        return Transcribed(elements, result._replace(duals=duals))
 
 
 @lru_cache(maxsize=32)
-def expressions(n: int) -> Expressions:
-    """The program over the turn rates (n,) and the whole length.
+def expressions(n: int, legs: int, final: bool) -> Expressions:
+    """The program over the turn rates (N,) and the legs' lengths (legs,).
 
-    Its parameters are the target (2,) and the steps' shares (n,) of the length.
+    Its parameters are the points (2 legs,), the `final` heading, and the steps' shares (N,) of
+    their leg's length. The last two equations are those of the end point.
     """
     import casadi as ca
 
-    rate, whole = ca.SX.sym("rate", n), ca.SX.sym("whole")
-    target, share = ca.SX.sym("target", 2), ca.SX.sym("share", n)
+    rate, whole = ca.SX.sym("rate", n * legs), ca.SX.sym("whole", legs)
+    points, share = ca.SX.sym("points", 2 * legs), ca.SX.sym("share", n * legs)
+    given, gaps = ca.SX.sym("given", int(final)), []
     x, y, heading = ca.SX(0), ca.SX(0), ca.SX(0)
-    for k in range(n):
-        length = share[k] * whole
+    for k in range(n * legs):
+        leg = k // n
+        length = share[k] * whole[leg]
         along, across = chord(heading, rate[k] * length, length)
         x, y, heading = x + along, y + across, heading + rate[k] * length
-    gap = target - ca.vertcat(x, y)
-    return Expressions(ca.vertcat(rate, whole), ca.vertcat(target, share), whole, gap)
+        if k % n == n - 1:
+            gaps.append(points[2 * leg : 2 * leg + 2] - ca.vertcat(x, y))
+    if final:
+        gaps.insert(0, heading_gap(heading, given))
+    data = ca.vertcat(points, given, share)
+    return Expressions(ca.vertcat(rate, whole), data, ca.sum1(whole), ca.vertcat(*gaps))

@@ -7,11 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem, target
+from dubins_study.solvers.course import FULL_TURN
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, Subproblem, target
+from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 
-INITIAL_GUESSES = ("bearing", "zero", "random", "given")
+INITIAL_GUESSES = ("bearing", "one", "words", "straight", "zero", "random", "given")
 
 # RL and LR have two isolated solutions each, and only the one whose second arc exceeds pi can be
 # optimal (docs/derivation.md, section 4). Seen from the first circle's centre, the second centre is
@@ -47,15 +49,26 @@ _SWINGS = (0.7, -0.7, 1.4, -1.4)
 
 
 def initial_guesses(
-    question: Question, subproblem: Subproblem, kind: str, seed: int, count: int
+    question: Question,
+    subproblem: Subproblem,
+    kind: str,
+    seed: int,
+    count: int,
+    *,
+    both: bool = False,
 ) -> Iterator[FloatArray]:
     """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
 
-    The question's own guess goes first, if that is a path of the subproblem's word. The kinds are
-    `bearing` (turn towards the target and by half the radius' apparent size more, then go straight;
-    some turns to either side follow), `zero` (AMPL's default), `random` (`count` points: arcs up to
-    a full turn, straights up to twice the target's distance plus 2), and `given`: only the
-    question's own guess.
+    The question's own guess goes first, if that is a path of the subproblem's word. The kinds:
+    `bearing`: turn towards the target and by half the radius' apparent size more, then go straight;
+        some turns to either side follow. The joint model begins as for `one`.
+    `words`: the first of these for each word that the subproblem holds; if `both` orders are
+        solved, each word is begun in one of them.
+    `one`: the shorter turn towards the target, then straight, whatever the word.
+    `straight`: no turn, the target's distance. `zero`: AMPL's default.
+    `random`: `count` points, arcs up to a full turn, straights up to twice the target's distance
+        plus 2.
+    `given`: only the question's own guess.
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:
@@ -66,6 +79,13 @@ def initial_guesses(
             return
     if kind == "zero":
         yield np.zeros(3)
+    elif kind == "straight":
+        yield np.array((0.0, 0.0, math.hypot(X, Y))) * subproblem.mask
+    elif kind == "one":
+        yield np.array(_toward(X, Y)) * subproblem.mask
+    elif kind == "words":
+        for word in _words_of(subproblem, both):
+            yield _first(question, SUBPROBLEMS[word], subproblem.mirrored)
     elif kind == "random":
         largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
         random = np.random.default_rng(seed)
@@ -77,6 +97,13 @@ def initial_guesses(
             yield np.array(point) * subproblem.mask
 
 
+def _words_of(subproblem: Subproblem, both: bool) -> list[str]:
+    """The words that a subproblem holds; with `both` orders, those that begin as it does."""
+    name = subproblem.name
+    held = [word for word in WORDS if -1 < name.find(word[0]) < name.find(word[1])]
+    return [word for word in held if word[0] == name[0]] if both else held
+
+
 def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArray) -> bool:
     """Whether a solution z, shape (3,), of a subproblem leaves no reason to try another guess.
 
@@ -84,7 +111,7 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
     long second arc can be optimal, but where the branch asks for the word, either may be the
     shorter.
     """
-    if kind == "random":
+    if kind in ("random", "words"):
         return False
     if subproblem.free != (0, 1):
         return True
@@ -94,7 +121,7 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
 def _bearing(
     X: float, Y: float, subproblem: Subproblem, prescribed: bool
 ) -> Iterator[tuple[float, float, float]]:
-    bearing, distance = math.atan2(Y, X), max(math.hypot(X, Y), _SHORTEST)
+    distance = max(math.hypot(X, Y), _SHORTEST)
     if subproblem.free == (0, 1):
         facing = math.atan2(Y - 1, X) + math.pi / 2
         beyond = min(max(math.hypot(X, Y - 1) - 1, 0.0), 2.0)
@@ -104,8 +131,9 @@ def _bearing(
             yield (facing + aside) % FULL_TURN, second, 0.0
         return
     if subproblem.free == (0, 1, 2):
-        yield max(bearing, 0.0), max(-bearing, 0.0), distance
+        yield _toward(X, Y)
         return
+    bearing = math.atan2(Y, X)
     facing = (bearing if subproblem.free[0] == 0 else -bearing) % FULL_TURN
     if min(facing, FULL_TURN - facing) < _STRAIGHT:
         yield 0.0, 0.0, distance
@@ -113,6 +141,19 @@ def _bearing(
     aim = facing + math.atan(1 / distance)
     for arc in (aim, facing, *(aim + swing for swing in _SWINGS)):
         yield arc % FULL_TURN, arc % FULL_TURN, distance + 0.5
+
+
+def _toward(X: float, Y: float) -> tuple[float, float, float]:
+    """The shorter turn towards the target, then as far as it is away."""
+    bearing = math.atan2(Y, X)
+    return max(bearing, 0.0), max(-bearing, 0.0), max(math.hypot(X, Y), _SHORTEST)
+
+
+def _first(question: Question, word: Subproblem, mirrored: bool) -> FloatArray:
+    """The first guess of a word, in the order of turns LRS or, `mirrored`, RLS; shape (3,)."""
+    aim = target(question.scenario, word.mirrored)
+    point = np.array(next(_bearing(*aim, word, question.branch == word.name))) * word.mask
+    return point if mirrored == word.mirrored else point[[1, 0, 2]]
 
 
 def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.engines import ipopt_executable, ipopt_in_casadi
+from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
 from dubins_study.solvers.nlp_engines.program import EngineResult, needs_watch
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
@@ -24,11 +24,12 @@ from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     compiled,
     unavailable,
 )
+from dubins_study.solvers.option_sets import iterations, nested, option_set, tolerance
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, positive, within
+from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.path import FloatArray
 
 
@@ -37,19 +38,18 @@ class Ipopt(LocalNlp):
     """Model (4.12) by Ipopt; settings that are not explained here: `LocalNlp`.
 
     Args:
-        tol: Ipopt's own tolerance.
-        max_iter: largest number of iterations.
-        bound_relax: Ipopt's bound_relax_factor. Its default, 1e-8, returns arcs of -1e-8, which no
-            vehicle drives: cut to zero they miss a target 1 000 radii away by 1e-5 radii.
+        options: whose choice Ipopt's options are, `equal`, `default` or `tuned` (docs/engines.md).
+        tol: Ipopt's tolerances; 0 for those of `options`.
+        max_iter: largest number of iterations; 0 for that of `options`.
         mu_target: Ipopt's own: the barrier parameter to stop at.
         units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit.
         via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
             one.
     """
 
-    tol: float = within(1e-8, 1e-14, 1e-2)
-    max_iter: int = positive(200)
-    bound_relax: float = within(0.0, 0, 1e-2)
+    options: str = option_set()
+    tol: float = tolerance()
+    max_iter: int = iterations()
     mu_target: float = within(0.0, 0, 1)
     units: str = one_of("radius", UNITS)
     via: str = one_of("auto", VIAS)
@@ -64,7 +64,8 @@ class Ipopt(LocalNlp):
 
     @property
     def method(self) -> Method:
-        return Method(self.formulation, "Ipopt", self.initial_guess, self.tol)
+        posed = self.formulation, self.initial_guess
+        return ENGINES["ipopt"].method(*posed, self.options, self.tol)
 
     def unavailable(self) -> str | None:
         return unavailable(self.via)
@@ -77,14 +78,12 @@ class Ipopt(LocalNlp):
         return not by_executable(self.via)  # Pyomo lets it run
 
     def adapter(self) -> Adapter:
-        options = (
-            ("tol", self.tol),
-            ("max_iter", self.max_iter),
-            ("bound_relax_factor", self.bound_relax),
-            ("mu_target", self.mu_target),
-        )
+        chosen = ENGINES["ipopt"].options.of(self.options, self.tol, self.max_iter)
+        options = nested(chosen)["ipopt"]
+        if self.mu_target:
+            options["mu_target"] = self.mu_target
         watched = needs_watch(self.max_iter, 3)
-        return _compiled(options, self.units, by_executable(self.via), watched)
+        return _compiled(tuple(options.items()), self.units, by_executable(self.via), watched)
 
 
 @lru_cache(maxsize=64)

@@ -11,7 +11,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Attempts, Run, at_start, best_of, costs, in_world, tried
+from dubins_study.solvers.answers import Attempts, Run, at_start, costs, in_world, settled, tried
+from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
@@ -19,7 +20,6 @@ from dubins_study.solvers.paper_nlp.initial_guesses import (
     suffices,
 )
 from dubins_study.solvers.paper_nlp.model import (
-    FULL_TURN,
     MODELS,
     ORDERS,
     SUBPROBLEMS,
@@ -33,8 +33,6 @@ from dubins_study.solvers.paper_nlp.model import (
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, Claim
 
 
@@ -70,8 +68,9 @@ class LocalNlp(Solver):
     Args:
         model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
-        initial_guess: where the search begins (`paper_nlp.initial_guesses`): `bearing`, `zero`,
-            `random`, or `given`: only from the question's own guess.
+        initial_guess: where the search begins (`paper_nlp.initial_guesses`): `bearing` (several
+            guesses a word, one of the joint model), `words` (one for each word), `one`,
+            `straight`, `zero`, `random`, or `given`: only from the question's own guess.
         seed: of random guesses; the number of the repeat is added to it.
         count: number of random guesses.
         capped: whether arcs are bounded by a full turn, which the paper does not do.
@@ -99,15 +98,11 @@ class LocalNlp(Solver):
         raise NotImplementedError
 
     def build(self, question: Question) -> PosedQuestion:
-        unit = question.scenario.radius if self.units == "scenario" else 1.0
+        scenario = question.scenario
+        unit = scenario.radius if self.units == "scenario" else 1.0
         cases = [
-            Case(
-                subproblem,
-                _upper(subproblem, self.capped),
-                target(question.scenario, subproblem.mirrored),
-                unit,
-            )
-            for subproblem in subproblems(question, self.model, self.order, self.presolve)
+            Case(one, _upper(one, self.capped), target(scenario, one.mirrored), unit)
+            for one in subproblems(question, self.model, self.order, self.presolve)
         ]
         return PosedQuestion(question, cases, self.adapter())
 
@@ -117,12 +112,13 @@ class LocalNlp(Solver):
         if there := at_start(question):
             return there
         until, seed = perf_counter() + limit, self.seed + question.repeat
+        guesses = partial(initial_guesses, question, both=len(model.cases) > 1)
         each = (
             attempts(
                 question,
                 case.subproblem,
                 kind,
-                initial_guesses(question, case.subproblem, kind, seed, self.count),
+                guesses(case.subproblem, kind, seed, self.count),
                 partial(model.adapter, case),
             )
             for case in model.cases
@@ -132,6 +128,8 @@ class LocalNlp(Solver):
 
 @cache
 def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
+    # A path with a full turn in it is never shortest, so the cap, which the paper does not have,
+    # removes local minima and no optimum (docs/derivation.md, section 7).
     arc = FULL_TURN if capped else math.inf
     return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
 
@@ -155,20 +153,16 @@ def attempts(
 
 
 def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
-    """The shortest point that the engine calls a solution.
-
-    If there is none, the point that ends nearest to the target, with the claim that all points
-    share, or `failed`.
-    """
+    """The answer of all runs (`answers.settled`)."""
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
     scenario = question.scenario
-    solved = [run for run in runs if run.claim is Claim.LOCAL]
-    best = best_of(solved, (run._replace(miss=_residual(scenario, run)) for run in runs))
-    claims = {run.claim for run in runs}
-    claim = Claim.LOCAL if solved else claims.pop() if len(claims) == 1 else Claim.FAILED
-    if claim is Claim.FEASIBLE and not best.miss <= ARRIVES:
-        claim = Claim.FAILED  # feasible to the engine's tolerance, but no path to the target
+
+    def residual(run: Run[FloatArray]) -> float:
+        aim = target(scenario, SUBPROBLEMS[run.subproblem].mirrored)
+        return float(np.abs(equations(run.point, *aim)).sum())
+
+    best, claim = settled(runs, residual)
     subproblem = SUBPROBLEMS[best.subproblem]
     sides = (1, -1) if subproblem.mirrored else (1, 1)
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
@@ -177,7 +171,7 @@ def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
     return Solution(
         claim,
         path=None if pathless else as_path(scenario, subproblem, best.point),
-        claimed_length=best.length * scenario.radius if solved else None,
+        claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
         multipliers=None
         if best.duals is None
         else in_world(scenario, np.multiply(sides, best.duals[:2])),
@@ -186,9 +180,3 @@ def choose(question: Question, runs: list[Run[FloatArray]]) -> Solution:
         best_run=best.effort,
         **costs(runs),
     )
-
-
-def _residual(scenario: Scenario, run: Run[FloatArray]) -> float:
-    aim = target(scenario, SUBPROBLEMS[run.subproblem].mirrored)
-    residual = np.abs(equations(run.point, *aim)).sum()
-    return float(residual) if np.isfinite(residual) else math.inf

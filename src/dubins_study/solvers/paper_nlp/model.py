@@ -8,6 +8,7 @@ mirror.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,14 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Scenario
-
-# The paper leaves arcs unbounded. A path with a full turn in it is never shortest, so this cap
-# removes local minima and no optimum (docs/derivation.md, section 7).
-FULL_TURN = 2 * math.pi
 
 
 @dataclass(frozen=True)
@@ -80,6 +78,10 @@ def target(scenario: Scenario, mirrored: bool) -> tuple[float, float]:
     return (X, -Y) if mirrored else (X, Y)
 
 
+# z1, z2, z3 (radii)
+Lengths = FloatArray | Sequence[float]
+
+
 def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[Any, Any]:
     """The end of the model's path: left to z1, right to the final heading th, straight for z3.
 
@@ -90,7 +92,7 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
     return x, R * (1 - 2 * cos(z1) + cos(th)) + z3 * sin(th)
 
 
-def equations(z: FloatArray, X: float, Y: float) -> FloatArray:
+def equations(z: Lengths, X: float, Y: float) -> FloatArray:
     """Target minus end point: (4.10), (4.11) with start (0, 0, 0) and b = 1; (3,) -> (2,)."""
     z1, z2, z3 = z
     th = z1 - z2
@@ -102,7 +104,7 @@ def equations(z: FloatArray, X: float, Y: float) -> FloatArray:
     )
 
 
-def jacobian(z: FloatArray) -> FloatArray:
+def jacobian(z: Lengths) -> FloatArray:
     """Derivative of `equations` by z; shape (3,) -> (2, 3)."""
     z1, z2, z3 = z
     th = z1 - z2
@@ -115,7 +117,7 @@ def jacobian(z: FloatArray) -> FloatArray:
     )
 
 
-def hessian(z: FloatArray, weights: FloatArray) -> FloatArray:
+def hessian(z: Lengths, weights: FloatArray) -> FloatArray:
     """Second derivative by z of `weights` times `equations`; shapes (3,), (2,) -> (3, 3)."""
     z1, z2, z3 = z
     th = z1 - z2
@@ -135,9 +137,4 @@ def hessian(z: FloatArray, weights: FloatArray) -> FloatArray:
 
 def as_path(scenario: Scenario, subproblem: Subproblem, z: FloatArray) -> Path:
     """Controls of a point; lengths that a solver left below zero by rounding count as zero."""
-    pieces = [
-        (turn / scenario.radius, length * scenario.radius)
-        for turn, length in zip(subproblem.turns, z, strict=True)
-        if not length <= 0  # so that NaN stays and is seen by the check
-    ]
-    return Path(scenario.start, [k for k, _ in pieces], [length for _, length in pieces])
+    return path_of(scenario, subproblem.turns, z)

@@ -19,11 +19,11 @@ from dubins_study.solvers.engines import (
     names,
     packages,
 )
+from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.paper_nlp import ampl
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
 from dubins_study.solvers.paper_nlp.program import solve, solve_in_pyomo
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import positive, within
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import NLP
 
@@ -51,13 +51,17 @@ class Nlp(LocalNlp, _Named):
     """Model (4.12) by one of many NLP engines; settings not explained here: `LocalNlp`.
 
     Args:
-        tol: the feasibility, and with most engines the optimality, that an engine of the table is
-            asked for; KNITRO and executables run with their defaults, as in the paper.
-        max_iter: largest number of iterations of an engine of the table.
+        options: whose choice the options of an engine of the table are, `equal`, `default` or
+            `tuned` (docs/engines.md); KNITRO and executables run with their defaults, as in the
+            paper.
+        tol: the feasibility, and with most engines the optimality, that is asked for; 0 for that of
+            `options`.
+        max_iter: largest number of iterations; 0 for that of `options`.
     """
 
-    tol: float = within(1e-9, 1e-14, 1e-2)
-    max_iter: int = positive(200)
+    options: str = option_set()
+    tol: float = tolerance()
+    max_iter: int = iterations()
 
     name: ClassVar[str] = "nlp"
     packages: ClassVar[tuple[str, ...]] = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
@@ -82,9 +86,8 @@ class Nlp(LocalNlp, _Named):
     def method(self) -> Method:
         if self.engine not in _ENGINES:
             return Method(self.formulation, self.engine, self.initial_guess)
-        engine = ENGINES[self.engine]
-        tol = None if self.engine == _KNITRO else engine.fixed_tol or self.tol
-        return Method(self.formulation, engine.label, self.initial_guess, tol)
+        posed = self.formulation, self.initial_guess
+        return ENGINES[self.engine].method(*posed, self.options, self.tol)
 
     @property
     def runs(self) -> str | None:
@@ -106,7 +109,8 @@ class Nlp(LocalNlp, _Named):
 
     def adapter(self) -> Adapter:
         if self.engine in NLP_ENGINES:
-            return partial(solve, engine=ENGINES[self.engine].load()(self.tol, self.max_iter))
+            call = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+            return partial(solve, engine=call)
         if self.engine == _KNITRO:
             return partial(solve_in_pyomo, interface="knitro_direct")
         return partial(ampl.solve, executable=self.engine)

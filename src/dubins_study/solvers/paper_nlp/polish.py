@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import FULL_TURN, SUBPROBLEMS, equations, jacobian, target
+from dubins_study.solvers.course import FULL_TURN
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.path import FloatArray, Path

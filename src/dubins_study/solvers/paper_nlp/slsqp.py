@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from dubins_study.solvers.nlp_engines import scipy_minimize
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, positive, within
+from dubins_study.solvers.setting_checks import one_of
 
 
 @dataclass(frozen=True)
@@ -19,16 +20,17 @@ class Slsqp(LocalNlp):
     """Model (4.12) by SLSQP; settings that are not explained here: `LocalNlp`.
 
     Args:
-        ftol: SLSQP's tolerance on the objective and the sum of constraint violations, in radii. It
-            is multiplied by the target's distance where that exceeds one radius, up to a thousand,
-            since rounding grows with it.
-        maxiter: largest number of iterations.
+        options: whose choice SLSQP's options are, `equal`, `default` or `tuned` (docs/engines.md).
+        ftol: SLSQP's tolerance on the objective and the sum of constraint violations, in radii; 0
+            for that of `options`.
+        maxiter: largest number of iterations; 0 for that of `options`.
         units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit;
             `ftol` is then in that unit too.
     """
 
-    ftol: float = within(1e-10, 1e-16, 1e-2)
-    maxiter: int = positive(40)
+    options: str = option_set()
+    ftol: float = tolerance()
+    maxiter: int = iterations()
     units: str = one_of("radius", UNITS)
 
     name: ClassVar[str] = "slsqp"
@@ -41,11 +43,13 @@ class Slsqp(LocalNlp):
 
     @property
     def method(self) -> Method:
-        return Method(self.formulation, "SLSQP", self.initial_guess, self.ftol)
+        posed = self.formulation, self.initial_guess
+        return ENGINES["slsqp"].method(*posed, self.options, self.ftol)
 
     @property
     def keeps_limit(self) -> bool:
         return True
 
     def adapter(self) -> Adapter:
-        return partial(solve, engine=scipy_minimize.slsqp(self.ftol, self.maxiter))
+        call = ENGINES["slsqp"].load()(self.ftol, self.maxiter, self.options)
+        return partial(solve, engine=call)

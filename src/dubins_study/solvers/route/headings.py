@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -23,9 +24,10 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
+from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.route.legs import WORD_TURNS, Route, path_of, route_of
-from dubins_study.solvers.setting_checks import one_of, positive, whole, within
+from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
 from dubins_study.study.path import FloatArray
@@ -58,7 +60,7 @@ class Headings(SearchSolver):
             the next one) or `random`. Engines that search the whole box take none.
         count: number of random guesses.
         seed: of all random numbers, together with the question's repeat.
-        tol, max_iter: of engines of nonlinear programs, as those of `nlp`.
+        options, tol, max_iter: as those of `nlp`; searches take no limits but `evaluations`.
         evaluations: of the length, at most, for each search; 0 for the engine's default
             (`solvers.engines`) times the number of unknown headings, at most 100 000.
     """
@@ -67,8 +69,9 @@ class Headings(SearchSolver):
     initial_guess: str = one_of("bearing", ("bearing", "random"))
     count: int = whole(10, 1, 10**9)
     seed: int = whole(0, 0, 10**9)
-    tol: float = within(1e-9, 1e-14, 1e-2)
-    max_iter: int = positive(200)
+    options: str = option_set()
+    tol: float = tolerance()
+    max_iter: int = iterations()
     evaluations: int = whole(0, 0, 10**6)
 
     name: ClassVar[str] = "headings"
@@ -105,7 +108,7 @@ class Headings(SearchSolver):
             messages = [run.message for run in runs]
             return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
         best = min(begun, key=lambda run: run.length)
-        segments, words = route.legs(route.headings(best.point))
+        segments, words = route.shortest(route.headings(best.point))
         return Solution(
             Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,
             path=path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel()),
@@ -133,7 +136,7 @@ class Headings(SearchSolver):
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
                 yield Run("headings", perf_counter() - began, guess, *answer, length)
             elif ENGINES[self.engine].kind == NLP:
-                engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter)
+                engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
                 result = engine(program(route), guess, until - began)
                 length = route_length(route, result.x)
                 yield Run("headings", perf_counter() - began, *result, length=length)
@@ -149,7 +152,7 @@ class Headings(SearchSolver):
         budget = self.evaluations or min(ENGINES[self.engine].evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until)
         begin = np.full(k, _HALF_TURN) if self.guided else None
-        claim, message = Task(function, begin, random).search(self.engine)
+        claim, message = Task(function, begin, random).search(self.engine, self.options)
         seconds, counts = perf_counter() - began, (None, function.evaluations)
         point = low + function.best
         return Run(
@@ -171,14 +174,14 @@ class LengthInBox:
 
     def at_each(self, free: FloatArray) -> FloatArray:
         """The lengths at several points, shape (k, points) -> (points,)."""
-        segments, _ = self._route.legs(self._route.headings(self._low[:, None] + free))
+        segments, _ = self._route.shortest(self._route.headings(self._low[:, None] + free))
         lengths: FloatArray = segments.sum(axis=(0, 1))
         return lengths
 
 
 def route_length(route: Route, unknown: FloatArray) -> float:
     """The sum of the shortest legs (radii) between headings that are unknown, shape (k,)."""
-    segments, _ = route.legs(route.headings(unknown))
+    segments, _ = route.shortest(route.headings(unknown))
     return float(segments.sum())
 
 
@@ -198,7 +201,7 @@ def _functions(route: Route) -> Functions:
 
     def derivatives(unknown: FloatArray, function: Any) -> FloatArray:
         """What a function of a word and its segments says of each leg, shape (n, ...)."""
-        segments, words = route.legs(route.headings(unknown))
+        segments, words = route.shortest(route.headings(unknown))
         legs = zip(words.tolist(), *segments.tolist(), strict=True)
         return np.array([function(*leg) for leg in legs])
 

@@ -1,8 +1,9 @@
 """`route-nlp`: the paper's model (4.12) for several legs, each with the arcs L R S L R.
 
-They hold all six words of a leg, and two arcs. The heading after each leg is one more unknown,
-which makes the Jacobian's blocks meet in one column: without it every equation would hold the arcs
-of all legs before it.
+They hold all six words of a leg, and two arcs. With the words known, only the arcs of these stay:
+one NLP a word sequence, which for one leg with a free final heading is that of a word. The heading
+after each leg is one more unknown, which makes the Jacobian's blocks meet in one column: without it
+every equation would hold the arcs of all legs before it.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Attempts, Run, at_start, best_of, costs, tried
+from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
+from dubins_study.solvers.course import heading_gap, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -24,20 +27,28 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
+from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.route.legs import Route, path_of, route_of
-from dubins_study.solvers.setting_checks import one_of, positive, whole, within
+from dubins_study.solvers.route.grid import layers
+from dubins_study.solvers.route.legs import Route, route_of
+from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.path import FloatArray
-from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import NEEDS, TURN, Claim
 
 _LETTERS = "LRSLR"
 _TURNS = tuple(TURN[letter] for letter in _LETTERS)
 _ARCS = np.array([turn != 0.0 for turn in _TURNS])
 _FULL_TURN = 2 * math.pi
+_GUESSES = ("bearing", "one", "words", "straight", "zero", "random")
 _PER_LEG = len(_LETTERS) + 1  # unknowns: the arcs, and the heading after them
 # where the three segments of each of `pose.WORDS6` stand among the arcs of a leg
 _PLACES = ((0, 2, 3), (1, 2, 4), (0, 2, 4), (1, 2, 3), (1, 3, 4), (0, 1, 3))
+
+
+_ALL = tuple(range(len(_LETTERS)))
+
+# For each leg, which of the arcs L R S L R are unknown.
+Places = tuple[tuple[int, ...], ...]
 
 
 class PosedRoute(NamedTuple):
@@ -45,7 +56,9 @@ class PosedRoute(NamedTuple):
 
     question: Question
     route: Route
+    places: Places
     program: Program
+    known: FloatArray | None  # of model `words`: the headings at the points that its words are of
 
 
 @dataclass(frozen=True)
@@ -54,20 +67,28 @@ class RouteNlp(EngineSolver):
 
     Args:
         engine: a name in `solvers.engines` of an engine that reads any program.
-        initial_guess: `bearing` (turn toward the next point, then go straight), `words` (the
-            shortest legs between headings toward the next points, which tells the engine a word a
-            leg) or `random` (arcs up to a full turn, straights up to twice the distance plus 2).
+        model: `joint` leaves all five arcs of a leg open; `words` those of one word, which a
+            dynamic program over a grid of headings finds beforehand, with the closed form of a leg.
+        headings: of that grid, at each point.
+        initial_guess: `bearing` or `one` (turn toward the next point, then go straight), `words`
+            (of the model `joint` the shortest legs between headings toward the next points, which
+            tells the engine a word a leg; of `words` the path on the grid), `straight` (the lines
+            between the points, with their headings), `zero` or `random` (arcs up to a full turn,
+            straights up to twice the distance plus 2).
         seed: of random guesses; the number of the repeat is added to it.
         count: number of random guesses.
-        tol, max_iter: as those of `nlp`.
+        options, tol, max_iter: as those of `nlp`.
     """
 
     engine: str = one_of("ipopt", NLP_ENGINES)
-    initial_guess: str = one_of("bearing", ("bearing", "words", "random"))
+    model: str = one_of("joint", ("joint", "words"))
+    headings: int = whole(24, 4, 1000)
+    initial_guess: str = one_of("bearing", _GUESSES)
     seed: int = whole(0, 0, 2**32)
     count: int = whole(10, 1, 10**9)
-    tol: float = within(1e-9, 1e-14, 1e-2)
-    max_iter: int = positive(200)
+    options: str = option_set()
+    tol: float = tolerance()
+    max_iter: int = iterations()
 
     name: ClassVar[str] = "route-nlp"
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
@@ -84,9 +105,8 @@ class RouteNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        engine = ENGINES[self.engine]
-        tol = engine.fixed_tol or self.tol
-        return Method("joint NLP, LRSLR a leg", engine.label, self.initial_guess, tol)
+        posed = "one NLP a word" if self.model == "words" else "joint NLP, LRSLR a leg"
+        return ENGINES[self.engine].method(posed, self.initial_guess, self.options, self.tol)
 
     @property
     def keeps_limit(self) -> bool:
@@ -95,33 +115,42 @@ class RouteNlp(EngineSolver):
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
-        return PosedRoute(question, route, program(route))
+        places, known = (_ALL,) * route.legs, None
+        if self.model == "words":
+            known = layers(route, self.headings).shortest()
+            places = word_places(route, known)
+        return PosedRoute(question, route, places, program(route, places), known)
 
     def solve(self, model: PosedRoute, limit: float) -> Solution:
-        question, route, program = model
+        question, program, places = model.question, model.program, model.places
         # at zero no constraint qualification holds, as in (4.12)
         if question.scenario.one_free_leg and (there := at_start(question)):
             return there
-        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter)
+        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
 
         def run(guess: FloatArray, until: float) -> Run[FloatArray]:
             began = perf_counter()
-            result = engine(program, guess, until - began)
-            seconds, length = perf_counter() - began, float(_arcs(result.x).sum())
-            return Run(_LETTERS, seconds, *result, length=length)
+            result = engine(program, _kept(guess, places), until - began)
+            seconds, length = perf_counter() - began, float(_arcs(result.x, places).sum())
+            return Run(self.model, seconds, *result, length=length)
 
-        guesses = self._guesses(route, question.repeat)
+        guesses = self._guesses(model)
         attempts = Attempts(guesses, run, lambda run: False)  # every guess is tried
         return _answer(model, tried([attempts], perf_counter() + limit))
 
-    def _guesses(self, route: Route, repeat: int) -> Iterator[FloatArray]:
-        """Points x of the program, shape (6 n,)."""
-        if self.initial_guess == "bearing":
+    def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
+        """Points x of the joint program, shape (6 n,)."""
+        route = model.route
+        if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
         elif self.initial_guess == "words":
-            yield words_guess(route)
+            yield words_guess(route, model.known)
+        elif self.initial_guess == "straight":
+            yield straight_guess(route)
+        elif self.initial_guess == "zero":
+            yield np.zeros(_PER_LEG * route.legs)
         else:
-            random = np.random.default_rng(self.seed + repeat)
+            random = np.random.default_rng(self.seed + model.question.repeat)
             for _ in range(self.count):
                 yield random_guess(route, random)
 
@@ -130,29 +159,21 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest point that the engine calls a solution, or the one that misses least."""
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
-    question, route, program = model
+    question, route, places, program, _ = model
     scenario, equations = question.scenario, program.functions.equations
-    solved = [run for run in runs if run.claim is Claim.LOCAL]
-
-    def with_miss(run: Run[FloatArray]) -> Run[FloatArray]:
-        missed = float(np.abs(equations(run.point)).sum())
-        return run._replace(miss=missed if math.isfinite(missed) else math.inf)
-
-    best = best_of(solved, map(with_miss, runs))
-    claims = {run.claim for run in runs}
-    claim = Claim.LOCAL if solved else claims.pop() if len(claims) == 1 else Claim.FAILED
-    if claim is Claim.INFEASIBLE or (claim is Claim.FEASIBLE and not best.miss <= ARRIVES):
-        # A path always exists: infeasible is the engine's word of its own neighbourhood. What is
-        # feasible to its tolerance may pass the points by.
+    best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
+    if claim is Claim.INFEASIBLE:
+        # a path always exists: it is the engine's word of its own neighbourhood
         claim = Claim.FAILED
-    n = len(route.steps)
+    n = route.legs
     path = None
     if np.isfinite(best.point).all():
-        path = path_of(scenario, _TURNS * n, _driven(_arcs(best.point)).ravel().tolist())
+        arcs = _driven(_arcs(best.point, places))
+        path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
     return Solution(
         claim,
         path=path,
-        claimed_length=best.length * scenario.radius if solved else None,
+        claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
         # those of the last leg's end
         multipliers=None if best.duals is None else tuple(best.duals[3 * n - 3 : 3 * n - 1]),
         native_status=best.status,
@@ -162,74 +183,102 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     )
 
 
-def program(route: Route) -> Program:
-    """A route's program: 6 unknowns a leg, 3 equations, and one for a final heading."""
+def program(route: Route, places: Places = ()) -> Program:
+    """A route's program: an unknown for each arc and the heading after each leg.
+
+    3 equations a leg, and one for a final heading. Without `places` all arcs are unknown.
+    """
+    places = places or (_ALL,) * route.legs
     ends = [route.first] if route.last is None else [route.first, route.last]
-    lower = np.tile([*np.zeros(_ARCS.size), -math.inf], len(route.steps))
-    upper = np.tile([*np.where(_ARCS, _FULL_TURN, math.inf), math.inf], len(route.steps))
+    upper = np.where(_ARCS, _FULL_TURN, math.inf)
+    highest = np.tile([*upper, math.inf], route.legs)
+    lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
+    known = any(leg != _ALL for leg in places)
+    turns = [_TURNS[place] for leg in places for place in leg] if known else []
     return Program(
-        expressions(len(route.steps), route.last is not None),
-        *(np.append(route.steps.ravel(), ends), lower, upper),
+        expressions(tuple(map(len, places)), route.last is not None, known),
+        np.concatenate((route.steps.ravel(), ends, turns)),
+        _kept(lowest, places),
+        _kept(highest, places),
         magnitude=float(np.hypot(*route.steps.T).max()),
     )
 
 
 @lru_cache(maxsize=64)
-def expressions(legs: int, final_heading: bool) -> Expressions:
-    """(4.12) for each leg, in the world's directions and units of the radius."""
+def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expressions:
+    """(4.12) for legs of so many arcs, in the world's directions and units of the radius.
+
+    If the words are `known`, the turns 1, 0 or -1 of their arcs are parameters, so that all
+    sequences share a program; else the arcs are L R S L R.
+    """
 
     def write() -> Expressions:
         import casadi
 
-        sin, cos = casadi.sin, casadi.cos
-        x = casadi.SX.sym("x", _PER_LEG * legs)
-        p = casadi.SX.sym("p", 2 * legs + 1 + final_heading)
-        heading, equations, length = p[2 * legs], [], casadi.SX(0)
-        for leg in range(legs):
-            *arcs, end = casadi.vertsplit(x[_PER_LEG * leg : _PER_LEG * (leg + 1)])
-            a, b, straight, c, d = arcs
-            first = heading + a  # headings after each arc
-            second = first - b
-            third = second + c
-            across = 2 * (sin(first) - sin(second) + sin(third)) - sin(heading) - sin(end)
-            along = 2 * (cos(second) - cos(first) - cos(third)) + cos(heading) + cos(end)
-            equations += [
-                p[2 * leg] - across - straight * cos(second),
-                p[2 * leg + 1] - along - straight * sin(second),
-                third - d - end,
-            ]
-            length += sum(arcs)
-            heading = end
+        legs, n = len(arcs), sum(arcs)
+        x = casadi.SX.sym("x", n + legs)
+        p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
+        turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
+        unknown, heading = iter(casadi.vertsplit(x)), p[2 * legs]
+        equations, length, turned = [], casadi.SX(0), iter(turns)
+        for leg, count in enumerate(arcs):
+            along, across, after = 0, 0, heading
+            for arc, turn in zip(islice(unknown, count), islice(turned, count), strict=True):
+                # an arc's chord, 2 sin(arc / 2), or a straight, along the mean heading
+                half = turn * arc / 2
+                chord = (1 - turn * turn) * arc + 2 * turn * casadi.sin(half)
+                along += chord * casadi.cos(after + half)
+                across += chord * casadi.sin(after + half)
+                after += turn * arc
+                length += arc
+            heading = next(unknown)
+            equations += [p[2 * leg] - along, p[2 * leg + 1] - across, after - heading]
         if final_heading:
-            # Zero at the heading and whole turns from it, where its slope is 1 or -1: a difference
-            # would fix the number of turns, sine and cosine as two equations have dependent
-            # gradients, and the sine alone is zero at the opposite heading too.
-            equations.append(2 * sin((heading - p[2 * legs + 1]) / 2))
+            equations.append(heading_gap(heading, p[2 * legs + 1]))
         return Expressions(x, p, length, casadi.vertcat(*equations))
 
     return DeferredExpressions(write)
 
 
+def word_places(route: Route, headings: FloatArray) -> Places:
+    """The arcs of the shortest legs between headings, shape (n + 1,).
+
+    A path to a free final heading has a turn and a straight, or two turns: of the last leg's three
+    pieces the shortest one is left out that leaves such a word.
+    """
+    segments, words = route.shortest(headings)
+    places: list[tuple[int, ...]] = [_PLACES[word] for word in words]
+    if route.last is None:
+        pieces = places[-1]
+        pairs = {drop: pieces[:drop] + pieces[drop + 1 :] for drop in range(3)}
+        left = [drop for drop, (i, j) in pairs.items() if _ARCS[i] and _TURNS[i] != _TURNS[j]]
+        places[-1] = pairs[min(left, key=lambda drop: float(segments[drop, -1]))]
+    return tuple(places)
+
+
 def turned_guess(route: Route) -> FloatArray:
     """At each point one turn toward the next, the shorter way round, and a straight line."""
-    steps = route.steps
-    bearings = np.arctan2(steps[:, 1], steps[:, 0])
-    turns = _wrapped(np.diff(bearings, prepend=route.first))
-    zeros = np.zeros(len(steps))
-    last = zeros.copy()
-    if route.last is not None:
-        last[-1] = _wrapped(route.last - bearings[-1])
-    left, right = np.maximum([turns, last], 0.0), np.maximum([-turns, -last], 0.0)
-    return _point(route, np.array((left[0], right[0], np.hypot(*steps.T), left[1], right[1])).T)
+    first, straight, last = route.turned().T
+    arcs = (np.maximum(turn, 0.0) for turn in (first, -first, straight, last, -last))
+    return _point(route, np.column_stack(list(arcs)))
 
 
-def words_guess(route: Route) -> FloatArray:
-    """The shortest legs between headings toward the next points."""
-    segments, words = route.legs(route.headings(route.toward_next()))
+def words_guess(route: Route, headings: FloatArray | None = None) -> FloatArray:
+    """The shortest legs between headings at all points, or toward the next points."""
+    if headings is None:
+        headings = route.headings(route.toward_next())
+    segments, words = route.shortest(headings)
     arcs = np.zeros((len(words), len(_LETTERS)))
     for leg, word in enumerate(words):
         arcs[leg, list(_PLACES[word])] = segments[:, leg]
     return _point(route, arcs)
+
+
+def straight_guess(route: Route) -> FloatArray:
+    """The lines between the points, with their own headings."""
+    arcs = np.zeros((route.legs, _PER_LEG))
+    arcs[:, _LETTERS.index("S")], arcs[:, -1] = np.hypot(*route.steps.T), route.bearings()
+    return arcs.ravel()
 
 
 def random_guess(route: Route, random: np.random.Generator) -> FloatArray:
@@ -245,9 +294,19 @@ def _point(route: Route, arcs: FloatArray) -> FloatArray:
     return np.column_stack((arcs, after)).ravel()
 
 
-def _arcs(point: FloatArray) -> FloatArray:
-    """The arcs of a point x, shape (n, 5)."""
-    return point.reshape(-1, _PER_LEG)[:, :-1]
+def _kept(point: FloatArray, places: Places) -> FloatArray:
+    """What a program of fewer arcs has of a point of the joint one, shape (6 n,)."""
+    legs = zip(point.reshape(-1, _PER_LEG), places, strict=True)
+    return np.concatenate([[*leg[list(kept)], leg[-1]] for leg, kept in legs])
+
+
+def _arcs(point: FloatArray, places: Places) -> FloatArray:
+    """All arcs of a point x, shape (n, 5); those that its program does not have are 0."""
+    arcs, done = np.zeros((len(places), len(_LETTERS))), 0
+    for leg, kept in enumerate(places):
+        arcs[leg, list(kept)] = point[done : done + len(kept)]
+        done += len(kept) + 1
+    return arcs
 
 
 def _driven(arcs: FloatArray) -> FloatArray:
@@ -259,8 +318,3 @@ def _driven(arcs: FloatArray) -> FloatArray:
     driven = np.maximum(arcs, 0.0)
     driven[:, others] -= np.minimum(arcs[:, turns], 0.0)
     return driven
-
-
-def _wrapped(angle: Any) -> Any:
-    """An angle brought to [-pi, pi)."""
-    return (angle + math.pi) % _FULL_TURN - math.pi

@@ -16,6 +16,7 @@ import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
 from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
+from dubins_study.solvers.option_sets import option_set
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
@@ -63,6 +64,8 @@ class Penalty(SearchSolver):
             (`paper_nlp.initial_guesses`); engines that search the whole box take none.
         seed: of all random numbers, together with the question's repeat.
         presolve: whether a word as branch that cannot exist is answered without a search.
+        options: whose choice the engine's options are, `equal`, `default` or `tuned`
+            (docs/engines.md).
     """
 
     engine: str = one_of("differential-evolution", _ENGINES)
@@ -76,6 +79,7 @@ class Penalty(SearchSolver):
     count: int = whole(10, 1, 10**9)
     seed: int = whole(0, 0, 10**9)
     presolve: bool = False
+    options: str = option_set()
 
     name: ClassVar[str] = "penalty"
     guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
@@ -143,7 +147,7 @@ class Penalty(SearchSolver):
         penalised = PenaltyFunction(case, aim, weight)
         function = CountedFunction(penalised, self._budget, until)
         begin = None if guess is None else np.clip(guess[list(case.free)], 0.0, penalised.upper)
-        claim, message = Task(function, begin, random).search(self.engine)
+        claim, message = Task(function, begin, random).search(self.engine, self.options)
         z = penalised.lengths(function.best)
         corrected, missed = z, _miss(question, case, z)
         if self.polish and np.isfinite(z).all():

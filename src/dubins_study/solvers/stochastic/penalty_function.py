@@ -9,13 +9,16 @@ centre is within 3 of the start.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.model import FULL_TURN, Subproblem, end_point
+from dubins_study.solvers.option_sets import OPTION_SETS
+from dubins_study.solvers.paper_nlp.model import Subproblem, end_point
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -129,11 +132,11 @@ class Task(NamedTuple):
         """The box, as SciPy takes it."""
         return [(0.0, float(high)) for high in self.upper]
 
-    def search(self, engine: str) -> tuple[Claim, str]:
+    def search(self, engine: str, options: str = OPTION_SETS[0]) -> tuple[Claim, str]:
         """Let an engine minimise; how that ended, and the engine's message."""
         claim = Claim.FEASIBLE
         try:
-            message: str = ENGINES[engine].load()(self)
+            message: str = ENGINES[engine].load()(options=options)(self)
         except SearchEndError as end:
             claim, message = Claim.LIMIT, str(end)
         if self.function.evaluations >= self.function.budget:  # the engine counts as well
@@ -141,95 +144,73 @@ class Task(NamedTuple):
         return claim, message
 
 
-# The engines: each minimises until it has enough, and returns its own message. An option that is
-# not named has its default.
+# The engines: each minimises until it has enough, and returns its own message. The budget replaces
+# all limits of its own on evaluations and iterations.
 
-# CMA-ES, as its makers advise: a step of about a quarter of the box's width, and at most so many
-# restarts; the budget ends the search before
-_STEP, _RESTARTS = 0.25, 9
-_EXACT = 1e-10  # where a search stops by itself: radii, and values of the function
+Search = Callable[[Task], str]
 
 
-def differential_evolution(task: Task) -> str:
-    """Storn and Price's; a generation is evaluated at once, which takes a tenth of the time."""
-    from scipy.optimize import differential_evolution
-
-    result = differential_evolution(
-        task.function.at_each,
-        task.bounds,
-        maxiter=task.function.budget,
-        # less greedy than SciPy's best1bin and (0.5, 1), under which one of five runs gathers about
-        # a longer path in the disc's centre
-        strategy="randtobest1bin",
-        mutation=(0.5, 1.5),
-        tol=0.0,
-        atol=_EXACT,
-        polish=False,  # by L-BFGS-B, which wants a smooth function
-        rng=task.random,
-        vectorized=True,
-        updating="deferred",
-    )
-    return str(result.message)
+# What SciPy's global searches are given beside the box and the options of their set.
+_LIMITS: dict[str, Callable[[Task], dict[str, Any]]] = {
+    "differential_evolution": lambda task: {"maxiter": task.function.budget, "rng": task.random},
+    "dual_annealing": lambda task: {"maxiter": task.function.budget, "rng": task.random},
+    "shgo": lambda task: {"options": {"maxfev": task.function.budget}},
+    "direct": lambda task: dict.fromkeys(("maxfun", "maxiter"), task.function.budget),
+}
 
 
-def dual_annealing(task: Task) -> str:
-    """Generalised simulated annealing, with its own local searches by L-BFGS-B."""
-    from scipy.optimize import dual_annealing
+def scipy_search(options: dict[str, Any], name: str) -> Search:
+    """A function of `scipy.optimize`; with `vectorized` it evaluates a generation at once."""
 
-    # every step takes several evaluations, so that the budget ends it
-    steps = task.function.budget
-    result = dual_annealing(task.function, task.bounds, maxiter=steps, rng=task.random)
-    return str(result.message[0])
+    def run(task: Task) -> str:
+        from scipy import optimize
 
+        function = task.function.at_each if options.get("vectorized") else task.function
+        given = _LIMITS[name](task) | options
+        message = getattr(optimize, name)(function, task.bounds, **given).message
+        return str(message[0] if isinstance(message, list) else message)
 
-def shgo(task: Task) -> str:
-    """Simplicial homology: local searches by SLSQP from what a triangulation finds."""
-    from scipy.optimize import shgo
-
-    result = shgo(task.function, task.bounds, options={"maxfev": task.function.budget})
-    return str(result.message)
+    return run
 
 
-def direct(task: Task) -> str:
-    """Dividing rectangles, locally biased; deterministic."""
-    from scipy.optimize import direct
+def minimize(options: dict[str, Any], method: str) -> Search:
+    """A method of `scipy.optimize.minimize` within the box."""
 
-    budget = task.function.budget
-    limits = {"maxfun": budget, "maxiter": budget, "vol_tol": 0.0, "len_tol": _EXACT}
-    return str(direct(task.function, task.bounds, **limits).message)
+    def run(task: Task) -> str:
+        from scipy.optimize import minimize
 
+        limits = dict.fromkeys(("maxiter", "maxfev"), task.function.budget)
+        chosen = {"bounds": task.bounds, "options": limits | options}
+        return str(minimize(task.function, task.guess, method=method, **chosen).message)
 
-def minimize(task: Task, method: str, steps: str, values: str) -> str:
-    """A method of `scipy.optimize.minimize` within the box; what it calls its two tolerances."""
-    from scipy.optimize import minimize
-
-    options: dict[str, Any] = dict.fromkeys(("maxiter", "maxfev"), task.function.budget)
-    options |= {steps: _EXACT, values: _EXACT}
-    result = minimize(task.function, task.guess, method=method, bounds=task.bounds, options=options)
-    return str(result.message)
+    return run
 
 
-def cma_es(task: Task) -> str:
-    """CMA-ES of the package `cma`, with restarts from uniform points and doubled populations."""
-    import cma
+def cma_es(options: dict[str, Any]) -> Search:
+    """CMA-ES of the package `cma`, from a uniform point; where it restarts, from another."""
+    chosen = dict(options)
+    step, restarts = chosen.pop("sigma0"), chosen.pop("restarts", 0)
 
-    n = task.upper.size
-    upper = np.resize(task.upper, max(n, 2))  # cma refuses a single variable: a second is idle
+    def run(task: Task) -> str:
+        import cma
 
-    def begin() -> FloatArray:
-        return upper * task.random.uniform(size=upper.size)
+        n = task.upper.size
+        upper = np.resize(task.upper, max(n, 2))  # cma refuses a single variable: a second is idle
 
-    options: dict[str, Any] = {
-        "bounds": [0.0, upper.tolist()],
-        "CMA_stds": upper,
-        "maxfevals": task.function.budget,
-        # numbers from `task.random`; with a seed cma would seed NumPy's own generator
-        "randn": lambda *shape: task.random.standard_normal(shape),
-        "seed": math.nan,
-        "verbose": -9,
-        "verb_log": 0,
-    }
-    _, strategy = cma.fmin2(
-        lambda free: task.function(free[:n]), begin, _STEP, options, restarts=_RESTARTS
-    )
-    return ", ".join(strategy.stop())
+        def begin() -> FloatArray:
+            return upper * task.random.uniform(size=upper.size)
+
+        of_task: dict[str, Any] = {
+            "bounds": [0.0, upper.tolist()],
+            "CMA_stds": upper,
+            "maxfevals": task.function.budget,
+            # numbers from `task.random`; with a seed cma would seed NumPy's own generator
+            "randn": lambda *shape: task.random.standard_normal(shape),
+            "seed": math.nan,
+        }
+        _, strategy = cma.fmin2(
+            lambda free: task.function(free[:n]), begin, step, of_task | chosen, restarts=restarts
+        )
+        return ", ".join(strategy.stop())
+
+    return run

@@ -1,0 +1,70 @@
+"""`convex`: a frozen QP or SOCP of a route, put to one engine through one interface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from dubins_study.solvers.convex.engines import ENGINES, Ask, prepare
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import missing_package, one_of, within
+from dubins_study.study.convex.problem import posed
+from dubins_study.study.words import FREE_FINAL_HEADING, FROZEN, VIA_POINTS
+
+INTERFACES = ("own", "cvxpy")
+
+
+@dataclass(frozen=True)
+class Convex(Solver):
+    """The frozen convex problem that a route's label names, such as `qp-50-well`.
+
+    The route is the one that the problem was frozen from. The check judges the engine's primal and
+    dual point, not a path (`study.convex.proof`).
+
+    Args:
+        engine: piqp, clarabel, osqp, scs, highs, proxqp, qpalm, ecos or daqp.
+        interface: `own`, the library's own, or `cvxpy`.
+        tolerance: absolute tolerance that the engine is asked for; the relative one is zero.
+    """
+
+    engine: str = one_of("piqp", tuple(ENGINES))
+    interface: str = one_of("own", INTERFACES)
+    tolerance: float = within(1e-6, 0, 1, ends=False)
+
+    name: ClassVar[str] = "convex"
+    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
+    branches: ClassVar[tuple[str, ...]] = (FROZEN,)
+    takes: ClassVar[frozenset[str]] = frozenset({FREE_FINAL_HEADING, VIA_POINTS})
+    packages: ClassVar[tuple[str, ...]] = ("cvxpy", *(each.package for each in ENGINES.values()))
+    summary: ClassVar[str] = "a frozen QP or SOCP of a route, by an engine's own interface or cvxpy"
+
+    @property
+    def method(self) -> Method:
+        return Method("frozen convex problem", ENGINES[self.engine].label, "none", self.tolerance)
+
+    def unavailable(self) -> str | None:
+        own = ENGINES[self.engine].package
+        return missing_package(own, "cvxpy") if self.interface == "cvxpy" else missing_package(own)
+
+    def build(self, question: Question) -> Any:
+        _load(self.engine, self.interface)
+        return prepare(self.engine, self.interface, posed(question.scenario.label))
+
+    def solve(self, model: Any, limit: float) -> Solution:
+        reply = model(Ask(self.tolerance, limit))
+        return Solution(
+            reply.claim,
+            point=None if reply.point is None else np.concatenate(reply.point),
+            iterations=reply.iterations,
+            native_status=reply.status,
+            message=reply.status,
+        )
+
+
+@cache
+def _load(engine: str, interface: str) -> None:
+    """Import the libraries and solve a trivial problem, so that no question pays for it."""
+    prepare(engine, interface, posed("trivial"))(Ask(1e-3, 10.0))

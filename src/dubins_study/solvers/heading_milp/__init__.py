@@ -1,1 +1,0 @@
-"""Turns on a grid of headings, chosen by a mixed-integer linear program."""

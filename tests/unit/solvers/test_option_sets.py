@@ -1,0 +1,198 @@
+"""The three sets of options: what each engine is given, against its library called by hand."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.optimize
+from cases import PAPER
+
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
+from dubins_study.solvers.nlp_engines.program import Expressions, Program
+from dubins_study.solvers.option_sets import FEASIBILITY, OPTIMALITY, OPTION_SETS
+from dubins_study.solvers.registry import load
+from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
+from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim
+
+casadi = pytest.importorskip("casadi")
+
+
+def program() -> Program:
+    """Problem 7 of Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981)."""
+    x, p = casadi.SX.sym("x", 2), casadi.SX.sym("p", 1)
+    f = casadi.log(1 + x[0] ** 2) - x[1]
+    written = Expressions(x, p, f, (1 + x[0] ** 2) ** 2 + x[1] ** 2 - p[0])
+    upper = np.full(2, math.inf)
+    return Program(written, np.array([4.0]), -upper, upper)
+
+
+GUESS = np.array([2.0, 2.0])
+
+
+def by_hand(method: str, options: dict[str, Any]) -> Any:
+    """SciPy without any of our code: functions, derivatives and options written out."""
+    jac = method != "COBYQA"
+    return scipy.optimize.minimize(
+        lambda x: math.log(1 + x[0] ** 2) - x[1],
+        GUESS,
+        method=method,
+        jac=(lambda x: np.array([2 * x[0] / (1 + x[0] ** 2), -1.0])) if jac else None,
+        constraints={
+            "type": "eq",
+            "fun": lambda x: np.array([(1 + x[0] ** 2) ** 2 + x[1] ** 2 - 4]),
+            **(
+                {"jac": lambda x: np.array([[4 * x[0] * (1 + x[0] ** 2), 2 * x[1]]])} if jac else {}
+            ),
+        },
+        options=options,
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "tol", "max_iter", "same"),
+    [
+        ("default", 0.0, 0, {}),
+        ("tuned", 0.0, 0, {}),
+        ("equal", 0.0, 0, {"ftol": 1e-9}),
+        ("default", 1e-3, 0, {"ftol": 1e-3}),
+        ("equal", 0.0, 3, {"ftol": 1e-9, "maxiter": 3}),
+    ],
+)
+def test_slsqp_has_the_options_of_its_set_and_no_others(options, tol, max_iter, same):
+    """Its iterates are those of SciPy called by hand, to the last digit but rounding."""
+    ours = ENGINES["slsqp"].load()(tol, max_iter, options)(program(), GUESS, 10.0)
+    hand = by_hand("SLSQP", same)
+
+    assert (ours.iterations, ours.evaluations) == (hand.nit, hand.nfev)
+    assert ours.x == pytest.approx(hand.x, abs=1e-12)
+
+
+def test_cobyqa_s_last_radius_is_its_makers():
+    ours = ENGINES["cobyqa"].load()(options="default")(program(), GUESS, 10.0)
+    hand = by_hand("COBYQA", {})
+
+    assert ours.evaluations == hand.nfev
+    assert ours.x == pytest.approx(hand.x, abs=1e-9)
+
+
+@pytest.mark.parametrize("options", OPTION_SETS)
+@pytest.mark.parametrize("engine", ["ipopt", "uno", "fatrop", "alpaqa", "sqpmethod", "qrsqp"])
+def test_casadi_gets_the_options_of_the_set(engine, options, monkeypatch):
+    """What reaches `casadi.nlpsol`, beside casadi's own; the makers' set adds only silence."""
+    seen: list[dict[str, Any]] = []
+    make = casadi.nlpsol
+    monkeypatch.setattr(casadi, "nlpsol", lambda *args: seen.append(args[-1]) or make(*args))
+    ENGINES[engine].load()(options=options)(program(), GUESS, 10.0)
+
+    flat = {
+        f"{name}.{inner}" if isinstance(value, dict) else name: given
+        for name, value in seen[0].items()
+        for inner, given in (value.items() if isinstance(value, dict) else [("", value)])
+    }
+    table = ENGINES[engine].options
+    expected = dict(table.always)
+    if options == "equal":
+        expected |= dict.fromkeys((*table.feasibility, *table.optimality), 1e-9)
+    if options == "tuned":
+        expected |= table.tuned
+    added = {"print_time", "expand", "jac_fg", "hess_lag"}
+    assert {name: value for name, value in flat.items() if name not in added} == expected
+
+
+def test_equal_is_one_tolerance_for_all():
+    """Every engine that takes a tolerance is asked for the same one."""
+    assert FEASIBILITY == OPTIMALITY == 1e-9
+    asked = {name: ENGINES[name].tolerance("equal") for name in NLP_ENGINES}
+
+    assert {name for name, tol in asked.items() if tol != 1e-9} == {
+        "conopt",  # its own, 1e-7, cannot be set
+        *("blocksqp", "feasiblesqpmethod"),  # answer no question
+    }
+    assert ENGINES["ipopt"].tolerance("default") is None
+
+
+@pytest.mark.parametrize("name", ["slsqp", "ipopt", "nlp[engine=uno]"])
+def test_explicit_settings_win(name):
+    base, _, rest = name.partition("[")
+    word = "ftol" if base == "slsqp" else "tol"
+    inner = f"{rest.rstrip(']')}," if rest else ""
+
+    for options in OPTION_SETS:
+        solver = load(f"{base}[{inner}options={options},{word}=1e-5]")
+        assert solver.method.tolerance == 1e-5
+
+
+@pytest.mark.parametrize("options", OPTION_SETS)
+@pytest.mark.parametrize("name", ["slsqp", "ipopt"])
+def test_each_set_solves_the_paper_s_first_problem(name, options):
+    from dubins_study.solvers.attempt import attempt
+    from dubins_study.solvers.protocol import Question
+
+    answer = attempt(load(f"{name}[options={options}]"), Question(PAPER["problem 1"]))
+
+    assert answer.claim is Claim.LOCAL
+    assert answer.gap < 1e-4
+
+
+def test_nlopt_claims_a_solution_only_where_the_equations_hold(monkeypatch):
+    """NLopt calls small steps a success; here they are small at the guess, off the equation."""
+    nlopt = pytest.importorskip("nlopt")
+    adapter = importlib.import_module("dubins_study.solvers.nlp_engines.nlopt_local")
+    always = {"xtol_rel": 1e6, "constraint_tol": 1e-8}
+    result = adapter.nlopt(always, "LN_COBYLA")(program(), GUESS, 10.0)
+
+    assert result.status == "XTOL_REACHED"
+    assert abs((1 + result.x[0] ** 2) ** 2 + result.x[1] ** 2 - 4) > 1e-3
+    assert result.claim is Claim.FAILED
+    assert nlopt.XTOL_REACHED > 0  # a success, in NLopt's words
+
+
+@pytest.mark.parametrize("options", OPTION_SETS)
+def test_a_search_has_the_options_of_its_set(options, monkeypatch):
+    """Nothing is chosen for this problem: SciPy's own strategy, or the one of its inventors."""
+    seen: dict[str, Any] = {}
+    monkeypatch.setattr(
+        scipy.optimize,
+        "differential_evolution",
+        lambda *_, **given: seen.update(given) or scipy.optimize.OptimizeResult(message="", x=None),
+    )
+    function = CountedFunction(_Parabola(), 10, math.inf)
+    Task(function, None, np.random.default_rng(0)).search("differential-evolution", options)
+
+    chosen = {name: value for name, value in seen.items() if name not in ("maxiter", "rng")}
+    assert (
+        chosen
+        == {
+            "equal": {"tol": 1e-9, "atol": 1e-9},
+            "default": {},
+            "tuned": {
+                **{"strategy": "rand1bin", "popsize": 10, "mutation": 0.5, "recombination": 0.9},
+                **{"vectorized": True, "updating": "deferred"},
+            },
+        }[options]
+    )
+
+
+class _Parabola:
+    upper = np.full(2, 2.0)
+
+    def at(self, free: np.ndarray) -> float:
+        return float((free**2).sum())
+
+    def at_each(self, free: np.ndarray) -> np.ndarray:
+        return (free**2).sum(axis=0)
+
+
+@pytest.mark.parametrize("options", OPTION_SETS)
+@pytest.mark.parametrize("engine", names(SAMPLING, DERIVATIVE_FREE))
+def test_every_search_goes_downhill_with_every_set(engine, options):
+    if ENGINES[engine].unavailable():
+        pytest.skip("not installed")
+    function = CountedFunction(_Parabola(), 3000, math.inf)
+    Task(function, np.array([1.0, 1.5]), np.random.default_rng(0)).search(engine, options)
+
+    assert function.value < 1e-3
