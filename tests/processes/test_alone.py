@@ -41,7 +41,7 @@ from dubins_study.solvers.reply import ask
 from dubins_study.study.scenario import Scenario
 
 for name in registered():
-    if name not in ("analytic", "headings", "route-nlp"):  # these two begin at a leg's words
+    if name not in ("analytic", "headings", "heading-milp", "route-nlp"):  # these know a leg
         for branch in ("best", "LS"):
             ask(load(name), Question(Scenario(target_x=0.2, target_y=0.7), branch), 10.0)
 """

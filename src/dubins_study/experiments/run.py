@@ -18,12 +18,13 @@ from dubins_study.experiments.plan.matrix import matrix
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
+from dubins_study.experiments.stages import not_asked, stages
 from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
 from dubins_study.experiments.store.lock import locked
 from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
-from dubins_study.solvers.profiles import tolerances
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
+from dubins_study.study.tolerances import tolerances
 
 _LOG = logging.getLogger(__name__)
 # fields of the settings of a run that its entry in the manifest has too
@@ -132,16 +133,16 @@ def _solve(
         **experiment.model_dump(include={"time_limit_s", "memory_limit_gib", "seed"}),
     )
     done_keys = done(folder)
-    left = unfinished(folder, plan.chains, done_keys, settings)
+    left = sum(cell.key not in done_keys for chain in plan.chains for cell in chain)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, plan.rows, left.cells, settings),
+        *(plan.experiment_file.name, folder, plan.rows, left, settings),
     )
     totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
     recorded_as_finished = manifest.finished is not None or not completes
-    if recorded_as_finished and not left.chains:
+    if recorded_as_finished and not left:
         writer.skip(plan.rows)
         return
     entry = RunEntry(
@@ -155,12 +156,20 @@ def _solve(
         writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process
-                writer.skip(plan.rows - left.cells)
-                if left.chains:
-                    with closing(executor.solve(left, stop, record.probe)) as row_blocks:
+                writer.skip(plan.rows - left)
+                for limit, chains in stages(plan.chains, experiment.rising):
+                    limited = settings._replace(time_limit_s=limit)
+                    unit = unfinished(folder, chains, done_keys, limited)
+                    if experiment.rising:
+                        writer.flush()  # the verdicts so far decide what is asked
+                        unit, rows = not_asked(folder, unit)
+                        writer.add(rows)
+                    if not unit.chains:
+                        continue
+                    with closing(executor.solve(unit, stop, record.probe)) as row_blocks:
                         for rows in row_blocks:
                             writer.add(rows)
-            stop.check()
+                    stop.check()
         finally:
             writer.flush()
         compact(folder, settings.run_id)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_branch, check_request
-from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import tolerances
 from dubins_study.study.values import short
 
 if TYPE_CHECKING:

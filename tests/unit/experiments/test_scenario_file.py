@@ -98,6 +98,18 @@ def test_every_wrong_row_is_named(tmp_path):
         assert line.startswith(f"  {expected}")
 
 
+def test_columns_may_be_left_out(tmp_path):
+    """Then a scenario has its defaults, and a frame; an empty cell of such a column is refused."""
+    pd.DataFrame({"target_y": [5], "target_x": [10.5]}).to_parquet(tmp_path / "a.parquet")
+    files = tmp_path / "a.parquet", written(tmp_path, "target_x,target_y\n10.5,5\n")
+
+    for file in files:
+        assert list(scenarios(read_scenarios(file))) == [Scenario(target_x=10.5, target_y=5)]
+    for name in ("x", "y", "heading", "radius"):
+        text = f"target_x,{name},target_y\n3,,4\n"
+        assert f"line 2: {name} is empty; expected a number" in refusal_of(written(tmp_path, text))
+
+
 def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     """A heading that is a number is read as a text would be."""
     frame = frame_of(EXPECTED).assign(radius=[1, 0, None], heading=[6.28, 90, 1])
@@ -114,8 +126,8 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     ("text", "message"),
     [
         ("", "cannot be read: No columns to parse from file"),
-        ("x,y,target_x,target_y\n", "line 1: missing columns 'heading', 'radius'; expected"),
-        ("x,y,target_x,target_y,radius\n", "line 1: missing column 'heading'; expected"),
+        ("x,y\n", "line 1: missing columns 'target_x', 'target_y'; expected"),
+        ("x,y,target_x,radius\n", "line 1: missing column 'target_y'; expected"),
         (HEAD, "no scenarios; expected a row each"),
         (HEAD.replace(",", ";"), "the columns are separated by semicolons; expected commas"),
         (HEAD.replace("heading", "headng"), "line 1: unknown column 'headng'; did you mean 'headi"),

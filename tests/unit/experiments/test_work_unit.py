@@ -30,7 +30,8 @@ RUN = RunSettings("run", 60.0, jobs=2, executor="dask")
 
 
 def cell(number: int, scenario: Scenario, start: str = "warm") -> Cell:
-    return Cell(f"id{number}", "slsqp", "default", "best", start, 0, "0" * 12, scenario, Method())
+    key = (f"id{number}", "slsqp", "default", "best", start, 0, "0" * 12)
+    return Cell(*key, scenario, Method(), 60.0)
 
 
 def solved(one: Cell, arrives: bool = True):

@@ -20,15 +20,9 @@ from pydantic import (
 from dubins_study.study.angle import parse_angle
 from dubins_study.study.values import real_number
 
-
-def _angle_of_text(value: object) -> object:
-    """Read a text such as "120deg" as an angle in radians."""
-    return parse_angle(value) if isinstance(value, str) else value
-
-
 Number = Annotated[
     float,
-    BeforeValidator(_angle_of_text),
+    BeforeValidator(lambda value: parse_angle(value) if isinstance(value, str) else value),
     Field(allow_inf_nan=False, strict=True),
     WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
 ]

@@ -28,7 +28,7 @@ from dubins_study.experiments.definition.scenario_block import (
     Sample,
     key_conflicts,
 )
-from dubins_study.solvers.profiles import PROFILES
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
 
 # Python reads half a megabyte of TOML in a tenth of a second.
@@ -129,6 +129,10 @@ class Experiment(StrictModel):
     """GiB that a solver's process and its children may hold."""
     seed: Seed = 0
     """Of the order in which cells are solved."""
+    rising: bool = False
+    """Whether routes are asked by rising number of legs: a solver that finds the shortest route of
+    none with one number of legs is not asked the longer ones of the same label. These count as
+    failures, with the outcome `not_asked`."""
     matrix: bool = False
     """Whether the report lists every pair of formulation and engine, and why some have no row."""
     first: First | None = None

@@ -21,6 +21,7 @@ from dubins_study.experiments.definition.axes import (
     Count,
     LegCounts,
     Range,
+    Seconds,
     Seed,
     StrictModel,
     ViaLists,
@@ -192,8 +193,8 @@ class Block(_Fields):
 
     Combinations are numbered in the order of `FIELDS`, `via` behind them; the last field varies
     fastest.
-    `solvers` and `branches` replace the experiment's for this block, and `guess_lengths` replaces
-    the experiment's `initial_guesses`.
+    `solvers`, `branches` and `time_limit_s` replace the experiment's for this block, and
+    `guess_lengths` replaces the experiment's `initial_guesses`.
     """
 
     label: str = ""
@@ -232,6 +233,8 @@ class Block(_Fields):
     """Replaces the experiment's solvers for this block."""
     branches: Branches | None = None
     """Replaces the experiment's branches for this block."""
+    time_limit_s: Seconds | None = None
+    """Replaces the experiment's time limit for this block."""
     guess_lengths: GuessLengths | None = None
     """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
 

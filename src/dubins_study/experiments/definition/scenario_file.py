@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
 _MOST_BYTES = 2**30
+# of other columns an empty cell is a measurement that is missing
+_MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading")
 # Where a row stands, such as `line 7`, and its values by column.
 _Row = tuple[str, dict[str, Any]]
 
@@ -39,10 +41,10 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     """The scenarios of a file, one row each, with the columns of `study.scenario.COLUMNS`.
 
     A CSV file is UTF-8 with commas and a line of column names. In both formats the columns of
-    `study.scenario.DEFAULTS` may be left out or empty, a heading is in radians or a text such as
-    `120deg`, and columns may come in any order. `via_x` and `via_y` hold lists of numbers; in a CSV
-    file a text of numbers and spaces, such as `4 6`. The error names the file and every line with a
-    column, a value and what was expected.
+    `study.scenario.DEFAULTS` may be left out, cells of `_MAY_BE_EMPTY` may be empty, a heading is
+    in radians or a text such as `120deg`, and columns may come in any order. `via_x` and `via_y`
+    hold lists of numbers; in a CSV file a text of numbers and spaces, such as `4 6`. The error
+    names the file and every line with a column, a value and what was expected.
     """
     place = FilePath(file)
     read = {".csv": _csv_rows, ".parquet": _parquet_rows}.get(place.suffix)
@@ -108,10 +110,10 @@ def _wrong(row: dict[str, Any]) -> list[str]:
 
 
 def _value(name: str, row: dict[str, Any]) -> Any:
-    """The value of a column, which is a text in a CSV file; its default where the cell is empty."""
+    """The value of a column, which is a text in a CSV file; its default where there is none."""
     value = row.get(name)
     if value is None or value == "":
-        if name in DEFAULTS:
+        if name not in row or name in _MAY_BE_EMPTY:
             return DEFAULTS[name]
         raise ScenarioFileError(f"{name} is empty; expected a number")
     if name.endswith("heading"):

@@ -80,8 +80,7 @@ class _Run:
         try:
             pool = self._idle.pop()
         except IndexError:
-            limits = settings.time_limit_s, settings.memory_limit_gib
-            pool = WorkerPool(1, *limits, probed=self.probes_s.append)
+            pool = WorkerPool(1, settings.memory_limit_gib, probed=self.probes_s.append)
         self._busy.append(pool)
         usable = False
         try:

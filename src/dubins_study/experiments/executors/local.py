@@ -15,12 +15,12 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
 from dubins_study.solvers.attempt import Answer, judged, judged_row
-from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 from dubins_study.study.path import Path
 from dubins_study.study.rows.parts import Row
 from dubins_study.study.rows.schema import KEY, names
+from dubins_study.study.tolerances import tolerances
 
 _KEY = names(KEY)
 
@@ -32,8 +32,8 @@ def local_executor(jobs: int) -> Iterator[Executor]:
     def solve(
         unit: WorkUnit, stop: Interruption, probed: Probed
     ) -> Generator[list[Row], None, None]:
-        limits = unit.settings.time_limit_s, unit.settings.memory_limit_gib
-        with WorkerPool(jobs, *limits, probed=lambda seconds: probed(seconds, 0)) as pool:
+        memory = unit.settings.memory_limit_gib
+        with WorkerPool(jobs, memory, probed=lambda seconds: probed(seconds, 0)) as pool:
             try:
                 yield from solve_chains(pool, unit, stop)
             except RunError as error:
@@ -52,7 +52,7 @@ def solve_chains(
     # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
     jobs = (_job(ChainState(chain, 0, unit.before.get(chain[0].key))) for chain in ordered)
-    for results in pool.solve(jobs, stop):
+    for results in pool.solve(jobs, stop, unit.settings.time_limit_s):
         rows = []
         for job, answer in results:
             state: ChainState = job.tag
@@ -97,6 +97,9 @@ def row_of(
         "machine": host(),
         "threads": THREADS,
         "jobs": settings.jobs,
+        "limit_s": settings.time_limit_s,
+        "floor_s": answer.floor_s,
+        "memory_mib": answer.memory_mib,
         "executor": settings.executor,
         "run_id": settings.run_id,
         "started": answer.started or now(),
@@ -118,9 +121,9 @@ def ask_isolated(
     known = tolerances(profile, limit), describe_solver(solver, profile).method
     waiting: dict[int, Answer] = {}
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
-    with WorkerPool(1, limit, warm_up=ours(solver)) as pool:
+    with WorkerPool(1, warm_up=ours(solver)) as pool:
         place = 0
-        for results in pool.solve(jobs, Interruption()):
+        for results in pool.solve(jobs, Interruption(), limit):
             for job, worker_reply in results:
                 waiting[job.tag] = judged(solver, job.question, worker_reply.reply, *known)
             while place in waiting:

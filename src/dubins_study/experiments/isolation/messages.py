@@ -87,6 +87,9 @@ class WorkerReply(NamedTuple):
     started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
     versions: str = ""  # of the solver's libraries, as JSON
     code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
+    # what the solve added to the memory of its process, and what its engine takes for nothing
+    memory_mib: float | None = None
+    floor_s: float | None = None
 
 
 # `dataclasses.astuple` copies every value, which takes longer than the rest of the message.
@@ -127,11 +130,17 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
         for name, value in vars(solution).items()
     }
     values["path"] = _encode_path(solution.path)
+    if solution.point is not None:
+        values["point"] = b2a_base64(solution.point.tobytes(), newline=False).decode()
     return [outcome, vars(times), values, *sent[1:]]
 
 
 def decode_reply(values: list[Any]) -> WorkerReply:
     """The reply that was encoded; raises some exception if the values do not encode one."""
-    outcome, times, solution, *texts = values
-    solution = Solution(**solution | {"path": _decode_path(solution["path"])})
-    return WorkerReply(Reply(Outcome(outcome), solution, Times(**times)), *map(str, texts))
+    outcome, times, solution, *sent = values
+    point = None if solution["point"] is None else np.frombuffer(a2b_base64(solution["point"]))
+    solution = Solution(**solution | {"path": _decode_path(solution["path"]), "point": point})
+    started, versions, digest = map(str, sent[:3])
+    memory_mib, floor_s = (None if value is None else float(value) for value in sent[3:])
+    reply = Reply(Outcome(outcome), solution, Times(**times))
+    return WorkerReply(reply, started, versions, digest, memory_mib, floor_s)

@@ -5,6 +5,7 @@ If a solver crashes or blocks its worker, the job gets a reply too. The pool jud
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -103,25 +104,23 @@ class _Worker(WorkerProcess):
 class WorkerPool:
     """Worker processes, started when there are jobs and kept until the `with` block ends.
 
-    A solve may take `time_limit_s`; a worker and its children may hold `memory_limit_gib`.
+    A worker and its children may hold `memory_limit_gib`.
     With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
-    called every two seconds with the duration (s) of a calibration probe.
+    called every two seconds with the duration (s) of a calibration probe; with it the floors of
+    the solvers' times are measured, too.
     """
 
     def __init__(
         self,
         workers: int,
-        time_limit_s: float,
         memory_limit_gib: float = 4.0,
         *,
         warm_up: bool = True,
         probed: Callable[[float], None] | None = None,
     ):
-        self._time_limit_s, self._probed = time_limit_s, probed
+        self._probed = probed
         self._memory_bytes = round(memory_limit_gib * _BYTES_PER_GIB)
-        # The allowance of a task tells its kind: these two, `_LOADING` and `_PROBING`.
-        self._solving = Allowance(time_limit_s, GRACE_S)
-        self._warming_up = Allowance(time_limit_s + _WARM_UP_S, activity="warming up")
+        self._allow(math.inf)
         self._workers: list[_Worker | None] = [None] * workers
         self._warm_up = warm_up
         # Solvers whose warm-up ended a worker: they are loaded without it.
@@ -157,13 +156,23 @@ class WorkerPool:
         self._first.clear()
         self._later = iter(())
 
-    def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
+    def _allow(self, time_limit_s: float) -> None:
+        """Limit solves. A task's allowance tells its kind: these, `_LOADING` and `_PROBING`."""
+        self._time_limit_s = time_limit_s
+        self._solving = Allowance(time_limit_s, GRACE_S)
+        self._warming_up = Allowance(time_limit_s + _WARM_UP_S, activity="warming up")
+
+    def solve(
+        self, jobs: Iterable[Job], stop: Interruption, time_limit_s: float
+    ) -> Iterator[Results]:
         """Yield the replies to all jobs as they come, and an empty list if none come for a while.
 
-        Jobs are read when a worker is free, and solved in this order except after `put_first`.
-        After an interruption only the current solves are finished.
+        A solve may take `time_limit_s`. Jobs are read when a worker is free, and solved in this
+        order except after `put_first`. After an interruption only the current solves are
+        finished.
         """
         self.drop_waiting()
+        self._allow(time_limit_s)
         self._later = iter(jobs)
         yielded_s = monotonic()
         while True:
@@ -256,7 +265,7 @@ class WorkerPool:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, tag=job)
             if self._warm_up and key not in self._without_warm_up:
-                message = ["warm up", *key, self._time_limit_s]
+                message = ["warm up", *key, self._time_limit_s, self._probed is not None]
                 worker.put(message, self._warming_up, tag=job)
         message = ["solve", *key, encode_question(job.question), self._time_limit_s]
         worker.put(message, self._solving, decode_reply, job)

@@ -151,6 +151,22 @@ class ProcessState:
         return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
 
 
+def reset_peak() -> int | None:
+    """Let the peak of resident memory begin anew; bytes resident now, None if it cannot (Linux)."""
+    with suppress(OSError):
+        FilePath("/proc/self/clear_refs").write_bytes(b"5")
+        return peak_bytes()
+    return None
+
+
+def peak_bytes() -> int | None:
+    """The most resident memory since `reset_peak`, in bytes; None if no file can be opened."""
+    with suppress(OSError):
+        status = FilePath("/proc/self/status").read_bytes()
+        return 1024 * int(status.partition(b"VmHWM:")[2].split()[0])
+    return None
+
+
 def _leakable() -> tuple[int, int]:
     """Resident bytes and number of open files of this process; zeros if there is no /proc."""
     with suppress(OSError, ValueError, IndexError):

@@ -7,6 +7,7 @@ import math
 import os
 import signal
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -19,18 +20,27 @@ from dubins_study.experiments.isolation.messages import (
     decode_question,
     encode_reply,
 )
-from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
+from dubins_study.experiments.isolation.process_state import (
+    ProcessState,
+    bound_process,
+    peak_bytes,
+    reset_peak,
+    seed,
+)
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
-from dubins_study.solvers.registry import load, reported_versions
+from dubins_study.solvers.registry import load, reported_versions, unavailable
 from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Outcome
+from dubins_study.study.words import VIA_POINTS, Outcome
 
 # Size of the calibration probe: loops of plain Python, operations on small arrays, repeats.
 _LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
+_BYTES_PER_MIB = 2**20
 # Easy question that every solver is asked once before its first recorded answer.
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
+_WARM_UP_ROUTE = replace(_WARM_UP, via=((-6.0, 1.0),))  # loops of routes take a second to load
+_WARM_UP_ROUTE_S = 2.0  # a proof of two legs may take longer
 
 
 def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool]]) -> None:
@@ -66,6 +76,7 @@ class _LoadedSolver(NamedTuple):
     solver: Solver
     versions: str
     code_digest: str
+    floor_s: float | None = None
 
 
 class _Worker:
@@ -100,15 +111,27 @@ class _Worker:
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             self._solvers[spec, profile] = _error_reply(error, started, digest)
 
-    def _warm_up(self, spec: str, profile: str, time_limit: float) -> None:
-        """Ask an easy question, so that a solver's imports, templates and caches are ready."""
+    def _warm_up(self, spec: str, profile: str, time_limit: float, floors: bool) -> None:
+        """Ask an easy question, so that a solver's imports, templates and caches are ready.
+
+        With `floors`, measure the floor of the solver's times as well.
+        """
         loaded = self._solvers[spec, profile]
         if isinstance(loaded, list):
             return
         started = now()
         try:
             seed()
-            ask(loaded.solver, Question(_WARM_UP, loaded.solver.branches[0]), time_limit)
+            branch = loaded.solver.branches[0]
+            ask(loaded.solver, Question(_WARM_UP, branch), time_limit)
+            if VIA_POINTS in loaded.solver.takes:
+                limit = min(time_limit, _WARM_UP_ROUTE_S)
+                ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), limit)
+            if floors and unavailable(loaded.solver) is None:
+                from dubins_study.experiments.isolation.floor import floor_s
+
+                floor = floor_s(loaded.solver)
+                self._solvers[spec, profile] = loaded._replace(floor_s=floor)
         except BaseException as error:
             self._solvers[spec, profile] = _error_reply(error, started, loaded.code_digest)
 
@@ -121,9 +144,13 @@ class _Worker:
         try:
             decoded = decode_question(question)
             seed()
+            before = reset_peak()
             started = now()
             reply = ask(loaded.solver, decoded, time_limit)
-            return encode_reply(WorkerReply(reply, started, loaded.versions, loaded.code_digest))
+            peak = None if before is None else peak_bytes()
+            memory = None if before is None or peak is None else (peak - before) / _BYTES_PER_MIB
+            texts = started, loaded.versions, loaded.code_digest
+            return encode_reply(WorkerReply(reply, *texts, memory, loaded.floor_s))
         except BaseException as error:
             return _error_reply(error, started, loaded.code_digest)
 

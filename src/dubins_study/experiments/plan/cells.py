@@ -45,6 +45,7 @@ class BlockPlan(NamedTuple):
     branches: tuple[str, ...]
     initial_guesses: tuple[str, ...]  # not used where the block has `guess_lengths`
     repeats: int
+    time_limit_s: float
     solvers: tuple[SolverDescription, ...]
 
     @property
@@ -94,6 +95,7 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
             tuple(block.branches or experiment.branches),
             tuple(experiment.initial_guesses),
             experiment.repeats,
+            block.time_limit_s or experiment.time_limit_s,
             tuple(describe_solver(spec, profile) for spec in specs),
         )
         if total + plan.cells <= MOST_CELLS:
@@ -141,6 +143,7 @@ class Cell(NamedTuple):
     code_digest: str
     scenario: Scenario
     method: Method
+    time_limit_s: float
 
     @property
     def key(self) -> Key:
@@ -200,9 +203,9 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
     for solver in solvers:
         guesses = list(plan.guesses(solver))
         for branch, repeat, guess in itertools.product(plan.branches, range(plan.repeats), guesses):
-            digest, method = solver.code_digest, solver.method
+            digest, known = solver.code_digest, (solver.method, plan.time_limit_s)
             cells = (
-                Cell(id_, solver.spec, profile, branch, guess, repeat, digest, scenario, method)
+                Cell(id_, solver.spec, profile, branch, guess, repeat, digest, scenario, *known)
                 for id_, scenario in zip(ids, block_scenarios, strict=True)
             )
             if guess == "warm":

@@ -200,8 +200,9 @@ def _checked(
     fields = fields_of(path, text) | changes
     if "solvers" in changes:
         fields.pop("first", None)
-        for _, block in tables(fields):
-            block.pop("solvers", None)
+    for _, block in tables(fields):
+        for key in {"solvers", "time_limit_s"} & changes.keys():
+            block.pop(key, None)
     experiment, problems = validated(fields)
     requested = [(str(p.path[0]), p.sentence) for p in problems if {*p.path[:1]} & changes.keys()]
     if requested:  # the caller is to blame, not the file

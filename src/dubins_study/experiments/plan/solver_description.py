@@ -22,7 +22,6 @@ from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.experiments.isolation.worker_process import Allowance, Answer, WorkerProcess
 from dubins_study.experiments.provenance import versions_of
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import (
     SolverError,
@@ -33,6 +32,7 @@ from dubins_study.solvers.registry import (
     stated_method,
 )
 from dubins_study.solvers.reply import exception_text
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import Outcome
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.

@@ -1,0 +1,144 @@
+"""The floor of a time: what an engine takes for a trivial problem through the same adapter.
+
+Beside the time of a solve it says how much of it is the adapter's and the engine's own overhead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from dubins_study.solvers.convex.engines import Ask, prepare
+from dubins_study.solvers.convex.solver import Convex
+from dubins_study.solvers.course import FULL_TURN
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp
+from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, end_point
+from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.registry import load
+from dubins_study.study.convex.problem import read
+from dubins_study.study.path import FloatArray
+from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
+
+# The first call loads and compiles; the least of the others counts.
+_MOST_CALLS, _MOST_SECONDS, _LIMIT_S = 6, 0.5, 1.0
+
+
+def floor_s(solver: Solver) -> float | None:
+    """The seconds of one call of a solver's engine on a trivial problem; None without an engine.
+
+    An engine that fails on it, or takes longer than a second, has none either.
+    """
+    try:
+        call = _trivial(solver)
+        if call is None:
+            return None
+        call()
+        until, least = perf_counter() + _MOST_SECONDS, math.inf
+        for _ in range(_MOST_CALLS):
+            began = perf_counter()
+            call()
+            ended = perf_counter()
+            least = min(least, ended - began)
+            if ended > until:
+                break
+        return least if least < _LIMIT_S else None
+    except Exception:  # whatever a library raises
+        return None
+
+
+def _trivial(solver: Solver) -> Callable[[], Any] | None:
+    """A call that solves a trivial problem by a solver's engine."""
+    if isinstance(solver, LocalNlp):
+        return _word(solver)
+    if isinstance(solver, Convex):
+        return _one_variable(solver)
+    engine = getattr(solver, "engine", getattr(solver, "root", None))
+    if not isinstance(engine, str) or engine not in ENGINES:
+        return None
+    return _BY_KIND[ENGINES[engine].kind](engine)
+
+
+def _word(solver: LocalNlp) -> Callable[[], Any]:
+    """The word LS, begun at its solution."""
+    z = np.array((0.5, 0.0, 1.0))
+    word = SUBPROBLEMS["LS"]
+    upper = np.where(word.mask, (FULL_TURN, FULL_TURN, math.inf), 0.0)
+    adapter, case = solver.adapter(), Case(word, upper, end_point(0.5, 0.5, 1.0, math))
+    return lambda: adapter(case, z, _LIMIT_S)
+
+
+def _one_variable(solver: Convex) -> Callable[[], Any]:
+    """A frozen problem of one variable, built and solved."""
+    problem, ask = read("trivial"), Ask(solver.tolerance, _LIMIT_S)
+    return lambda: prepare(solver.engine, solver.interface, problem)(ask)
+
+
+def _nlp(engine: str) -> Callable[[], Any] | None:
+    return _trivial(load(f"nlp[engine={engine}]"))
+
+
+def _proven(engine: str) -> Callable[[], Any]:
+    """The least x from 0 to 2 that is at least 1."""
+    from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
+
+    def write(x: Sequence[Any], functions: Any) -> Written:
+        return Written(x[0], [Row(x[0], 1.0, math.inf)])
+
+    program = MixedProgram(np.zeros(1), np.full(1, 2.0), np.zeros(1, np.bool_), write)
+    solve = ENGINES[engine].load()(Settings(gap=1e-6, feastol=1e-8))
+    return lambda: solve(program, _LIMIT_S)
+
+
+class _Square:
+    """(x - 1)^2 for x from 0 to 2, as searches take it."""
+
+    upper: FloatArray = np.full(1, 2.0)
+
+    def at(self, free: FloatArray) -> float:
+        return float((free[0] - 1.0) ** 2)
+
+    def at_each(self, free: FloatArray) -> FloatArray:
+        values: FloatArray = (free[0] - 1.0) ** 2
+        return values
+
+
+def _search(engine: str) -> Callable[[], Any]:
+    """A square of one variable, with the engine's own budget, for what cost nothing to evaluate."""
+    from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
+
+    def call() -> Any:
+        until, random = perf_counter() + _LIMIT_S, np.random.default_rng(0)
+        function = CountedFunction(_Square(), ENGINES[engine].evaluations, until)
+        return Task(function, np.full(1, 0.5), random).search(engine)
+
+    return call
+
+
+def _root(engine: str) -> Callable[[], Any]:
+    from scipy.optimize import root
+
+    return lambda: root(lambda x: x - 1.0, np.zeros(1), method=engine)
+
+
+def _qp(engine: str) -> Callable[[], Any]:
+    """A square of one variable in cvxpy, compiled once."""
+    import cvxpy
+
+    x, nearest = cvxpy.Variable(nonneg=True), cvxpy.Parameter(value=1.0)
+    problem = cvxpy.Problem(cvxpy.Minimize(cvxpy.square(x - nearest)))
+    return lambda: problem.solve(solver=engine.upper())
+
+
+_BY_KIND: dict[str, Callable[[str], Callable[[], Any] | None]] = {
+    NLP: _nlp,
+    PROVEN: _proven,
+    SAMPLING: _search,
+    DERIVATIVE_FREE: _search,
+    ROOTS: _root,
+    QP: _qp,
+}

@@ -1,0 +1,61 @@
+"""The stages of a run: cells of one time limit, and if the experiment is `rising`, of one size.
+
+The size of a route is its number of legs. A solver that finds the shortest route of none with one
+number of legs is not asked the longer ones of the same label; their rows say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+
+from dubins_study.experiments.executors.executor import WorkUnit
+from dubins_study.experiments.executors.local import row_of
+from dubins_study.experiments.isolation.messages import WorkerReply
+from dubins_study.experiments.plan.cells import Chain
+from dubins_study.experiments.store.folder import read_rows
+from dubins_study.solvers.reply import no_answer
+from dubins_study.study.rows.parts import Row
+from dubins_study.study.words import Outcome, Verdict
+
+# what does not tell whether a solver finds the shortest routes of a size
+_UNTOLD = (Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
+
+
+def stages(chains: list[Chain], rising: bool) -> Iterator[tuple[float, list[Chain]]]:
+    """The time limit (s) of each stage, and its chains; a warm sweep is where its first cell is."""
+    by_stage: dict[tuple[int, float], list[Chain]] = {}
+    for chain in chains:
+        size = chain[0].scenario.legs if rising else 0
+        by_stage.setdefault((size, chain[0].time_limit_s), []).append(chain)
+    for size, limit in sorted(by_stage):
+        yield limit, by_stage[size, limit]
+
+
+def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
+    """The cells of a stage that are worth asking, given the folder's rows, and rows of the others.
+
+    Args:
+        folder: holds the rows of all earlier stages.
+        unit: unsolved cells of one size.
+    """
+    rows = read_rows(folder, ["label", "via_x", "verdict", "outcome"]).to_pylist()
+    solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
+    for row in rows:
+        sizes = solved.setdefault((row["solver"], row["label"]), {})
+        legs = 1 + len(row["via_x"] or ())
+        sizes[legs] = sizes.get(legs, False) or (
+            row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED) or row["outcome"] in _UNTOLD
+        )
+    asked, skipped = [], []
+    for chain in unit.chains:
+        scenario = chain[0].scenario
+        sizes = solved.get((chain[0].solver, scenario.label), {})
+        smaller = [legs for legs in sizes if legs < scenario.legs]
+        if not smaller or sizes[max(smaller)]:
+            asked.append(chain)
+            continue
+        message = "not asked: it found the shortest route of none with fewer legs"
+        reply = WorkerReply(no_answer(Outcome.NOT_ASKED, message))
+        skipped += [row_of(cell, None, unit.settings, reply)[0] for cell in chain]
+    return unit._replace(chains=asked), skipped

@@ -1,0 +1,93 @@
+"""Rising experiments: a solver that fails on all routes of a size is not asked the longer ones."""
+
+from __future__ import annotations
+
+from dubins_study import load_results, run
+
+# `late` answers one leg by a straight line that misses, so it fails on the smallest size.
+RISING = """
+title = "rising"
+question = "who still finds the shortest route?"
+rising = true
+time_limit_s = 20
+solvers = ["analytic", "headings[engine=powell]", "late.py:Late"]
+
+[[scenarios]]
+label = "{label}"
+[scenarios.route]
+legs = [3, 1]
+spacing = "4R-20R"
+count = 2
+seed = 1
+
+[[scenarios]]
+label = "{label}"
+time_limit_s = 30
+[scenarios.route]
+legs = [5]
+spacing = "4R-20R"
+count = 2
+seed = 1
+"""
+LATE = '''
+from dataclasses import dataclass
+from dubins_study import Claim, Path, Solution, Solver
+
+@dataclass(frozen=True)
+class Late(Solver):
+    """Finds no route of one leg; counts in a file how often it is asked."""
+    name = "late"
+    takes = frozenset({"free final heading", "final heading", "via points"})
+    def solve(self, question, limit):
+        if question.scenario.label != "warm-up":
+            with open("asked.txt", "a") as file:
+                print(question.scenario.legs, limit, file=file)
+        return Solution(Claim.FAILED, None)
+'''
+
+
+def rows_by_size(folder):
+    frame = load_results(folder)
+    frame["legs"] = [1 if via is None else len(via) + 1 for via in frame["via_x"]]
+    return frame
+
+
+def test_a_solver_that_fails_on_a_size_is_not_asked_larger_ones(tmp_path, monkeypatch):
+    """Its rows say so and count as failures; others go on; a second run asks nobody again."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "late.py").write_text(LATE)
+    (tmp_path / "rising.toml").write_text(RISING.format(label="a"))
+
+    folder = run("rising.toml", trust_plugins=True)
+    again = rows_by_size(run("rising.toml", trust_plugins=True))
+
+    frame = rows_by_size(folder)
+    assert again.equals(frame)
+    late = frame[frame["solver"].str.startswith("late")]
+    assert dict(zip(late["legs"], late["outcome"], strict=True)) == {
+        1: "returned",
+        3: "not_asked",
+        5: "not_asked",
+    }
+    assert set(late["verdict"]) == {"none"}
+    others = frame.drop(late.index)
+    assert set(others["outcome"]) == {"returned"}
+    assert set(others["verdict"]) == {"optimal"}
+    asked = {line.split()[0] for line in (tmp_path / "asked.txt").read_text().splitlines()}
+    assert asked == {"1"}
+
+
+def test_a_block_has_a_time_limit_of_its_own(tmp_path, monkeypatch):
+    """Each row says its limit; a limit that is asked for replaces all of them."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rising.toml").write_text(RISING.format(label="b"))
+
+    frame = rows_by_size(run("rising.toml", solvers=["analytic"]))
+    forced = rows_by_size(run("rising.toml", "forced", solvers=["analytic"], time_limit=25))
+
+    assert frame.groupby("legs")["limit_s"].unique().map(list).to_dict() == {
+        1: [20.0],
+        3: [20.0],
+        5: [30.0],
+    }
+    assert set(forced["limit_s"]) == {25.0}
