@@ -29,7 +29,9 @@ _SUMMARY = {
 
 
 def report(
-    folders: Annotated[list[FilePath], typer.Argument(metavar="DIR", help="results folders")],
+    folders: Annotated[
+        list[FilePath], typer.Argument(metavar="DIR", help="results folders, or folders of them")
+    ],
     out: Annotated[
         FilePath | None, typer.Option(metavar="DIR", help="default: report in the first folder")
     ] = None,

@@ -84,6 +84,9 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
+    for option, file in (("--plot", plot), ("--geojson", geojson)):
+        if file is not None and file in (via_file, None if option == "--plot" else plot):
+            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
     if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
         raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
@@ -107,7 +110,8 @@ def _points(
     """Target and via points, of which a file may have all."""
     if file is None:
         if x is None or y is None:
-            raise arguments.CommandError("the target is missing; expected X Y, or --via-file")
+            missing = "the target is missing" if x is None else "the target is a single number"
+            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file")
         return arguments.Point(x, y), via
     if via:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")

@@ -21,7 +21,7 @@ from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.check.verdict import judge, miss_reason
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
 
 _Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
@@ -60,7 +60,9 @@ _SAID = {
 def problems(interview: Interview, seen: Seen) -> list[Finding]:
     """What is wrong with one answer; empty if nothing is."""
     answer = seen.answer
-    if answer.outcome is Outcome.RETURNED:
+    if answer.outcome is Outcome.RETURNED and answer.branch == FROZEN:
+        observations = [*_of_point(answer)]
+    elif answer.outcome is Outcome.RETURNED:
         guarantee = str(interview.declared["guarantee"])
         observations = [
             *_of_path(interview, answer),
@@ -75,11 +77,27 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
     shown = command(answer.solver, seen.question, seen.limit)
     if seen.question.initial_guess is not None:  # no option of `solve` hands one over
         shown = check_command(answer.solver, "warm", seen.limit)
+    elif answer.branch == FROZEN:  # nor the label that names the problem
+        shown = check_command(answer.solver, "claims", seen.limit)
     name, trace = seen.question.scenario.label, seen.observed.traceback
     return [
         Finding(status, observed, advice, name, shown, trace, kind=kind)
         for kind, status, observed, advice in observations
     ]
+
+
+def _of_point(answer: Answer) -> Iterator[_Observed]:
+    """What the proof of a frozen convex problem finds wrong with a primal and dual point."""
+    if answer.false_claim:
+        observed = (
+            f"it claims {answer.claim}, but its point is judged {answer.verdict} (primal residual "
+            f"{answer.miss}, dual residual {answer.dual_residual}, gap {answer.duality_gap})"
+        )
+        advice = "return x, y, z and w with y and z positive where an upper end pushes"
+        yield Kind.CLAIM, Status.FAIL, observed, advice
+    elif answer.verdict is not Verdict.OPTIMAL:
+        observed = f"its point is judged {answer.verdict} (claim {answer.claim})"
+        yield Kind.LENGTH, Status.NOTE, observed, ""
 
 
 def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:

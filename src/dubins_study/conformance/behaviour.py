@@ -16,7 +16,7 @@ from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Guarantee, Question
-from dubins_study.study.words import BRANCHES, Outcome
+from dubins_study.study.words import BRANCHES, FROZEN, Outcome
 
 Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
@@ -46,8 +46,10 @@ def loading(interview: Interview) -> Checked:
 
 
 def _question(interview: Interview, name: str) -> Question:
-    """A general question of a branch that the solver answers."""
+    """A general question of a branch that the solver answers; else a frozen problem."""
     branches = [branch for branch in BRANCHES if interview.answers(branch)]
+    if not branches and interview.answers(FROZEN):
+        return Question(questions.ROUTES["qp-50-well"], FROZEN)
     return Question(questions.GENERAL[name], branches[0] if branches else "best")
 
 
@@ -87,6 +89,8 @@ def limits(interview: Interview) -> Checked:
 
 # relative: answers that differ by less differ in rounding only
 _ROUNDING = 1e-12
+# share of a limit that an engine uses which is cut off: it looks at the clock between its steps
+_WHOLE_LIMIT = 0.9
 # A solver that tosses a coin for each answer passes once in 4^4 times.
 _ASKED_AGAIN = (
     *("target ahead to the left", "target behind to the right"),
@@ -101,21 +105,32 @@ def determinism(interview: Interview) -> Checked:
     second = [interview.ask(question, again=True) for question in known]
     interview.restart()
     third = [interview.ask(question, again=True) for question in known]
-    found = [
-        _changed(one, again, difference, when, place)
+    pairs = [
+        (one, again, when, place)
         for seen, when in ((second, "after other questions"), (third, "in a new process"))
         for place, one, again in zip(_ASKED_AGAIN, first, seen, strict=True)
-        if (difference := _difference(one, again))
+        if not (_is_cut(one) or _is_cut(again))
     ]
+    if not pairs:
+        raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
+    found = [_changed(*pair) for pair in pairs if _difference(*pair[:2])]
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
     listed = [*worst, *_repeat(interview, first[0])]
-    if not listed and all(seen.answer.path is None for seen in first):
+    if not listed and all(one.answer.path is None for one, *_ in pairs):
         raise NotApplicableError("it returned no path")
-    return listed, f"{len(known)} questions, three times the same"
+    cut = 2 * len(known) - len(pairs)
+    left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
+    return listed, f"{len(pairs)} pairs of answers the same{left_out}"
 
 
-def _changed(first: Seen, again: Seen, difference: float, when: str, place: str) -> Finding:
+def _is_cut(seen: Seen) -> bool:
+    """Whether an answer took its limit, so that the machine's speed has a part in it."""
+    return (seen.answer.wall_s or seen.seconds) > _WHOLE_LIMIT * seen.limit
+
+
+def _changed(first: Seen, again: Seen, when: str, place: str) -> Finding:
     """What tells the answers to one question apart."""
+    difference = _difference(first, again)
     observed = f"asked again {when}, its answer differs by {difference:.2g} of the length"
     if difference == math.inf:
         said = [

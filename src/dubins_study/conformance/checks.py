@@ -8,6 +8,7 @@ from dataclasses import replace
 from inspect import getsourcefile
 from pathlib import Path as FilePath
 from time import monotonic
+from types import MappingProxyType
 from typing import Any
 
 from dubins_study.conformance import behaviour, questions
@@ -25,14 +26,14 @@ from dubins_study.conformance.interview import (
 from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Kind, Status
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
-from dubins_study.solvers.profiles import tolerances
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import registered_name
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import tolerances
 from dubins_study.study.values import did_you_mean, short
-from dubins_study.study.words import Outcome
+from dubins_study.study.words import FROZEN, Outcome
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
 
@@ -45,18 +46,24 @@ class ConformanceError(DubinsStudyError, ValueError):
 
 
 def _asked(
-    scenarios: Mapping[str, Scenario], kinds: tuple[Kind, ...] = _ALL
+    scenarios: Mapping[str, Scenario],
+    kinds: tuple[Kind, ...] = _ALL,
+    frozen: Mapping[str, Scenario] = MappingProxyType({}),
 ) -> Callable[[Interview], Checked]:
-    """A check that asks for the best path of scenarios, and reports problems of some kinds."""
+    """A check that asks for the best path of scenarios, and reports problems of some kinds.
+
+    A solver that does not answer `best` is asked for the `frozen` problems, where there are some.
+    """
 
     def run(interview: Interview) -> Checked:
-        if not interview.answers("best"):
+        branch, asked = ("best", scenarios) if interview.answers("best") else (FROZEN, frozen)
+        if not (asked and interview.answers(branch)):
             raise NotApplicableError("the solver does not answer `best`")
-        answers = [interview.ask(Question(scenario)) for scenario in scenarios.values()]
+        answers = [interview.ask(Question(scenario, branch)) for scenario in asked.values()]
         found = _wrong(interview, answers, kinds)
         if Kind.CONTROLS in kinds and not found and all(one.answer.path is None for one in answers):
             raise NotApplicableError("it returned no path")
-        return found, f"{len(scenarios)} questions"
+        return found, f"{len(asked)} questions"
 
     return run
 
@@ -72,7 +79,7 @@ def _branches(interview: Interview) -> Checked:
     """Every word that the solver declares, where a path of it exists and where none does."""
     words = [word for word in questions.WORDS if interview.answers(word)]
     if not words:
-        raise NotApplicableError("the solver answers `best` only")
+        raise NotApplicableError("the solver declares no word")
     asked = [
         Question(scenario, word)
         for word in words
@@ -113,7 +120,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
-        _asked(questions.GENERAL, ()),
+        _asked(questions.GENERAL, (), questions.ROUTES),
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
@@ -121,7 +128,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     ),
     "claims": (
         "claims of optimality, of a lower bound, of no path; paths that are longer",
-        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND)),
+        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), questions.ROUTES),
     ),
     "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
     "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),

@@ -20,10 +20,10 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import Allowance, Ended, WorkerProcess
 from dubins_study.solvers.attempt import Answer, judged
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.solvers.reply import Reply, no_answer
+from dubins_study.solvers.reply import no_answer
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import Outcome, Verdict
 
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
@@ -233,16 +233,12 @@ class Interview:
         observations = self._source.ask(questions, limit, as_frame)
         seconds, files = monotonic() - began, self._new_files()
         return [
-            Seen(self._judged(question, one.reply), question, one, files, seconds, limit)
+            Seen(
+                judged(self.spec, question, one.reply, self.tolerances, self._method),
+                *(question, one, files, seconds, limit),
+            )
             for question, one in zip(questions, observations, strict=True)
         ]
-
-    def _judged(self, question: Question, reply: Reply) -> Answer:
-        try:
-            return judged(self.spec, question, reply, self.tolerances, self._method)
-        except Exception as error:  # the check cannot drive the path
-            broken = no_answer(Outcome.RAISED, f"the path cannot be driven: {error}")
-            return judged(self.spec, question, broken, self.tolerances, self._method)
 
     def _new_files(self) -> tuple[str, ...]:
         """Files that have appeared in the worker's folder since the last question."""

@@ -27,15 +27,15 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solution, Solver
 from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
 from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import EVERY_BRANCH, FORMULATIONS, Claim, Outcome
+from dubins_study.study.words import EVERY_BRANCH, FORMULATIONS, FROZEN, Claim, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -187,7 +187,7 @@ def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
     if (formulation, engine) == NOT_STATED[:2]:
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         yield "note", "it does not state its method", advice
-    elif formulation not in FORMULATIONS:
+    elif formulation not in FORMULATIONS and kind.branches != (FROZEN,):  # of paths
         hint = did_you_mean(formulation, FORMULATIONS)
         advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
         observed = f"its formulation, {formulation!r}, is not one of this package's"

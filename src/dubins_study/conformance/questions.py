@@ -122,6 +122,14 @@ SCALES = labelled(
     }
 )
 
+# routes that convex problems were frozen from, for a solver that answers `frozen` and no path
+ROUTES = labelled(
+    {
+        "qp-50-well": Scenario(target_x=25, target_y=6, via=[(6, 3), (9, -4), (15, -2), (18, 5)]),
+        "qp-50-bad": Scenario(target_x=9, target_y=1, via=[(2, 1), (3.5, 2.5), (5.5, 2), (7, 0.5)]),
+    }
+)
+
 # word -> questions that have a path of the word
 WORDS = {
     word: tuple(placed(*at, f"{word}, question {n}") for n, at in enumerate(targets, 1))

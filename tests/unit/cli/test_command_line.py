@@ -14,8 +14,8 @@ from dubins_study.cli.terminal import arguments as declared
 from dubins_study.cli.terminal.output import Verbosity, set_verbosity, verbosity
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
-from dubins_study.solvers.profiles import PROFILES
 from dubins_study.solvers.registry import registered
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import EVERY_BRANCH
 
 PATH = ("solve", "10", "5")

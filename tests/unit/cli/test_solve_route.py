@@ -63,9 +63,9 @@ def test_points_of_a_file(points, tmp_path):
 
 
 REFUSED = {
-    "x;y\n": "line 1 has 0 columns called x (it is 'x;y'); expected column names such as x,y, with",
-    "X,Y\n": "line 1 has 0 columns called x (it is 'X,Y'); expected column names such as x,y",
-    "": "line 1 has 0 columns called x (it is empty)",
+    "x;y\n": "line 1 has no column called x (it is 'x;y'); expected column names such as x,y, with",
+    "X,Y\n": "line 1 has no column called x (it is 'X,Y'); expected column names such as x,y",
+    "": "line 1 has no column called x (it is empty)",
     "x,y,x\n1,2,3\n": "line 1 has 2 columns called x",
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
@@ -86,7 +86,9 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
     ("arguments", "message"),
     [
         ((), "the target is missing; expected X Y, or --via-file"),
-        (("3",), "the target is missing; expected X Y, or --via-file"),
+        (("3",), "the target is a single number; expected X Y, or --via-file"),
+        (("--via-file", "FILE", "--geojson", "FILE"), "--geojson: .* is given twice"),
+        (("3", "4", "--plot", "a.svg", "--geojson", "a.svg"), "--geojson: a.svg is given twice"),
         (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
         (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
         (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),

@@ -12,7 +12,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from dubins_study.experiments.definition.experiment import packaged, read
-from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import load as load_folders
 from dubins_study.solvers.registry import SolverError, load, settings
 from dubins_study.study.check.verdict import judge
@@ -113,6 +112,14 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
         **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
         **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
+        **{
+            "proves": None,
+            "floor_s": None,
+            "subproblem_runs": None,
+            "guesses": "one",
+            "presolve": "presolve=True" in solver,
+            "late": False,
+        },
         **{"verdict": "optimal", "right": True, "claim": "local", "lower_bound": float("nan")},
         **{"false_claim": False, "false_bound": False, "wrong_basin": False},
         **{"gap": 0.0, "miss": 0.0, "length": 4.0, "reference": 4.0, "reference_high": 4.0},
@@ -171,7 +178,7 @@ _CELL = {
 
 def attempts_of(
     place: FilePath, rows: pd.DataFrame, parts: Sequence[int] | None = None
-) -> Attempts:
+) -> pd.DataFrame:
     """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
 
     Args:

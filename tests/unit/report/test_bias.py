@@ -22,7 +22,7 @@ from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 
 TOLD = "ipopt[model=joint,order=LRS,units=scenario,mu_target={}]"
-DEFAULT = "ipopt[model=joint,order=LRS,units=scenario]"
+DEFAULT = "ipopt[model=joint,order=LRS,units=scenario,options=default]"
 SPLIT, ACTIVE = "slsqp[units=scenario]", "slsqp[model=joint,order=LRS]"
 
 
@@ -74,12 +74,13 @@ def test_whose_barrier_is_known():
         "ipopt[a]": {"model": "joint", "mu_target": 1e-5, "tol": 1e-12},
         "ipopt[b]": {"model": "joint", "mu_target": 0.0, "tol": 1e-6},
         "ipopt": {"model": "words", "mu_target": 0.0, "tol": 1e-8},
+        "ipopt[d]": {"model": "joint", "mu_target": 0.0, "tol": 0.0, "options": "equal"},
         "slsqp[c]": {"model": "joint"},
     }
 
     known = [barrier(spec, settings) for spec in (*settings, "unheard-of")]
 
-    np.testing.assert_allclose(known, [1e-5, 1e-6 / 11, math.nan, math.nan, math.nan])
+    np.testing.assert_allclose(known, [1e-5, 1e-6 / 11, math.nan, 1e-9 / 11, math.nan, math.nan])
 
 
 def test_numbers_by_hand(load_rows):

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from dubins_study.report.topics.certificates import certificates_section
+from dubins_study.report.topics.certificates import certificates_section, proofs
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 
@@ -47,7 +47,7 @@ def rows():
 
 def test_numbers_by_hand(load_rows):
     """Counts of each word, a lost row has no proof; worst and least of what is measured."""
-    table = load_rows("tiny", rows()).attempts.proofs().set_index("solver")
+    table = proofs(load_rows("tiny", rows()).attempts).set_index("solver")
     words = ["attempts", "proved", "bounded", "extremal", "none"]
 
     assert table.loc["slsqp", words].tolist() == [2, 2, 0, 0, 0]
@@ -71,11 +71,11 @@ def test_multipliers_are_compared_with_costates_that_are_there(load_rows):
         kept | {"repeat": 4, "gap": None},
     ]
 
-    table = load_rows("tiny", made).attempts.proofs()
+    table = proofs(load_rows("tiny", made).attempts)
 
     assert table[["attempts", "multipliers", "costate_error"]].to_numpy().tolist() == [[5, 1, 1e-9]]
     for row in made[1:]:
-        alone = load_rows(f"only-{row['repeat']}", [row]).attempts.proofs()
+        alone = proofs(load_rows(f"only-{row['repeat']}", [row]).attempts)
         assert alone["multipliers"].tolist() == [0]
 
 
@@ -86,13 +86,13 @@ def test_width_of_enclosures(load_rows):
     made[2] |= {"reference_low": 2.0, "reference_high": 2.001}
     made.append(made[0] | {"repeat": 1, "reference_low": 0.3, "reference_high": 6.5})
     made.append(made[4] | {"repeat": 1, "reference_low": 0.0, "reference_high": 0.0})
-    table = load_rows("tiny", made).attempts.proofs().set_index("solver")
+    table = proofs(load_rows("tiny", made).attempts).set_index("solver")
 
     assert table["enclosed"].to_dict() == {"slsqp": 3, "disjunctive": 2}
     assert table["open"].to_dict() == {"slsqp": 1, "disjunctive": 0}
     assert table["width"].to_dict() == pytest.approx(dict.fromkeys(table.index, 0.001 / 2.001))
     narrow = [row | {"repeat": 1} for row in rows()[:2]]
-    alone = load_rows("narrow", narrow).attempts.proofs()
+    alone = proofs(load_rows("narrow", narrow).attempts)
     assert alone["width"].tolist() == pytest.approx([4e-16])
 
 

@@ -13,6 +13,8 @@ from dubins_study.report.topics.comparison import (
     spread,
     times,
 )
+from dubins_study.report.topics.failures import failures
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
@@ -77,6 +79,25 @@ def test_means_ranks_and_shares(asked):
     logs = np.log(np.array([*joint_times, *[2.0] * 6]) + shift)
     assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
     assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
+
+
+@pytest.mark.parametrize("limit_s", [None, 4.0])
+def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
+    """Right after 3 s counts as wrong after 2 s, in shares, counts and means; a row's own limit
+    goes before the run's."""
+    rows = [answer(q, "slsqp", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS]
+    rows += [answer(q, "ipopt", 3.0, right=True, limit_s=limit_s) for q in QUESTIONS[:3]]
+    rows += [answer(q, "ipopt", 1e-3, right=True, limit_s=limit_s) for q in QUESTIONS[3:]]
+    results = asked(rows)
+    made = compared(results)
+    counts = solver_summary(results.attempts).set_index("solver").loc["ipopt"]
+    lost = 3 if limit_s is None else 0
+
+    assert made.rows.groupby("solver")["right"].sum().to_dict() == {"ipopt": 12 - lost, "slsqp": 12}
+    assert np.isinf(times(made)["ipopt"]).sum() == lost
+    assert mean_ranks(made)[0].loc["ipopt", "right"] == pytest.approx(1 - lost / 12)
+    assert (counts["right"], counts["late"], counts["optimal"]) == (12 - lost, lost, 12 - lost)
+    assert failures(results.attempts)["attempts"].sum() == lost
 
 
 def test_paired_tests_share_a_formulation_or_an_engine(asked):

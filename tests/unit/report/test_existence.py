@@ -7,8 +7,6 @@ import math
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.verdicts import existence as counts
-from dubins_study.report.data.verdicts import methods
 from dubins_study.report.topics.existence import engine_times, existence, existence_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -39,7 +37,7 @@ def rows():
 
 
 def line_of(results):
-    frame = existence(counts(results.attempts), methods(results.attempts))
+    frame = existence(results.attempts)
     (line,) = frame.to_dict("records")
     return line
 

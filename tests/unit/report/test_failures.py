@@ -7,7 +7,6 @@ import shlex
 
 import pytest
 
-from dubins_study.report.data import failures as counts
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.failures import (
     by_region,
@@ -59,7 +58,7 @@ def folder(results):
 
 def test_outcomes_by_solver(folder):
     """Only the solver that was stopped; each outcome apart, with the nearest as its example."""
-    (line,) = unreturned(counts.outcomes(load([folder]).attempts)).to_dict("records")
+    (line,) = unreturned(load([folder]).attempts).to_dict("records")
 
     assert (line["solver"], line["attempts"], line["unreturned"]) == ("a", 4, 3)
     assert (line["timeout"], line["out_of_memory"], line["crashed"]) == (2, 1, 0)
@@ -68,7 +67,7 @@ def test_outcomes_by_solver(folder):
 
 def test_messages_that_differ_in_numbers_are_one(folder):
     """The most frequent first; the example is the first repeat, then the nearest target."""
-    table = failures(counts.failures(load([folder]).attempts))
+    table = failures(load([folder]).attempts)
     lines = table.set_index(["solver", "outcome", "verdict"])
 
     assert table["attempts"].sum() == 6
@@ -82,7 +81,7 @@ def test_messages_that_differ_in_numbers_are_one(folder):
 
 def test_where_failures_lie(folder):
     """Twelve attempts, by region, and by kind; a question that was stopped has a place too."""
-    table = by_region(counts.regions(load([folder]).attempts)).set_index("place")
+    table = by_region(load([folder]).attempts).set_index("place")
 
     assert table["attempts"].to_dict() == {
         "outside, beyond 4 R of the start": 3,

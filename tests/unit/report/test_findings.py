@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 import pytest
+from scipy.stats import binomtest
 
+from dubins_study.report.elements.content import General
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
@@ -242,6 +244,68 @@ def test_a_sentence_turns_round_with_the_rows(find, made, advice):
     assert finding.estimate.low > 0
 
 
+@pytest.mark.parametrize("unequal", [{"guesses": "several"}, {"guesses": None}, {"presolve": True}])
+def test_formulations_are_compared_at_equal_guesses_only(unequal):
+    """More guesses, or a presolve, on one side say nothing of the formulation."""
+    equal = of_two(IPOPT, BOTH_ORDERS, half_wrong)(MANY, True)
+    other = of_two(IPOPT | unequal, BOTH_ORDERS, half_wrong)(MANY, True)
+
+    assert found.words_against_joint(evidence(equal)) is not None
+    assert found.words_against_joint(evidence(other)) is None
+
+
+def test_a_sentence_on_engines_holds_for_other_engines():
+    """One engine that gains much and three that gain nothing carry no advice for all."""
+
+    def rows(gains: int) -> list[Row]:
+        made = []
+        for number, engine in enumerate("abcd"):
+            words = {"solver": f"{engine}-words", "engine": engine}
+            joint = {"solver": f"{engine}-joint", "engine": engine, "formulation": JOINT}
+            made += of_two(words, joint, half_wrong)(MANY, number < gains)
+        return made
+
+    every = found.words_against_joint(evidence(rows(4)))
+    assert every is not None
+    assert "4 methods, in pairs" in every.question
+    assert found.words_against_joint(evidence(rows(1))) is None
+
+
+def test_the_worst_of_many_has_the_interval_of_all():
+    """One of twenty methods that is wrong next to circles, and one alone: 0 of 30 by chance."""
+    alone = found.near_circles(evidence(near_and_away(MANY, True)))
+    others = [
+        row(q, f"s{n}", engine=f"s{n}", margin=0.3 if q % 2 else 1e-6)
+        for n in range(19)
+        for q in range(2 * MANY)
+    ]
+    of_many = found.near_circles(evidence(near_and_away(MANY, True) + others))
+
+    assert alone is not None
+    assert of_many is not None
+    assert "Of 20 methods 1 lose" in of_many.sentence
+    for finding, level in ((alone, 0.95), (of_many, 1 - 0.05 / 20)):
+        high = binomtest(0, MANY).proportion_ci(level, "wilson").high
+        assert finding.estimate.high == pytest.approx(100 * high)
+
+
+@pytest.mark.parametrize(
+    ("floor_s", "runs", "said"),
+    [
+        *((None, [4.0], True), (2e-4, None, True), (2e-4, [2.0], True)),
+        *((2e-4, [4.0], False), (9e-4, None, False)),
+    ],
+)
+def test_no_sentence_compares_times_that_are_mostly_floor(floor_s, runs, said):
+    """Four calls of 0.2 ms each for a trivial problem are most of 1 ms, two are not."""
+    floor = {"floor_s": floor_s, "subproblem_runs": runs}
+    rows = of_two(IPOPT | floor, SLSQP, partial(slower, 4.0))(MANY, True)
+    proof = of_two(IPOPT | floor, SCIP | PROOF, partial(slower, 50.0))(MANY, True)
+
+    assert (found.slowest_engine(evidence(rows)) is not None) is said
+    assert (found.price_of_proof(evidence(proof)) is not None) is said
+
+
 def test_an_engine_is_not_slow_for_want_of_the_presolve():
     """Ipopt with the presolve and SLSQP without it are not alike, and say nothing of engines."""
     presolved = {"solver": "ipopt[presolve=True]"}
@@ -280,7 +344,7 @@ def test_the_section_has_eight_sentences_first(load_rows):
     every = findings(Evidence(made))
     assert section is not None
     assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every][:8]
-    topics = [topic for topic in TOPICS if topic.about == "benchmark"]
+    topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
     assert {name.split(":")[0] for name in named} <= shown

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dubins_study.report.data.failures import failures as failure_counts
-from dubins_study.report.data.verdicts import starts
 from dubins_study.report.statistics import metrics
+from dubins_study.report.topics.certificates import proofs
 from dubins_study.report.topics.convergence import work_precision
+from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import by_start, solver_summary
 from dubins_study.study.scenario import NUMBERS
@@ -28,7 +28,7 @@ def frame(**columns):
         **{"branch": "best", "initial_guess": "cold", "repeat": 0, "radius": 1.0},
         **{"outcome": "returned", "claim": "local", "presolved": False, "verdict": "optimal"},
         **{"false_claim": False, "wrong_basin": False, "message": "", "native_status": ""},
-        **{"region": "outside", "reference_word": "LS", "answerable": True},
+        **{"region": "outside", "reference_word": "LS", "answerable": True, "late": False},
         **{"gap": 0.0, "reference": 1.0, "length": 1.0, "iterations": 1.0},
         **{"build_s": 0.001, "solve_s": 0.002, "wall_s": 0.003},
     }
@@ -95,14 +95,14 @@ def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
         gap=NAN,
     )
     counted = attempts_of(tmp_path, rows)
-    line, proofs = solver_summary(counted).iloc[0], counted.proofs().iloc[0]
+    line, proven = solver_summary(counted).iloc[0], proofs(counted).iloc[0]
 
     assert metrics.success(rows).tolist() == [True, False, True, False]
     assert metrics.proof(rows).tolist() == ["proved", "none", "proved", "none"]
     assert (line["attempts"], line["none exists"], line["by presolve"]) == (4, 2, 1)
     assert (line["right_share"], line["none"], line["false_claims"]) == (0.5, 1, 1)
-    assert (proofs["proved"], proofs["none"]) == (2, 2)
-    assert failure_counts(counted)["attempts"].tolist() == [1]
+    assert (proven["proved"], proven["none"]) == (2, 2)
+    assert failures(counted)["attempts"].tolist() == [1]
 
 
 def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
@@ -111,7 +111,7 @@ def test_gap_quantiles_count_what_did_not_arrive_as_infinite(tmp_path):
     The eleventh is at a question without a path: refusing it must not look like an infinite gap.
     """
     rows = frame(gap=[0.1 * i for i in range(9)] + [NAN] * 2, reference_word=["LS"] * 10 + [None])
-    line = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).iloc[0]
+    line = gap_quantiles(attempts_of(tmp_path, rows)).iloc[0]
 
     assert line["attempts"] == 10
     assert line["arrived"] == 0.9
@@ -127,9 +127,7 @@ def test_a_crash_counts_where_an_answer_exists(tmp_path):
     lost |= {"verdict": "none", "outcome": "crashed"}
     place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
-    table = gap_quantiles(attempts_of(tmp_path, rows).gap_quantiles()).set_index(
-        ["solver", "region"]
-    )
+    table = gap_quantiles(attempts_of(tmp_path, rows)).set_index(["solver", "region"])
 
     assert list(table.index) == [("b", "all")]
     assert table.loc[("b", "all"), "q50"] == math.inf
@@ -235,11 +233,11 @@ def test_cold_and_warm_starts_apart(tmp_path):
         ]
     )
     counted = attempts_of(tmp_path, rows)
-    (line,) = by_start(starts(counted)).to_dict("records")
+    (line,) = by_start(counted).to_dict("records")
 
     assert (line["cold_of"], line["cold_share"]) == (2, 0.25)
     assert (line["warm_of"], line["warm_share"]) == (2, 1)
     # all in all: question 0 is right in two of three attempts, 1 in one of two, 2 in the only one
     whole = solver_summary(counted).iloc[0]
     assert whole["right"] == pytest.approx(2 / 3 + 1 / 2 + 1, abs=1e-6)
-    assert starts(attempts_of(tmp_path / "cold", rows[rows["initial_guess"] == "cold"])).empty
+    assert by_start(attempts_of(tmp_path / "cold", rows[rows["initial_guess"] == "cold"])).empty

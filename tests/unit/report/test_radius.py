@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from dubins_study.report.statistics.methods import best_solvers
 from dubins_study.report.topics.radius import (
     answers,
+    drawn_solvers,
     radius_section,
     sweep_rows,
     visibly_wrong,
@@ -74,7 +74,7 @@ def test_one_curve_a_formulation(load_rows):
         rows.append(attempt(scenario, "wrong", **wrong))
     frame = load_rows("random", rows).rows
 
-    assert best_solvers(frame) == ["analytic", "fast", "qp"]
+    assert drawn_solvers(frame) == ["analytic", "fast", "qp"]
 
 
 def test_a_sweep_is_a_figure_of_lengths_and_all_are_one_of_times(loaded):

@@ -76,7 +76,7 @@ def points(path: dict[str, Any]) -> np.ndarray:
 
 def test_every_value_comes_back(results: Results):
     """Texts and scenarios exactly, measured numbers to four digits, null as null."""
-    chosen = sample(results.attempts, 10**6)
+    chosen = sample(results, 10**6)
     read = unpacked(chosen)
     columns, scenarios = read["columns"], read["scenarios"]
 
@@ -106,19 +106,19 @@ def test_via_points_and_final_headings_come_back(results, tmp_path):
         replace(plain, via=[(5, 6)], final_heading=-1),
     ]
     records = [lost(s, scenario_id=f"{number}") for number, s in enumerate(made)]
-    read = unpacked(sample(load([write_folder(tmp_path / "a", "a", records)]).attempts, 10))
+    read = unpacked(sample(load([write_folder(tmp_path / "a", "a", records)]), 10))
     scenarios = read["scenarios"]
 
     assert scenarios["scenario_id"] == ["0", "1", "2", "3"]
     assert scenarios["via_x"] == [None, [1, 3], None, [5]]
     assert scenarios["via_y"] == [None, [-2, 0.1], None, [6]]
     assert scenarios["final_heading"] == [None, None, 7, -1]
-    assert "via_x" not in unpacked(sample(results.attempts, 10))["scenarios"]
+    assert "via_x" not in unpacked(sample(results, 10))["scenarios"]
 
 
 def test_short_paths_come_back_as_their_controls(results: Results):
     """In units of the radius, to seven digits."""
-    chosen = sample(results.attempts, 10**6)
+    chosen = sample(results, 10**6)
     short = [
         (row, path["arcs"])
         for row, path in zip(chosen.to_dict("records"), unpacked(chosen)["paths"], strict=True)
@@ -133,7 +133,7 @@ def test_short_paths_come_back_as_their_controls(results: Results):
 
 def test_long_paths_come_back_as_points_of_the_path(results: Results):
     """From the start to the end, each point within a grid's step of the path."""
-    chosen = sample(results.attempts, 10**6)
+    chosen = sample(results, 10**6)
     path = arcs(40)
     along = path.at(np.linspace(0, path.total_length, 100_001))[:, :2]
     long = [each for each in unpacked(chosen)["paths"] if each and "box" in each]
@@ -210,7 +210,7 @@ def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(t
     expected = sorted(questions.itertuples(), key=badness, reverse=True)[:WORST]
 
     folder = write_folder(tmp_path / "mine", "mine", records)
-    ranked = sample(load([folder]).attempts, most=1)
+    ranked = sample(load([folder]), most=1)
     ranked = ranked[ranked["worst"] > 0].sort_values("worst")
     assert ranked["worst"].tolist() == list(range(1, WORST + 1))
     assert [badness(row) for row in ranked.itertuples()] == [badness(row) for row in expected]
@@ -221,7 +221,7 @@ def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
     """However small the sample: of each solver, region and verdict those with the least hashes."""
     stratum = ["solver", "region", "verdict"]
     every = results.rows[results.rows["repeat"] == 0]
-    small = sample(results.attempts, 40)
+    small = sample(results, 40)
     spread = small[small["spread"]]
 
     assert len(spread) <= 40 < len(every)

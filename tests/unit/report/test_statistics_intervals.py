@@ -16,6 +16,7 @@ from dubins_study.report.statistics.costs import shifted_geometric_means
 from dubins_study.report.statistics.intervals import (
     averages,
     bootstrap,
+    bootstrap_of_both,
     geometric_means,
     medians,
     wilson_interval,
@@ -259,3 +260,49 @@ def test_very_many_scenarios_draw_fewer_resamples():
     assert row.low < 3.0 < row.high
     # four standard errors wide: 95 % is 3.92 of them, give or take the resamples' own spread
     assert row.high - row.low == pytest.approx(3.92 / np.sqrt(50_000), rel=0.25)
+
+
+@pytest.mark.parametrize("of", [1, 7, 67])
+def test_the_extreme_of_several_has_a_wider_interval(of):
+    """All of them lie in such intervals at once: each misses its own with 5 % / `of`."""
+    for k, n in ((0, 30), (7, 30), (384, 384)):
+        expected = stats.binomtest(k, n).proportion_ci(1 - 0.05 / of, "wilson")
+        assert wilson_interval(k, n, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
+
+
+def brute_force(table, engines, draws=2000):
+    """Percentiles of the mean of a table whose lines and engines are drawn one by one."""
+    random = np.random.default_rng(5)
+    lines, names = table.index.unique(), sorted(set(engines))
+    means = []
+    for _ in range(draws):
+        rows = np.concatenate(
+            [np.flatnonzero(table.index == x) for x in random.choice(lines, lines.size)]
+        )
+        columns = np.concatenate(
+            [np.flatnonzero(np.array(engines) == x) for x in random.choice(names, len(names))]
+        )
+        means.append(np.nanmean(table.to_numpy()[np.ix_(rows, columns)]))
+    return np.quantile(means, [0.025, 0.975])
+
+
+def test_engines_are_drawn_as_well_as_scenarios():
+    """Against drawing one by one; engines that differ make the interval wide."""
+    random = np.random.default_rng(1)
+    engines = ["a", "a", "b", "c", "d", "e"]
+    effect = np.array([0.0, 0.1, 5.0, 1.0, 2.0, 8.0])
+    values = effect + random.normal(size=(40, 6))
+    values[3, 2] = values[7, :3] = np.nan
+    table = pd.DataFrame(values, index=np.repeat(np.arange(20), 2))
+    ends = bootstrap_of_both(table, engines).loc["all"]
+    scenarios_alone = bootstrap(table.mean(axis=1).to_frame("x"), averages).loc["x"]
+
+    assert ends["estimate"] == pytest.approx(np.nanmean(values))
+    assert (ends["low"], ends["high"]) == pytest.approx(brute_force(table, engines), abs=0.35)
+    assert ends["high"] - ends["low"] > 3 * (scenarios_alone["high"] - scenarios_alone["low"])
+
+
+def test_of_no_values_there_is_no_mean():
+    """NaN, and no warning."""
+    table = pd.DataFrame({"x": [np.nan, np.nan]})
+    assert bootstrap_of_both(table, ["e"]).isna().all(axis=None)

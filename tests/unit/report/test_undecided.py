@@ -5,13 +5,12 @@ from __future__ import annotations
 import pytest
 
 from dubins_study import load_results
-from dubins_study.report.data import verdicts
-from dubins_study.report.data.failures import failures
 from dubins_study.report.page.render import render
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
-from dubins_study.report.topics.existence import engine_times
-from dubins_study.report.topics.failures import failures_section
+from dubins_study.report.topics.existence import engine_times, existence
+from dubins_study.report.topics.failures import failures, failures_section
+from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.two_runs.changes import pairs
 from dubins_study.study.words import Claim, Verdict
@@ -43,8 +42,7 @@ def test_no_share_counts_them(load_rows, undecided):
     assert line["longer"] == line["false_claims"] == 0
     assert line["right_share"] == 1
     assert failures(results.attempts).empty
-    found = verdicts.existence(results.attempts).iloc[0]
-    assert [found[kind] for kind in verdicts.KINDS] == [0] * len(verdicts.KINDS)
+    assert existence(results.attempts).empty
     assert engine_times(results.rows).empty
     assert success(results.rows).sum() == 3
 
@@ -84,10 +82,9 @@ def test_a_question_that_a_solver_does_not_take_is_no_failure(load_rows, results
         assert (line["attempts"], line["questions"], line["right"]) == (4, 4, 3)
         assert (line["not_returned"], line["right_share"]) == (1, 0.75)
         assert failures(found.attempts)["attempts"].sum() == 1
-        assert found.attempts.gap_quantiles()["attempts"].max() == 4
+        assert gap_quantiles(found.attempts)["attempts"].max() == 4
         assert success(found.rows).mean() == compared(found).rows["right"].mean() == 0.75
-        counts = verdicts.existence(found.attempts).iloc[0]
-        assert [counts[kind] for kind in verdicts.KINDS] == [0] * len(verdicts.KINDS)
+        assert existence(found.attempts).empty
     assert "3 more questions" not in failures_section(fewer).text
     assert "3 more questions" in failures_section(every).text
     assert len(load_results(results("read", more))) == 7

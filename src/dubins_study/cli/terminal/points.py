@@ -21,7 +21,11 @@ def read_points(file: FilePath) -> list[Point]:
             head = [name.strip() for name in next(reader, [])]
             for name in ("x", "y"):
                 if head.count(name) != 1:
-                    found = f"has {head.count(name)} columns called {name} ({_shown(head)})"
+                    times = head.count(name)
+                    named = (
+                        f"{times} columns called {name}" if times else f"no column called {name}"
+                    )
+                    found = f"has {named} ({_shown(head)})"
                     expected = "expected column names such as x,y, with a comma between them"
                     raise CommandError(f"{file}: line 1 {found}; {expected}")
             places = [(name, head.index(name)) for name in ("x", "y")]

@@ -1,20 +1,20 @@
-"""Read results folders: all attempts for counting, single rows, and paths."""
+"""Read results folders: rows, and paths."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.report.data.attempts import UNTAKEN, Attempts, Database
+from dubins_study.report.data.attempts import UNTAKEN, counted, methods
 from dubins_study.report.data.selection import RowCounts, select_attempts
-from dubins_study.report.data.verdicts import methods
 from dubins_study.study.path import Path
-from dubins_study.study.rows.manifest import Manifest, read_manifest
+from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
     ARROW_SCHEMA,
     PARTS,
@@ -60,20 +60,26 @@ class Results:
     """The attempts of one or more folders.
 
     `rows` has one row per attempt, with the scalar columns of `study.rows.schema`, `experiment`,
-    and `answerable` (the question has an answer, so that a gap can be measured); its index is that
-    of `controls`, which holds the questions that solvers do not take too. In a selection (`only`)
-    the other fields but `folders` and `attempts` are unchanged.
+    `answerable` (the question has an answer, so that a gap can be measured) and `late` (it took
+    longer than its limit: a failure); its index is that of `controls`, which holds the questions
+    that solvers do not take too. In a selection (`only`) the other fields but `folders` and
+    `untaken` are unchanged.
     """
 
     folders: tuple[Folder, ...]  # in the order of the arguments
-    attempts: Attempts  # for counting
     rows: pd.DataFrame
+    untaken: pd.DataFrame  # solver and experiment of each question that a solver does not take
     # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
     controls: pa.Table
     solvers: tuple[str, ...]  # specs
     methods: pd.DataFrame  # solver, formulation, engine, guess
     # by `only`, since several sections are about the same rows
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def attempts(self) -> pd.DataFrame:
+        """The rows as `counted`."""
+        return counted(self.rows)
 
     @property
     def settings(self) -> dict[str, dict[str, Any]]:
@@ -88,8 +94,8 @@ class Results:
             self.selections[names] = replace(
                 self,
                 folders=tuple(folder for folder in self.folders if folder.name in names),
-                attempts=self.attempts.only(names),
                 rows=self.rows[self.rows["experiment"].isin(names)],
+                untaken=self.untaken[self.untaken["experiment"].isin(names)],
                 selections={},
             )
         return self.selections[names]
@@ -107,8 +113,8 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
     """The judged rows of one or more results folders, read as the report reads them.
 
     Args:
-        folders: one or more results folders. If two folders hold the same cell, the first folder's
-            row is kept.
+        folders: one or more results folders, or folders of results folders. If two hold the same
+            cell, the first folder's row is kept.
 
     Returns:
         One row per attempt, with the columns `experiment` and those of `study.rows.schema` except
@@ -150,11 +156,18 @@ class _Stored(NamedTuple):
 
 
 def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
-    paths = folder_paths(folders)
+    paths = [path for given in folder_paths(folders) for path in _results_in(given)]
     if not paths:
         raise ResultsError("no results folder given; expected at least one")
     manifests = [read_manifest(path, printable=True) for path in paths]
     return [_Stored(p, m, _rows(p)) for p, m in zip(paths, manifests, strict=True)]
+
+
+def _results_in(folder: FilePath) -> list[FilePath]:
+    """A results folder, or those that a folder holds which is none."""
+    if not folder.is_dir() or (folder / MANIFEST).exists():
+        return [folder]
+    return sorted(inner.parent for inner in folder.glob(f"*/{MANIFEST}")) or [folder]
 
 
 def _read_full(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
@@ -183,13 +196,13 @@ def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
 def _joined(stored: Sequence[_Stored]) -> Results:
     manifests = [each.manifest for each in stored]
     rows, counts = _selected(stored)
-    attempts = Attempts(Database(rows), {m.experiment.name for m in manifests})
-    every = rows.select(["experiment", "answerable", *_SCALARS]).to_pandas()
+    every = rows.select(["experiment", "answerable", "late", *_SCALARS]).to_pandas()
+    untaken = every["outcome"] == UNTAKEN
     return Results(
         folders=tuple(map(Folder, manifests, counts)),
-        attempts=attempts,
-        rows=every[every["outcome"] != UNTAKEN],
+        rows=every[~untaken],
+        untaken=every.loc[untaken, ["solver", "experiment"]],
         controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
-        solvers=tuple(attempts.values("solver")),
-        methods=methods(attempts),
+        solvers=tuple(sorted(every.loc[~untaken, "solver"].unique())),
+        methods=methods(every[~untaken]),
     )

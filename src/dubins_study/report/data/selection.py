@@ -18,7 +18,10 @@ from dubins_study.study.scenario_frame import scenario_of
 
 _CELL = ["experiment", *names(CELL)]
 _READ = dict.fromkeys(
-    [*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS]
+    [
+        *(*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS),
+        *("wall_s", "limit_s"),
+    ]
 )
 
 
@@ -37,9 +40,10 @@ def select_attempts(
 ) -> tuple[pa.Table, list[RowCounts]]:
     """The rows that count of the folders' tables of rows, and the counts of each folder.
 
-    Where two folders hold the same cell, the earlier one's row counts. Two columns are added:
-    `experiment`, and `answerable`, whether the question has an answer, so that a gap can be
-    measured.
+    Where two folders hold the same cell, the earlier one's row counts. Three columns are added:
+    `experiment`; `answerable`, whether the question has an answer, so that a gap can be measured;
+    and `late`, whether the attempt took longer than its limit: it is then a failure, whatever it
+    answered, in shares and in means alike.
     """
     stored = pa.concat_tables(tables)
     rows = stored.select(list(_READ)).to_pandas()
@@ -50,7 +54,12 @@ def select_attempts(
     kept, pairs = compare_attempts(rows.iloc[places], _CELL)
     counted = stored.take(places[kept])
     shown = rows.iloc[places[kept]]
-    added = {"experiment": shown["experiment"], "answerable": _answerable(shown)}
+    limits = shown["folder"].map({n: m.time_limit_s or np.inf for n, m in enumerate(manifests)})
+    added = {
+        "experiment": shown["experiment"],
+        "answerable": _answerable(shown),
+        "late": shown["wall_s"] > shown["limit_s"].fillna(limits),
+    }
     for name, values in added.items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
     return counted, [

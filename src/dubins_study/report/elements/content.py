@@ -170,6 +170,7 @@ class General(Enum):
     EVERY = auto()  # all attempts
     POOLED = auto()  # counted together: without studies of variants and of extreme questions
     COMPARED = auto()  # attempts at questions on which solvers are compared
+    BENCHMARKED = auto()  # those of all suites of a benchmark, counted together
     DECIDED = auto()  # those of benchmarks, else those compared, else all
 
 

@@ -133,6 +133,7 @@ _ENGINES = (
     *("NLopt AUGLAG", "NLopt COBYLA", "SCIP", "MAiNGO", "Clarabel", "MINPACK lm", "OSQP"),
     *("CMA-ES", "PIQP", "DIRECT", "MINPACK hybr", "Nelder-Mead", "Powell", "SHGO"),
     *("dual annealing", "HiGHS", "differential evolution"),
+    *("SCS", "DAQP", "ECOS", "ProxQP", "QPALM"),
 )
 _FORMULA = "closed form"
 # A curve that is there to compare with, behind those that have a colour and a name.

@@ -42,7 +42,7 @@ class Head(NamedTuple):
 
 
 REPORT_HEAD = Head(
-    "The shortest bounded-curvature path to a point",
+    "The shortest bounded-curvature path",
     "From a start pose to a target, with no turn tighter than the radius R and any heading at the "
     "end: which formulation, engine and initial guess find the shortest path, how surely, how "
     "fast, and who proves it?",
@@ -63,8 +63,8 @@ def render(
     """Write the report of one or more results folders; returns the path of `index.html`.
 
     Args:
-        folders: one or more results folders.
-        out: the folder to write to; None: `report` inside the first results folder. An earlier
+        folders: one or more results folders, or folders of results folders.
+        out: the folder to write to; None: `report` inside the first folder. An earlier
             report there is replaced in one step, once the new one is complete.
         progress: called with the title of each section before the section is drawn.
 

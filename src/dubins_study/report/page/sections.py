@@ -40,6 +40,7 @@ _MODULES = (
     "topics.basins",
     "topics.bias",
     "topics.scale",
+    "topics.convex",
     "topics.ladder",
     "topics.proofs",
     "topics.failures",
@@ -89,20 +90,30 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     """Experiment, or empty -> attempts, for each section that the topic may have."""
     keys: dict[str, str | None] = {}
     for run in results.folders:
-        if run.name in results.attempts.experiments:  # the rows of other folders are all left out
-            keys.setdefault(run.name, run.section)
+        keys.setdefault(run.name, run.section)
     if isinstance(topic.about, str):
         about = [name for name, key in keys.items() if key == topic.about]
         return {name: results.only({name}) for name in about}
     if topic.about is General.EVERY:
         return {"": results}
+    suites = _suites(keys)
+    if topic.about is General.BENCHMARKED:
+        return {"": results.only(suites)} if suites else {}
     names = _pooled(keys, General.COMPARED if topic.about is General.DECIDED else topic.about)
     if topic.about is General.DECIDED:
-        names = {name for name, key in keys.items() if key == BENCHMARK} or names
+        names = suites or names
     if names:
         return {"": results.only(names)}
     # If the report has only studies, they are pooled.
     return {} if topic.about is General.COMPARED else {"": results}
+
+
+def _suites(keys: Mapping[str, str | None]) -> set[str]:
+    """The experiments of a benchmark, and studies that enter it; none without a benchmark."""
+    entering = {topic.about for topic in TOPICS if General.BENCHMARKED in topic.enters}
+    if BENCHMARK not in keys.values():
+        return set()
+    return {name for name, key in keys.items() if key == BENCHMARK or key in entering}
 
 
 def _pooled(keys: Mapping[str, str | None], kind: General) -> set[str]:

@@ -89,7 +89,7 @@ def chosen_shift(values: ArrayLike) -> float:
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
     """Costs in which a failure counts as `factor` times the limit.
 
-    An answer that came after the limit counts as a failure. With the factor 1 a failure is
+    A cost above the limit is one, too. With the factor 1 a failure is
     penalised at the limit; the arithmetic mean of the result with the factor k is PAR-k (Hutter,
     Hoos, Leyton-Brown and Stuetzle 2009, "ParamILS", J. Artif. Intell. Res. 36; PAR-2 ranks
     the solvers of the SAT competitions).

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from statistics import NormalDist
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,11 +28,12 @@ _MOST_COUNTS, _FEWEST_RESAMPLES = 10**7, 100
 Statistic = Callable[[FloatArray, FloatArray], FloatArray]
 
 
-def wilson_intervals(successes: ArrayLike, trials: ArrayLike) -> FloatArray:
+def wilson_intervals(successes: ArrayLike, trials: ArrayLike, of: int = 1) -> FloatArray:
     """Wilson's score intervals of shares k / n.
 
     The ends are the shares p with |k/n - p| = z sqrt(p (1 - p) / n), z the normal quantile of
-    (1 + 0.95) / 2:
+    (1 + 0.95) / 2. Of a share that was chosen among several, as the least or the largest, the level
+    is raised until all of them lie in such intervals at once with 95 % (Bonferroni's inequality):
 
         (k + z^2 / 2  -+  z sqrt(k (n - k) / n + z^2 / 4)) / (n + z^2)
 
@@ -46,7 +47,7 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike) -> FloatArray:
     k and n have shapes that broadcast; the result has that of k / n and a last axis of 2: low,
     high. A ValueError unless k and n are finite with 0 <= k <= n.
     """
-    z = NormalDist().inv_cdf((1 + LEVEL) / 2)
+    z = NormalDist().inv_cdf(1 - _tail(of))
     k, n = np.broadcast_arrays(
         np.asarray(successes, dtype=np.float64), np.asarray(trials, dtype=np.float64)
     )
@@ -63,10 +64,15 @@ def wilson_intervals(successes: ArrayLike, trials: ArrayLike) -> FloatArray:
     return np.stack([low, np.where(k < n, high, 1.0)], axis=-1)
 
 
-def wilson_interval(successes: float, trials: float) -> tuple[float, float]:
-    """Wilson's score interval of one share; see `wilson_intervals`."""
-    low, high = wilson_intervals(successes, trials)
+def wilson_interval(successes: float, trials: float, of: int = 1) -> tuple[float, float]:
+    """Wilson's score interval of one share, chosen among `of`; see `wilson_intervals`."""
+    low, high = wilson_intervals(successes, trials, of)
     return float(low), float(high)
+
+
+def _tail(of: int) -> float:
+    """The probability beyond each end of the interval of one that was chosen among several."""
+    return (1 - LEVEL) / (2 * of)
 
 
 def scenario_shares(
@@ -106,6 +112,7 @@ def bootstrap(
     base: str | None = None,
     *,
     resamples: int | None = None,
+    of: int = 1,
 ) -> pd.DataFrame:
     """A statistic of each column with its percentile interval, by the cluster bootstrap.
 
@@ -126,6 +133,7 @@ def bootstrap(
         base: a column to divide by, without failures. Both statistics are then over the rows that
             have a value in both columns.
         resamples: number of resamples; None: `RESAMPLES`, or fewer of very many scenarios.
+        of: how many the columns were chosen among (`wilson_intervals`).
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the statistic. NaN for a
         column without values.
@@ -146,21 +154,49 @@ def bootstrap(
             statistic(np.where(missing, np.nan, side), weights) for side in (values, rival)
         )
         statistics = above / below
-    tail = (1 - LEVEL) / 2
-    frame = pd.DataFrame(index=table.columns.rename("solver"))
+    return _with_ends(statistics, table.columns.rename("solver"), of)
+
+
+def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str]) -> pd.DataFrame:
+    """The mean of all values of a table, for scenarios and engines like those that were sampled.
+
+    A resample draws scenarios and, by itself, engines, with replacement, and takes the values where
+    both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1): a sentence on engines in
+    general has to hold for other engines, too. Ends as those of `bootstrap`.
+
+    The index of the table names the scenario of each row, `engines` the engine of each column; NaN
+    was not measured. One row with the columns estimate, low and high; NaN without values.
+    """
+    values: FloatArray = table.to_numpy(dtype=np.float64)
+    known = ~np.isnan(values)
+    weights = []
+    for seed, units in enumerate((table.index, pd.Index(engines))):
+        place, names = pd.factorize(units)
+        counts = scenario_counts(len(names), RESAMPLES, seed)
+        weights.append(np.vstack([np.ones(len(place)), counts[:, place]]))
+    rows, columns = weights
+    with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
+        sums = ((rows @ np.where(known, values, 0.0)) * columns).sum(axis=1)
+        means = sums / ((rows @ known) * columns).sum(axis=1)
+    return _with_ends(means[:, np.newaxis], pd.Index(["all"]))
+
+
+def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
+    """The first line of statistics (1 + resamples, columns), and the ends of the others."""
+    frame = pd.DataFrame(index=names)
     frame["estimate"] = statistics[0]
-    frame["low"] = _quantiles(statistics[1:], tail, np.floor)
-    frame["high"] = _quantiles(statistics[1:], 1 - tail, np.ceil)
+    frame["low"] = _quantiles(statistics[1:], _tail(of), np.floor)
+    frame["high"] = _quantiles(statistics[1:], 1 - _tail(of), np.ceil)
     return frame
 
 
 @lru_cache(maxsize=8)
-def scenario_counts(scenarios: int, resamples: int) -> FloatArray:
+def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray:
     """How often each resample holds each scenario: whole numbers, shape (resamples, scenarios)."""
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
-    counts = np.random.default_rng(0).multinomial(scenarios, equal, resamples)
+    counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
     shared = counts.astype(np.float64)
     shared.flags.writeable = False  # the cache hands it to every caller
     return shared

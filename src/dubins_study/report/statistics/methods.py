@@ -13,10 +13,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, TRIAL
+from dubins_study.report.data.attempts import EXACT, TRIAL, presolved
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.intervals import Statistic, bootstrap, scenario_shares
-from dubins_study.report.statistics.metrics import natural, parse_spec, presolved, success
+from dubins_study.report.statistics.intervals import Statistic, bootstrap
+from dubins_study.report.statistics.metrics import natural, parse_spec, success
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import FORMULATIONS
 
@@ -141,22 +141,6 @@ def best_of_formulations(frame: pd.DataFrame) -> list[str]:
 MOST_CURVES = 10  # more lines in one panel cannot be told apart
 
 
-def best_solvers(rows: pd.DataFrame) -> list[str]:
-    """The closed form, then of each formulation the solver that is most surely right.
-
-    The rows are attempts at questions that have a path. Several that are as sure: the fastest. Of
-    more than `MOST_CURVES` formulations the surest are kept; the order is that of tables.
-    """
-    judged = rows.assign(right=success(rows))
-    shares = scenario_shares(judged, by=["solver"], success="right", scenario=TRIAL)
-    frame = methods_of(rows)[["formulation"]].join(shares["low"].rename("right_low"))
-    frame = frame.join(rows.groupby("solver", observed=True)["wall_s"].median())
-    best = best_methods(frame.reset_index(names="solver"), ["formulation"])
-    surest = _ranked(best[best["solver"] != EXACT])["solver"]
-    kept = {EXACT, *surest.head(MOST_CURVES - 1)}
-    return [str(solver) for solver in best["solver"] if solver in kept]
-
-
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
     """The settings that some specs have otherwise than others."""
     keys = {key for each in settings for key in each}
@@ -221,16 +205,24 @@ class Compared:
         return self.methods[self.methods.index != EXACT]
 
     def bootstrap(
-        self, table: pd.DataFrame, statistic: Statistic, name: str, base: str | None = None
+        self,
+        table: pd.DataFrame,
+        statistic: Statistic,
+        name: str,
+        base: str | None = None,
+        of: int = 1,
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
 
         Indexed by solver; columns `name`, `name`_low and `name`_high.
         """
-        first = self.rows.drop_duplicates("question").set_index("question")
-        by_scenario = table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
-        frame = bootstrap(by_scenario, statistic, base)
+        frame = bootstrap(self.by_scenario(table), statistic, base, of=of)
         return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
+
+    def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:
+        """A table whose index holds questions, with their scenarios in the index."""
+        first = self.rows.drop_duplicates("question").set_index("question")
+        return table.set_axis(first["scenario"].reindex(table.index).to_numpy(), axis=0)
 
 
 def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:

@@ -1,4 +1,4 @@
-"""Pure functions that compute numbers from rows, or from the counts of `report.data.attempts`.
+"""Pure functions that compute numbers from rows, or from attempts as they are counted.
 
 Shares are of the questions that a method takes. A failed attempt stays in every denominator, and in
 a quantile of gaps an attempt without a gap counts as infinite.
@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES
+from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, presolved
 from dubins_study.report.statistics.intervals import wilson_intervals
 
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
@@ -51,23 +51,9 @@ def solver_order(solvers: Sequence[str]) -> list[str]:
     return sorted(set(solvers), key=rank)
 
 
-def presolved(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the presolve alone answered each attempt, rightly: no path exists.
-
-    A row may say so of any answer. Of another one it is not believed: what a solver has wrong
-    counts, whichever part of it was wrong.
-    """
-    return is_true(rows["presolved"]) & is_true(rows["verdict"].eq("none exists"))
-
-
-def is_true(values: pd.Series) -> pd.Series[bool]:
-    """Whether each value is true; a missing one is not."""
-    return values.eq(True).fillna(False).astype(bool)
-
-
 def success(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether the check accepted each attempt's answer as right, and an engine gave it."""
-    return rows["verdict"].isin(SUCCESSES) & ~presolved(rows)
+    """Whether the check accepted each attempt's answer as right, and an engine gave it in time."""
+    return rows["verdict"].isin(SUCCESSES) & ~presolved(rows) & ~is_true(rows["late"])
 
 
 def proof(rows: pd.DataFrame) -> pd.Series:

@@ -29,7 +29,6 @@ _SOLVERS = (
 def solvers_section(results: Results) -> Section | None:
     """Every solver's short name, spec and settings."""
     names = names_of(results)
-    names = names[names.index.isin(results.attempts.values("solver"))]
     if names.empty:
         return None
     frame = names.reset_index(names="solver")

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import EXACT, is_true
 from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import BENCHMARK, Picture, Place, Section, Table, Topic
+from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -21,14 +21,12 @@ from dubins_study.report.elements.identity import (
     method_columns,
     method_table,
     strata_table,
-    with_interval,
     with_interval_texts,
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared, once
-from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.summary import best_solvers
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
@@ -213,11 +211,10 @@ def _liars(table: pd.DataFrame) -> str:
     if asked.empty:
         return f"{len(liars)} of {some(len(table), 'method')} make false claims."
     worst = asked.sort_values("false", ascending=False).to_dict("records")[0]
-    text = with_interval(share, worst["false"], worst["false_low"], worst["false_high"])
     return (
         f"{len(liars)} of {some(len(table), 'method')} make false claims; most often, of "
-        f"those asked at least half as many questions as others, {worst['name']}: at {text} of "
-        f"its {some(int(worst['questions']), 'question')}."
+        f"those asked at least half as many questions as others, {worst['name']}: at "
+        f"{share(worst['false'])} of its {some(int(worst['questions']), 'question')}."
     )
 
 
@@ -328,4 +325,4 @@ def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
     return Table("belief-cures", caption, frame, shown)
 
 
-TOPIC = Topic("whom one can believe", belief_section, BENCHMARK, place=Place.FRONT)
+TOPIC = Topic("whom one can believe", belief_section, General.BENCHMARKED, place=Place.FRONT)

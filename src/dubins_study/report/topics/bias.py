@@ -87,6 +87,10 @@ def left_over(results: Results) -> pd.DataFrame:
     )
 
 
+# what Ipopt is asked for by the setting `options`, where `tol` is 0
+_TOLERANCES = {"equal": 1e-9, "default": 1e-8, "tuned": 1e-8}
+
+
 def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
     """The barrier at which a spec stops on the unsplit model; NaN for any other solver."""
     group = settings.get(spec, {})
@@ -95,6 +99,8 @@ def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
     target, tol = _number(group.get("mu_target")), _number(group.get("tol"))
     if target > 0:
         return target
+    if tol == 0:
+        tol = _TOLERANCES[str(group["options"])]
     return last_barrier(tol) if tol > 0 else math.nan
 
 

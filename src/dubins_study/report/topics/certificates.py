@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import PROOFS
+from dubins_study.report.data.attempts import PROOFS, SUCCESSES, is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import in_page_order, labels_of
+from dubins_study.report.statistics.metrics import proof
 from dubins_study.report.topics.summary import best_solvers
+from dubins_study.study.check.certificate import PMP_TOLERANCE
 
 COUNTS = (
     SOLVER,
@@ -27,9 +29,48 @@ ERRORS = (
 )
 
 
+def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver; a value that none of its rows has is missing.
+
+    Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (largest
+    among the right answers), cut_margin (smallest among the right answers to `best`, rad);
+    multipliers (answers whose multipliers can be compared), costate_median and costate_error
+    (median and largest error of those); bounds (attempts with a lower bound), false_bounds;
+    enclosed (attempts whose reference length has proven bounds), open (those of them whose
+    bounds are apart by more than a hundredth: the data leave open on which side of a jump the
+    target lies) and width (largest relative distance of the other bounds).
+    """
+    kinds, right = proof(attempts), attempts["verdict"].isin(SUCCESSES)
+    # Multipliers can be compared with costates only if the path arrives and is an extremal; those
+    # of a path that does not arrive are at best a proof of infeasibility. A single arc is excluded
+    # too: only nu3 = 0 at its end and H = 0 restrict its costates, which leaves a whole family.
+    extremal = attempts["gap"].notna() & (attempts["pmp_residual"] <= PMP_TOLERANCE)
+    error = attempts["costate_error"].where(extremal & ~attempts["word"].isin(("L", "R")))
+    high = attempts["reference_high"].where(attempts["reference_high"] > 0)
+    width = (high - attempts["reference_low"]) / high
+    counts = {"certified": attempts["proof"].notna(), **{kind: kinds.eq(kind) for kind in PROOFS}}
+    counts |= {"multipliers": error.notna(), "bounds": attempts["lower_bound"].notna()}
+    counts |= {"false_bounds": is_true(attempts["false_bound"])}
+    counts |= {"enclosed": width.notna(), "open": width > _OPEN}
+    solver = attempts["solver"]
+    best = right & attempts["branch"].eq("best")
+    frame = pd.DataFrame(counts).groupby(solver).sum()
+    return frame.assign(
+        attempts=solver.groupby(solver).size(),
+        pmp_residual=attempts["pmp_residual"].where(right).groupby(solver).max(),
+        cut_margin=attempts["cut_margin"].where(best).groupby(solver).min(),
+        costate_median=error.groupby(solver).median(),
+        costate_error=error.groupby(solver).max(),
+        width=width.where(width <= _OPEN).groupby(solver).max(),
+    ).reset_index()
+
+
+_OPEN = 0.01
+
+
 def certificates_section(results: Results) -> Section | None:
     """Counts of proofs, the worst residuals, and the width of the enclosures."""
-    frame = in_page_order(results.attempts.proofs(), results)
+    frame = in_page_order(proofs(results.attempts), results)
     if not frame["certified"].sum():
         return None
     text = (

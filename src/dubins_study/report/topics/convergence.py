@@ -196,8 +196,8 @@ def convergence_section(results: Results) -> Section | None:
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
         "two arcs meet, so steps of 1/N should cost 1/N³ outside the discs and 1/N² inside; a "
-        "grid of headings should cost 1/N² in both. Left uncorrected, collocation at p of Radau's "
-        "points should miss the target by 1/N to the power 2p − 1."
+        "grid of final headings should cost the same. Left uncorrected, collocation at p of "
+        "Radau's points should miss the target by 1/N to the power 2p − 1."
     )
     lead = (
         "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "

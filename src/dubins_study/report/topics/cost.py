@@ -188,8 +188,8 @@ def _most_and_least(table: pd.DataFrame) -> str:
     order = table.loc[ratios.sort_values().index].to_dict("records")
     best, worst = order[0], order[-1]
     return (
-        f"In the median over questions {worst['name']} takes {_of(worst, 'evaluations')} times the "
-        f"evaluations of its winning run, {best['name']} {_of(best, 'evaluations')} times."
+        f"In the median over questions {worst['name']} takes {_RATIO(worst['evaluations'])} times "
+        f"the evaluations of its winning run, {best['name']} {_RATIO(best['evaluations'])} times."
     )
 
 

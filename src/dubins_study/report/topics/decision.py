@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import EXACT, is_true
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
@@ -19,10 +19,10 @@ from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared
-from dubins_study.report.statistics.metrics import is_true
 from dubins_study.report.topics.comparison import ENOUGH_ASKED
 
-# A method that meets a need on so many of the questions is sure enough to be chosen for its speed.
+# A method is sure enough to be chosen for its speed if the lower end of the interval of the share
+# at which it meets the need is at least this.
 SURE = 0.99
 # Times that differ by less are one: a machine's speed varies as much within a run.
 AS_FAST = 1.1
@@ -44,7 +44,7 @@ REGIONS = {
 _READ = [
     *("question", "branch", "solver", "region", "margin", "radius", "wall_s", "right"),
     *("gap", "miss", "length", "reference", "lower_bound", "false_bound", "false_claim"),
-    "tolerance",
+    *("tolerance", "proves"),
 ]
 
 
@@ -110,22 +110,23 @@ def choices(compared: Compared) -> list[Choice]:
 def possible_needs(rows: pd.DataFrame) -> list[Need]:
     """The needs that the settings of the attempts allow.
 
-    A bound can prove a gap that is larger than the tolerance of its engine's equations, and no
-    other. A proof that no attempt with a bound could reach is not asked for.
+    A proof that no attempt with a bound could reach is not asked for. A solver that does not say
+    what it proves can prove no gap below twice the tolerance of its engine's equations.
     """
-    bounded = rows.loc[rows["lower_bound"].notna(), "tolerance"]
-    finest = float(bounded.min()) if len(bounded) else 0.0
-    return [need for need in NEEDS if not need.proof or need.accuracy > finest]
+    bounded = rows[rows["lower_bound"].notna()]
+    finest = bounded["proves"].astype(np.float64).fillna(2 * bounded["tolerance"]).min()
+    return [need for need in NEEDS if not (need.proof and need.accuracy < finest)]
 
 
 def choose(methods: pd.DataFrame) -> str:
     """The solver to use: the surest of the fastest that are sure, else the most surely right.
 
-    Of the methods with a share of at least `SURE` and a time that is at most `AS_FAST` times the
-    least of theirs the one with the largest share, then the least time; if there is none, the one
-    with the largest `low`, then the least time; empty if no share is above 0.
+    Of the methods whose share has an interval that ends at or above `SURE` at its lower end, and
+    whose time is at most `AS_FAST` times the least of theirs, the one with the largest share, then
+    the least time; if there is none, the one with the largest `low`, then the least time; empty if
+    no share is above 0.
     """
-    sure = methods[methods["share"] >= SURE]
+    sure = methods[methods["low"] >= SURE]
     fast = sure[~(sure["wall_s"] > AS_FAST * sure["wall_s"].min())]  # a time may be missing
     kept, key = (fast, "share") if len(fast) else (methods[methods["share"] > 0], "low")
     order = kept.sort_values([key, "wall_s"], ascending=[False, True], kind="stable")
@@ -316,7 +317,7 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
         (place, f"{needs[0].key}_pick"): "note"
         for place, row in enumerate(by_region.values())
         for needs in united
-        if not row[needs[0].key].share >= SURE
+        if not row[needs[0].key].low >= SURE
     }
     shown = (
         *columns(kind="text", where="target"),
@@ -331,8 +332,9 @@ def _table(found: Sequence[Choice], labels: dict[str, str]) -> Table:
     caption = (
         "The method to use, the share of the questions at which it meets the need (95 % interval, "
         "Wilson), its median time, and the spec to type: the fastest that meets the "
-        f"need on at least {sure}. Grey: no method reaches {sure}; the best one is shown. In "
-        "brackets: the number of questions, of which the choice was made too, which flatters it."
+        f"need on at least {sure}, by the lower end of its interval. Grey: no method does; the "
+        "best one is shown. In brackets: the number of questions, of which the "
+        "choice was made too, which flatters it."
     )
     return Table("decision", caption, pd.DataFrame(lines), shown, marks, numbers, stacked=True)
 

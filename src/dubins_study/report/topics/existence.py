@@ -5,30 +5,58 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from dubins_study.report.data import verdicts
+from dubins_study.report.data.attempts import (
+    PRESOLVED,
+    SUCCESSES,
+    UNDECIDED,
+    is_true,
+    methods,
+    presolved,
+    questions,
+)
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
-from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share
-from dubins_study.report.elements.identity import best_first, method_columns, questions, with_share
+from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share, some
+from dubins_study.report.elements.identity import best_first, method_columns, with_share
+from dubins_study.report.elements.identity import questions as question_count
 from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.statistics.metrics import presolved
 from dubins_study.report.topics.summary import best_solvers
 
 _ANSWERS = ("right", "silent", "wrong")
+KINDS = ("presolved", "unasked", *_ANSWERS)
 
 
-def existence(counts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver that was asked a question without a path, or that denied a path.
 
-    The columns of `report.data.verdicts.existence` and `methods`; reached (questions without a path
-    that reached the engine); those of `with_share` for right, silent and wrong, shares of
-    `reached`, and for denied, a share of the questions that have a path.
+    Columns of `methods_of`; of the questions without a path: presolved, unasked (the solver is not
+    installed), reached (that reached the engine), and of these right, wrong (a false claim) and
+    silent (no claim); wall_s (median of the attempts that reached the engine, s), presolve_s
+    (median of the presolved ones, s); of those that have a path: questions, denied (claimed
+    infeasible); those of `with_share` for right, silent and wrong, shares of `reached`, and for
+    denied, a share of `questions`.
     """
-    frame = methods_of(methods).join(counts.set_index("solver")).reset_index()
+    there, verdict, false = attempts["answerable"], attempts["verdict"], attempts["false_claim"]
+    conditions = {
+        "": there | verdict.eq(UNDECIDED),
+        "presolved": verdict.eq(PRESOLVED),
+        "unasked": attempts["outcome"].eq("unavailable"),
+        "right": verdict.isin(SUCCESSES),
+        "wrong": is_true(false),
+    }
+    kind = pd.Series(np.select([*conditions.values()], [*conditions], "silent"), attempts.index)
+    denied = there & attempts["claim"].eq("infeasible") & is_true(false)
+    chosen = {name: kind.eq(name) for name in KINDS} | {"questions": there, "denied": denied}
+    counts = pd.DataFrame({name: questions(attempts, which) for name, which in chosen.items()})
+    for name, kinds in (("wall_s", _ANSWERS), ("presolve_s", KINDS[:1])):
+        times = attempts["wall_s"].where(kind.isin(kinds))
+        counts[name] = times.groupby(attempts["solver"]).median()
+    frame = methods_of(methods(attempts)).join(counts).reset_index()
     frame["reached"] = frame[list(_ANSWERS)].sum(axis="columns").round(6)
     for name in _ANSWERS:
         frame = with_share(frame, name, frame[name], frame["reached"])
@@ -55,7 +83,7 @@ def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
 
 _LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
-    *columns(questions, presolved="by presolve"),
+    *columns(question_count, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
     *columns(kind="cell", time_text="median time"),
     *columns(kind="cell", denied_text="denies a path"),
@@ -69,8 +97,7 @@ _NUMBERS = (
 
 def existence_section(results: Results) -> Section | None:
     """Right, silent and wrong answers where no path exists; paths that are denied."""
-    attempts = results.attempts
-    frame = existence(verdicts.existence(attempts), verdicts.methods(attempts))
+    frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
     frame = _with_times(frame, engine_times(results.rows))
@@ -112,7 +139,8 @@ def _text(frame: pd.DataFrame) -> str:
         f"Of those that reached an engine, {', '.join(parts)}." if parts else "",
         *(
             f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
-            f"most often {row['name']}: {row['denied_text']}."
+            f"most often {row['name']}: {share(row['denied_share'])} of "
+            f"{some(int(row['questions']), 'question')}."
             for row in worst
         ),
     )

@@ -5,16 +5,27 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+import numpy as np
 import pandas as pd
 
-from dubins_study.report.data import failures as counts
-from dubins_study.report.data.command import ROUTE, solve_command
-from dubins_study.report.data.failures import KINDS, OUTCOMES, REACH
+from dubins_study.report.data.attempts import LATE, PRESOLVED, SUCCESSES
+from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
 
+# Outcomes other than `returned`: what may happen to the process that is asked.
+OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unavailable", "not_asked")
+# What a failure is, the first that holds.
+KINDS = ("no return", "no path", "misses", "longer")
+# The least distance that counts as far, in radii from the start.
+REACH = 4.0
+# What names an example, in the order in which a plainer one is chosen.
+_EXAMPLE = (
+    *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
+    *("radius", "branch", "profile", "experiment"),
+)
 _SAID = ["solver", "outcome", "claim", "verdict", "message"]
 # (region, near or None for both) -> its line in the table.
 _REGIONS = {
@@ -33,28 +44,63 @@ def gist(message: str) -> str:
     return "; ".join(dict.fromkeys(parts))[:160]
 
 
-def unreturned(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """The solvers of which an attempt did not return, the most often stopped first.
+def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
+    """The first of `KINDS` that holds of each attempt; empty if it has not failed.
 
-    The columns of `report.data.failures.outcomes`, and unreturned: the number of attempts.
+    A failure is an attempt at a question that has a path, without an answer that the check accepts.
     """
-    counted = outcomes.assign(unreturned=outcomes[list(OUTCOMES)].sum(axis="columns"))
-    stopped = counted[counted["unreturned"] > 0]
-    return stopped.sort_values(["unreturned", "solver"], ascending=[False, True], ignore_index=True)
+    verdict = attempts["verdict"]
+    conditions = {
+        "": ~attempts["answerable"] | verdict.isin((*SUCCESSES, PRESOLVED)),
+        "no return": attempts["outcome"].ne("returned") | verdict.eq(LATE),
+        "misses": verdict.eq("misses"),
+        "longer": verdict.eq("longer"),
+    }
+    kinds = np.select([*conditions.values()], [*conditions], "no path")
+    return pd.Series(kinds, attempts.index)
 
 
-def failures(frame: pd.DataFrame) -> pd.DataFrame:
+def _distance(attempts: pd.DataFrame) -> pd.Series[float]:
+    """The distance of each target from the start, in radii."""
+    dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
+    distance: pd.Series[float] = np.sqrt(dx**2 + dy**2) / attempts["radius"]
+    return distance
+
+
+def _plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The first by `_EXAMPLE` of each group of attempts: cold if there is a cold one."""
+    warm = attempts["initial_guess"].ne("cold")
+    placed = attempts.assign(warm=warm, distance=_distance(attempts))
+    return placed.sort_values(list(_EXAMPLE), kind="stable").drop_duplicates(keys)
+
+
+def unreturned(attempts: pd.DataFrame) -> pd.DataFrame:
+    """The solvers of which an attempt did not return, at any question; the most stopped first.
+
+    Columns: solver, attempts, each of `OUTCOMES` and unreturned (numbers of attempts); those of an
+    example that did not return.
+    """
+    flags = {name: attempts["outcome"].eq(name) for name in OUTCOMES}
+    numbers = pd.DataFrame(flags).groupby(attempts["solver"]).sum()
+    numbers["unreturned"] = numbers.sum(axis="columns")
+    numbers["attempts"] = attempts.groupby("solver").size()
+    stopped = _plainest(attempts[attempts["outcome"].isin(OUTCOMES)], ["solver"])
+    frame = stopped.merge(numbers.reset_index(), on="solver")
+    return frame.sort_values(["unreturned", "solver"], ascending=[False, True], ignore_index=True)
+
+
+def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     """Failures counted by outcome, claim, verdict and the gist of the message, largest first.
 
-    The columns of `report.data.failures.failures`; of messages with one gist, the plainest example.
+    Columns: solver, outcome, claim, verdict, message (of the status if there is no message),
+    attempts; those of an example, the first repeat with the nearest target.
     """
-    ascending = [False] + [True] * len(_SAID)
-    counted = frame.assign(message=frame["message"].map(gist))
-    example = [name for name in frame.columns if name not in {*_SAID, "attempts", *ROUTE}]
-    plainest = counted.sort_values(example, kind="stable").drop_duplicates(_SAID)
-    sums = counted.groupby(_SAID, dropna=False)["attempts"].sum().reset_index()
-    joined = sums.merge(plainest.drop(columns="attempts"), on=_SAID, how="left")
-    return joined.sort_values(["attempts", *_SAID], ascending=ascending)
+    failed = attempts[kinds_of(attempts) != ""]
+    said = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
+    failed = failed.assign(message=said.map({text: gist(text) for text in said.unique()}))
+    sums = failed.groupby(_SAID, dropna=False).size().rename("attempts").reset_index()
+    joined = sums.merge(_plainest(failed, _SAID), on=_SAID, how="left")
+    return joined.sort_values(["attempts", *_SAID], ascending=[False] + [True] * len(_SAID))
 
 
 def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd.DataFrame:
@@ -65,23 +111,27 @@ def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd
     return table.assign(command=[solve_command(line) for line in lines])
 
 
-def by_region(frame: pd.DataFrame) -> pd.DataFrame:
-    """The share of failures of each kind where the target lies, of `report.data.failures.regions`.
+def by_region(attempts: pd.DataFrame) -> pd.DataFrame:
+    """The share of failures of each kind where the target lies, at questions that have a path.
 
     place, in a fixed order; attempts, failed (a number), failed_share, and for each of `KINDS` its
-    share.
+    share. Of a question that was never judged no region is known.
     """
-    lines = []
-    region, near = frame["region"], frame["near"].fillna(False).astype(bool)
-    for (name, close), title in _REGIONS.items():
-        lines.append((title, frame[(region == name) & ((near == close) | (close is None))]))
-    lines.append((_UNKNOWN, frame[~region.isin([name for name, _ in _REGIONS])]))
-    sums = {title: rows[["attempts", *KINDS]].sum() for title, rows in lines if len(rows)}
-    table = pd.DataFrame.from_dict(sums, orient="index", columns=["attempts", *KINDS])
-    table["failed"] = table[list(KINDS)].sum(axis="columns")
-    shares = table[list(KINDS)].div(table["attempts"], axis=0)
-    table = table.assign(failed_share=table["failed"] / table["attempts"], **shares)
-    return table.reset_index(names="place")
+    asked = attempts[attempts["answerable"]]
+    kinds, region, near = kinds_of(asked), asked["region"], _distance(asked) <= REACH
+    places = {
+        title: (region == name) & ((near == close) | (close is None))
+        for (name, close), title in _REGIONS.items()
+    }
+    places[_UNKNOWN] = ~region.isin([name for name, _ in _REGIONS])
+    lines = [
+        {"place": title, "attempts": here.sum(), "failed": (kinds[here] != "").sum()}
+        | {kind: kinds[here].eq(kind).mean() for kind in KINDS}
+        for title, here in places.items()
+        if here.any()
+    ]
+    table = pd.DataFrame(lines, columns=["place", "attempts", "failed", *KINDS])
+    return table.assign(failed_share=table["failed"] / table["attempts"])
 
 
 _MOST = 25
@@ -97,24 +147,23 @@ _KIND_TEXT = {
 
 def failures_section(results: Results | None) -> Section:
     """Outcomes by solver, messages with commands, and where; results are None of an empty run."""
-    untaken = "" if results is None else _untaken_text(results.attempts.untaken())
-    if results is None or not results.attempts.count:
+    untaken = "" if results is None else _untaken_text(results.untaken)
+    if results is None or results.rows.empty:
         lead = "No attempt was recorded, so nothing is known to have failed."
         return Section("failures", _TITLE, untaken, (), lead)
     attempts = results.attempts
-    stopped = unreturned(counts.outcomes(attempts))
-    frame = counts.regions(attempts)
-    kinds = frame[list(KINDS)].sum()
-    asked, failed = int(frame["attempts"].sum()), int(kinds.sum())
+    stopped = unreturned(attempts)
+    kinds = kinds_of(attempts).value_counts().reindex(KINDS, fill_value=0)
+    asked, failed = int(attempts["answerable"].sum()), int(kinds.sum())
     limits = time_limits(results)
     blocks: list[Table] = []
     if len(stopped):
         blocks.append(_outcome_table(with_commands(stopped, limits)))
     if failed:
-        messages = failures(counts.failures(attempts)).head(_MOST).reset_index(drop=True)
+        messages = failures(attempts).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages, limits)))
-        blocks.append(_region_table(by_region(frame)))
-    lead = _lead(attempts.count, stopped, failed, int(kinds["no return"]))
+        blocks.append(_region_table(by_region(attempts)))
+    lead = _lead(len(attempts), stopped, failed, int(kinds["no return"]))
     text = sentences(_text(kinds, asked, failed) if blocks else "", untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
@@ -161,9 +210,10 @@ def _untaken_text(untaken: pd.DataFrame) -> str:
     """How many questions solvers do not take, which are no attempts."""
     if untaken.empty:
         return ""
+    most = untaken.groupby("solver").size().idxmax()
     return (
-        f"{some(int(untaken['questions'].sum()), 'more question')} met a solver that does not take "
-        f"them (unsupported), most often {untaken['solver'].iloc[0]}: it was not called, and no "
+        f"{some(len(untaken), 'more question')} met a solver that does not take "
+        f"them (unsupported), most often {most}: it was not called, and no "
         "share counts them."
     )
 

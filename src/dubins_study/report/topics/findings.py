@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import BENCHMARK, Place, Section, Table, Topic
+from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.intervals import averages, geometric_means, medians
-from dubins_study.report.statistics.methods import compared
-from dubins_study.report.statistics.metrics import is_true
+from dubins_study.report.statistics.intervals import medians
+from dubins_study.report.statistics.methods import compared, once
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
 from dubins_study.report.topics.comparison import evaluations, spread, times
 from dubins_study.report.topics.cost import presolve_pairs
@@ -27,8 +28,7 @@ from dubins_study.report.topics.findings_evidence import (
     Evidence,
     Finding,
     Pair,
-    estimate_of,
-    percent,
+    chosen_share,
 )
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
@@ -43,19 +43,17 @@ _NEAR, _AWAY = 1e-5, 0.05
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
-    """One problem a word against the joint model in both orders, engine by engine."""
-    pairs = evidence.pairs(["engine", "guess"], "formulation", WORDS, JOINT)
-    alone = sum(("presolve=True" in one) != ("presolve=True" in other) for one, other in pairs)
-    of_pairs = f"{alone} of {some(len(pairs), 'pair')}"
-    presolved = f", and {of_pairs} are presolved on one side only" if alone else ""
+    """One problem a word against the joint model in both orders, at equal guesses.
+
+    Engine by engine; both of a pair are presolved, or neither.
+    """
     return _difference(
         evidence,
-        pairs,
-        "engine",
+        evidence.pairs(["engine", "guesses", "presolve"], "formulation", WORDS, JOINT),
+        "method",
         ("one problem a word", "the joint model in both orders"),
-        "Pose {better}: with the same engines it is right on {points} percentage points more of "
-        "the questions than {worse}. Not the formulation alone does it: a word gets up to six "
-        f"guesses where the joint model gets one an order{presolved}.",
+        "Pose {better}: with the same engines and the same guesses it is right on {points} "
+        "percentage points more of the questions than {worse}.",
     )
 
 
@@ -77,7 +75,8 @@ def random_restarts(evidence: Evidence) -> Finding | None:
     ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
     cost = medians_text = ""
     if ratios:
-        dearest, pair = max(ratios)
+        _, pair = max(ratios)
+        dearest = evidence.time_ratio(*pair, of=len(ratios)) or max(ratios)[0]
         cost = f", for up to {dearest.text(digits(2))} times the median time"
         medians_text = f"; time of {evidence.medians_of(*pair)}"
     return _difference(
@@ -104,15 +103,16 @@ def _difference(
 ) -> Finding | None:
     """How much more often the first of each pair is right, or the second: whichever is better.
 
-    A mean over pairs; a question counts if both of a pair were asked it. The sentence has places
+    A mean over pairs and questions, of which both of a pair were asked; its interval is over
+    scenarios and engines. The sentence has places
     for the better and the worse name, the percentage points, and whether the first has more.
     """
     if not pairs:
         return None
     first, second = ([pair[side] for pair in pairs] for side in (0, 1))
     differences = evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy()
-    means = pd.DataFrame(100 * differences, evidence.rates.index).mean(axis=1)
-    points = evidence.estimate(means, averages)
+    table = pd.DataFrame(100 * differences, evidence.rates.index, first)
+    points = evidence.estimate_over_engines(table)
     if points is None or points.low <= 0 <= points.high:
         return None
     better, worse = names
@@ -138,12 +138,15 @@ def single_order(evidence: Evidence) -> Finding | None:
         return None
     rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
     regions = rows["region"].reindex(answered.index)
+    of = sum(order in answered for order in ORDERS) * regions.nunique()
     worst: list[tuple[Estimate, str, str]] = []
     for order in ORDERS:
         if order not in answered:
             continue
         lost = (answered[order] == 0).astype(float)[answered[JOINT] == 1]
-        shares = [(evidence.share_of(here), str(where)) for where, here in lost.groupby(regions)]
+        shares = [
+            (evidence.share_of(here, of), str(where)) for where, here in lost.groupby(regions)
+        ]
         known = [(share, order, where) for share, where in shares if share and share.value > 0]
         worst += [max(known)] if known else []
     if not worst:
@@ -181,9 +184,10 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
     too_coarse = evidence.shares(longer)
     words = evidence.share_of(too_coarse[best["solver"][WORDS]])
     shares: list[tuple[Estimate, str]] = []
-    for name in TRANSCRIPTIONS:
-        if name in best.index and words is not None:
-            coarse = evidence.share_of(too_coarse[best["solver"][name]])
+    asked = [name for name in TRANSCRIPTIONS if name in best.index]
+    for name in asked:
+        if words is not None:
+            coarse = evidence.share_of(too_coarse[best["solver"][name]], len(asked))
             if coarse is not None and coarse.low > words.high:
                 shares.append((coarse, str(best["solver"][name])))
     if words is None or not shares:
@@ -209,7 +213,7 @@ def near_circles(evidence: Evidence) -> Finding | None:
     losses: list[tuple[float, str, Estimate, Estimate]] = []
     asked = [solver for solver in evidence.rates if solver in evidence.usual.index]
     for solver in asked:
-        near, away = (evidence.share_of(group[solver]) for group in groups)
+        near, away = (evidence.share_of(group[solver], len(asked)) for group in groups)
         if near is not None and away is not None and near.high < away.low:
             losses.append((away.value - near.value, str(solver), near, away))
     if not losses:
@@ -234,6 +238,7 @@ _RELIABLE = 0.99  # right on so many of the questions, a method may be advised
 def slowest_engine(evidence: Evidence) -> Finding | None:
     """Within one formulation, the slowest against the fastest engine that is right everywhere."""
     reliable = evidence.ranked[evidence.ranked["right"] >= _RELIABLE]
+    reliable = reliable[~reliable.index.isin(evidence.at_floor)]
     alike = ["formulation", "guess", "settings"]  # else the presolve would count as an engine's
     groups = [
         (name, group.drop_duplicates("engine")) for (name, *_), group in reliable.groupby(alike)
@@ -244,7 +249,7 @@ def slowest_engine(evidence: Evidence) -> Finding | None:
     name, group = max(groups, key=lambda pair: len(pair[1]))
     medians = times(evidence.compared)[list(group.index)].median()
     fastest, slowest = str(medians.idxmin()), str(medians.idxmax())
-    ratio = evidence.time_ratio(slowest, fastest)
+    ratio = evidence.time_ratio(slowest, fastest, len(group) * (len(group) - 1))
     if ratio is None or not ratio.low > 1:
         return None
     return Finding(
@@ -266,9 +271,11 @@ def presolve(evidence: Evidence) -> Finding | None:
     if not pairs:
         return None
     ratios = pd.DataFrame({on: table[off] / table[on] for off, on in pairs})
-    factor = evidence.estimate(np.exp(np.log(ratios).mean(axis=1)), geometric_means(0.0))
-    if factor is None or not factor.low > 1:
+    logs = evidence.estimate_over_engines(ratios.map(math.log))
+    if logs is None or not logs.low > 0:
         return None
+    value, low, high = map(math.exp, logs[:3])
+    factor = Estimate(value, low, high, logs.questions)
     each = [(solver, evidence.estimate(ratios[solver], medians)) for solver in ratios]
     parts = [f"{one.text()} with {evidence.name(str(solver))}" for solver, one in each if one]
     return Finding(
@@ -290,7 +297,8 @@ def derivative_free_search(evidence: Evidence) -> Finding | None:
     if on_penalty.all() or not on_penalty.any():
         return None
     solver, rival = str(ranked["right"][on_penalty].idxmax()), str(ranked.index[~on_penalty][0])
-    ratio, right = evidence.time_ratio(solver, rival), evidence.share_of(evidence.rates[solver])
+    ratio = evidence.time_ratio(solver, rival)
+    right = evidence.share_of(evidence.rates[solver], int(on_penalty.sum()))
     if ratio is None or right is None or not ratio.low > 1:
         return None
     return Finding(
@@ -315,7 +323,7 @@ def repeats(evidence: Evidence) -> Finding | None:
     if changing.empty:
         return None
     line = changing.to_dict("records")[0]
-    change = percent(estimate_of(changing, "changing", line["questions"]))
+    change = chosen_share(line["changing"], line["questions"], len(every))
     return Finding(
         f"Run {evidence.name(str(changing.index[0]))} more than once: on {change.percent_text()} "
         "of the questions its verdict changes from repeat to repeat. "
@@ -365,7 +373,8 @@ def false_proof(evidence: Evidence) -> Finding | None:
         return None
     table = table.sort_values("false", ascending=False, kind="stable")
     order = [str(solver) for solver in table.index]
-    share = percent(estimate_of(table, "false", int(table["questions"].iloc[0])))
+    worst = table.iloc[0]
+    share = chosen_share(worst["false"], int(worst["questions"]), len(evidence.provers))
     lies = rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]
     false = false_proofs(lies).to_dict("records")[0]
     others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]
@@ -394,7 +403,7 @@ def infeasible_claims(evidence: Evidence) -> Finding | None:
         return None
     solver = str(false.groupby("solver")["question"].nunique().idxmax())
     called = rows[rows["solver"] == solver].groupby("question")["answerable"].first()
-    share = evidence.share_of(called.astype(float))
+    share = evidence.share_of(called.astype(float), rows["solver"].nunique())
     if share is None:
         return None
     liars = false["solver"].nunique()
@@ -444,10 +453,7 @@ _MOST = 8
 
 def findings_section(results: Results) -> Section | None:
     """Sentences to act on, each computed from the rows; None if the rows carry none."""
-    attempts = compared(results)
-    if attempts is None:
-        return None
-    every = findings(Evidence(attempts), ADVICE)
+    every = [finding for find in ADVICE for finding in _of_suites(results, find)]
     if not every:
         return None
     tables = [_table("findings", every[:_MOST], 1, "What a practitioner can act on.")]
@@ -464,6 +470,21 @@ def findings_section(results: Results) -> Section | None:
     return Section("findings", "What the study found", text, tuple(tables), lead)
 
 
+_evidence = once(Evidence)  # its tables serve all findings
+
+
+def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> Iterator[Finding]:
+    """A finding of each experiment apart, which it names where there are several."""
+    asked = set(results.attempts["experiment"])
+    names = dict.fromkeys(run.name for run in results.folders if run.name in asked)
+    for name in names:
+        attempts = compared(results.only({name}))
+        finding = None if attempts is None else find(_evidence(attempts))
+        if finding is not None:
+            suite = f"{name}: " if len(names) > 1 else ""
+            yield finding._replace(question=suite + finding.question)
+
+
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
     frame = pd.DataFrame(chosen).assign(place=range(first, first + len(chosen)))
     frame[list(interval_keys("value"))] = [finding.estimate[:3] for finding in chosen]
@@ -474,13 +495,14 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
         *columns(kind="section", shown_in="shown in"),
     )
     caption = (
-        f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others. A ratio "
-        "of times is that of two medians over the questions that both methods answer; tables that "
-        "count failures have other quotients."
+        f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others, over "
+        "engines too where none is named; of the most extreme of several, that of all at once. A "
+        "ratio of times is that of two medians over the questions that both methods answer; tables "
+        "that count failures have other quotients."
     )
     return Table(
         name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
     )
 
 
-TOPIC = Topic("what the study found", findings_section, BENCHMARK, place=Place.FRONT)
+TOPIC = Topic("what the study found", findings_section, General.BENCHMARKED, place=Place.FRONT)

@@ -12,6 +12,7 @@ from dubins_study.report.elements.formats import Format, digits, seconds, share,
 from dubins_study.report.elements.identity import interval_keys, with_interval
 from dubins_study.report.statistics.intervals import (
     Statistic,
+    bootstrap_of_both,
     medians,
     wilson_interval,
 )
@@ -26,6 +27,7 @@ from dubins_study.report.topics.comparison import (
 # Fewer questions than this carry no finding: a bootstrap of so few scenarios is no guide.
 ENOUGH = 10
 
+_MOST_FLOOR = 0.5  # of a time that is compared
 _THREE = digits(3)
 POINTS, TIMES, PERCENT = "percentage points", "times", "%"
 
@@ -67,6 +69,12 @@ def estimate_of(frame: pd.DataFrame, key: str, questions: int) -> Estimate:
     return Estimate(value, low, high, questions)
 
 
+def chosen_share(share: float, questions: int, of: int) -> Estimate:
+    """A share of questions, the most extreme of several, with the interval of all at once."""
+    low, high = wilson_interval(min(share * questions, questions), questions, of)
+    return percent(Estimate(share, low, high, questions))
+
+
 def percent(estimate: Estimate) -> Estimate:
     """An estimate of a share as one in per cent."""
     value, low, high, questions = estimate
@@ -81,7 +89,8 @@ class Evidence:
 
     def __init__(self, compared: Compared) -> None:
         self.compared = compared
-        self.methods = compared.engines
+        known = compared.rows.groupby("solver", observed=True)[["guesses", "presolve"]].first()
+        self.methods = compared.engines.join(known)
 
     @cached_property
     def rates(self) -> pd.DataFrame:
@@ -123,6 +132,18 @@ class Evidence:
         met = self.rates.notna().mean()
         return self.methods[met.reindex(self.methods.index).fillna(0.0) >= ENOUGH_ASKED]
 
+    @cached_property
+    def at_floor(self) -> list[str]:
+        """Solvers of whose median time more than half is what their engines take for nothing.
+
+        That is the floor, as often as the engine was called. No sentence compares their times.
+        """
+        rows = self.compared.answerable
+        runs = rows["subproblem_runs"].map(np.sum, na_action="ignore").astype(np.float64)
+        part = rows["floor_s"].astype(np.float64) * runs.fillna(1.0) / rows["wall_s"]
+        parts = part.groupby(rows["solver"]).median()
+        return parts.index[parts > _MOST_FLOOR].tolist()
+
     def pairs(self, same: list[str], differs: str, value: str, other: str) -> list[Pair]:
         """Solvers that agree in some columns: the first with one value, the second with another.
 
@@ -130,7 +151,7 @@ class Evidence:
         """
         kinds = []
         for wanted in (value, other):
-            chosen = self.usual[self.usual[differs] == wanted]
+            chosen = self.usual[self.usual[differs] == wanted].dropna(subset=same)
             first = chosen.reset_index().drop_duplicates(same).set_index(same)["solver"]
             kinds.append(first)
         both = pd.concat(kinds, axis=1, join="inner", keys=["first", "second"])
@@ -144,25 +165,42 @@ class Evidence:
         interval = self.compared.bootstrap(known, statistic, "value")
         return estimate_of(interval, "value", len(known))
 
-    def share_of(self, rates: pd.Series[float]) -> Estimate | None:
-        """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
+    def estimate_over_engines(self, table: pd.DataFrame) -> Estimate | None:
+        """The mean of a table, questions by solvers, with an interval over scenarios and engines.
+
+        None if fewer than `ENOUGH` questions have a value.
+        """
+        known = table.dropna(how="all")
+        if len(known) < ENOUGH:
+            return None
+        engines = self.methods["engine"].reindex(table.columns).tolist()
+        frame = bootstrap_of_both(self.compared.by_scenario(known), engines)
+        value, low, high = map(float, frame.iloc[0])
+        return Estimate(value, low, high, len(known))
+
+    def share_of(self, rates: pd.Series[float], of: int = 1) -> Estimate | None:
+        """The mean of rates in per cent, with Wilson's interval for as many trials as questions.
+
+        If it is the most extreme of several, the interval is that of all at once.
+        """
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None
-        low, high = wilson_interval(min(float(known.sum()), len(known)), len(known))
-        return percent(Estimate(float(known.mean()), low, high, len(known)))
+        return chosen_share(float(known.mean()), len(known), of)
 
-    def time_ratio(self, solver: str, base: str) -> Estimate | None:
+    def time_ratio(self, solver: str, base: str, of: int = 1) -> Estimate | None:
         """Median time of a solver over that of another, where both are right.
 
-        Of each question the median over its repeats counts.
+        Of each question the median over its repeats counts. If the two are the most extreme of
+        several pairs, the interval is that of all at once.
         """
-        if not {solver, base} <= set(times(self.compared).columns):
+        timed = set(times(self.compared).columns) - set(self.at_floor)
+        if not {solver, base} <= timed:
             return None
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        interval = self.compared.bootstrap(both, medians, "value", base).loc[[solver]]
+        interval = self.compared.bootstrap(both, medians, "value", base, of).loc[[solver]]
         return estimate_of(interval, "value", len(both))
 
     def medians_of(self, solver: str, base: str) -> str:

@@ -13,7 +13,6 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from dubins_study.report.data.attempts import TRIAL
 from dubins_study.report.data.results import Results
-from dubins_study.report.data.verdicts import evaluations
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import (
     BENCHMARK,
@@ -192,7 +191,8 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
 def matrix_section(results: Results) -> Section | None:
     """Formulation x engine as a picture and two tables; the shares by stratum."""
     attempts = results.attempts
-    methods = solver_summary(attempts).merge(evaluations(attempts), on="solver", how="left")
+    counts = attempts[attempts["answerable"]].groupby("solver")["evaluations"].median()
+    methods = solver_summary(attempts).merge(counts.reset_index(), on="solver", how="left")
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
     entries = [entry for run in results.folders for entry in run.manifest.matrix]
     cells = matrix(methods, entries)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import PROOFS
+from dubins_study.report.data.attempts import PROOFS, is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.paper.printed import PROBLEMS
-from dubins_study.report.statistics.metrics import by_solver, is_true, proof, solver_order, success
+from dubins_study.report.statistics.metrics import by_solver, proof, solver_order, success
 
 PROOF_COLUMNS = (
     SOLVER,

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from dubins_study.report.data.attempts import EXACT, SUCCESSES
+from dubins_study.report.data.attempts import EXACT, SUCCESSES, counted
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
@@ -27,7 +27,7 @@ from dubins_study.report.elements.style import (
     mark_limit,
     plain_log_axis,
 )
-from dubins_study.report.statistics.methods import best_solvers
+from dubins_study.report.statistics.methods import MOST_CURVES, best_of_formulations, foremost
 from dubins_study.report.statistics.metrics import (
     QUESTION,
     by_solver,
@@ -35,6 +35,7 @@ from dubins_study.report.statistics.metrics import (
     runs_of,
     success,
 )
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
@@ -132,7 +133,7 @@ def radius_section(results: Results) -> Section | None:
             medians = placed.groupby(["solver", "place"], observed=True)["wall_s"].median()
             times.append(medians.reset_index())
     if times:
-        blocks.append(_time_picture(pd.concat(times), best_solvers(cold(rows)), palette))
+        blocks.append(_time_picture(pd.concat(times), drawn_solvers(cold(rows)), palette))
     caption = (
         "What the solvers answer along the sweeps, cold and warm: the shortest path within the "
         "check's tolerance, a longer one, or none that arrives. The gap is relative."
@@ -154,6 +155,13 @@ def radius_section(results: Results) -> Section | None:
     )
     title = "Length, time and word against radius"
     return Section("radius", title, text, tuple(blocks), lead)
+
+
+def drawn_solvers(rows: pd.DataFrame) -> list[str]:
+    """The closed form, and of each formulation the solver that is most surely right."""
+    summary = solver_summary(counted(rows))
+    sure = summary.set_index("solver")["right_low"].reindex(best_of_formulations(summary))
+    return [EXACT, *foremost(sure, MOST_CURVES - 1)]
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:

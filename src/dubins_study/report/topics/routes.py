@@ -16,7 +16,7 @@ from matplotlib.ticker import NullLocator
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Place, Section, Table, Topic
+from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import percent, questions, with_share
 from dubins_study.report.elements.looks import Palette, in_page_order
@@ -312,4 +312,4 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     )
 
 
-TOPIC = Topic("routes", routes_section, "routes", place=Place.FRONT)
+TOPIC = Topic("routes", routes_section, "routes", (General.BENCHMARKED,), place=Place.FRONT)

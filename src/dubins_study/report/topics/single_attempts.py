@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
-from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, Attempts
+from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES
 from dubins_study.report.data.command import ROUTE, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns
@@ -117,7 +117,7 @@ def _worst_table(rows: pd.DataFrame) -> Table:
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:
-    shown, every = len(rows), results.attempts.count
+    shown, every = len(rows), len(results.rows)
     if shown == every:
         return f"All {count(every)} attempts are shown."
     return (
@@ -131,7 +131,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
     most = _MOST_ATTEMPTS
     while True:
-        rows = sample(results.attempts, most)
+        rows = sample(results, most)
         more = {"solvers": _solvers(rows["solver"], results), "time_limits": time_limits(results)}
         content = packed(rows, more)
         size = _BASE64 * len(gzip.compress(content, 6))
@@ -173,10 +173,12 @@ TEXTS = ("experiment", *(name for name, kind in _PLOTTED.items() if kind == "tex
 MEASURED = tuple(name for name, kind in _PLOTTED.items() if kind == "number")
 FLAGS = tuple(name for name, kind in _PLOTTED.items() if kind == "flag")
 
-_MOST_OF_A_STRATUM = 100_000  # DuckDB's min_by takes less than a million
+_QUESTION = ["solver", "scenario_id", "branch", "experiment", "initial_guess", "profile"]
+# of verdicts; a false claim has the level 4, whatever else is wrong has 1
+_LEVELS = {"longer": 3, "misses": 2, **dict.fromkeys((*SUCCESSES, PRESOLVED), 0)}
 
 
-def sample(attempts: Attempts, most: int) -> pd.DataFrame:
+def sample(results: Results, most: int) -> pd.DataFrame:
     """The worst attempts of each solver, and about `most` others, spread evenly over the strata.
 
     A stratum is what one solver made of one region with one verdict. Of each stratum the first
@@ -186,56 +188,39 @@ def sample(attempts: Attempts, most: int) -> pd.DataFrame:
 
     Returns:
         Columns: `TEXTS`, `NUMBERS`, `ROUTE`, `MEASURED`, `FLAGS`, repeat, curvatures and lengths
-        (arrays), worst (rank among the solver's worst, 1 to `WORST`; 0 for others). Sorted by
-        solver and question.
+        (arrays), spread (whether it is one of a stratum), worst (rank among the solver's worst, 1
+        to `WORST`; 0 for others). Sorted by solver and question.
     """
-    strata = attempts.frame(f"SELECT count(*) AS n {_STRATA}")["n"].to_numpy()
-    share = _largest_share(strata, most)
-    repeats = 1 + max(attempts.values("repeat"), default=0)
-    columns = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat", "curvatures", "lengths"]
-    rows = attempts.frame(
-        f""", spread AS (SELECT unnest(min_by(place, {_ORDER}, {share})) AS place {_STRATA}),
-        candidates AS (
-            SELECT unnest(max_by(place, {_BADNESS}, {WORST * repeats})) AS place
-            FROM chosen GROUP BY solver),
-        picked AS MATERIALIZED (
-            SELECT place, bool_or(is_spread) AS spread, bool_or(NOT is_spread) AS candidate
-            FROM (SELECT *, true AS is_spread FROM spread
-                UNION ALL SELECT *, false AS is_spread FROM candidates)
-            GROUP BY place)
-        SELECT {", ".join(columns)}, {_LEVEL} AS level, {_SIZE} AS size, spread, candidate
-        FROM chosen JOIN picked USING (place)
-        ORDER BY solver, scenario_id, branch, experiment, initial_guess, profile, repeat"""
-    )
-    rows = rows.assign(worst=_ranks(rows))
-    return rows[rows["spread"] | (rows["worst"] > 0)].reset_index(drop=True)
+    names = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat"]
+    rows = results.attempts[names].sort_values([*_QUESTION, "repeat"], kind="stable")
+    first = rows[rows["repeat"] == 0]
+    strata = first.groupby(["solver", "region", "verdict"], dropna=False)
+    spread = strata.head(_largest_share(strata.size().to_numpy(), most)).index
+    rows = rows.assign(spread=rows.index.isin(spread), worst=_ranks(rows))
+    rows = rows[rows["spread"] | (rows["worst"] > 0)]
+    controls = results.controls.select(["curvatures", "lengths"]).take(rows.index.to_numpy())
+    return rows.reset_index(drop=True).join(controls.to_pandas())
 
 
 def _largest_share(strata: np.ndarray, most: int) -> int:
     """The largest number of attempts that each stratum may have, if `most` is to hold for all."""
     shares = np.unique(np.append(strata, np.arange(1, 200)))
     sums = np.array([np.minimum(strata, share).sum() for share in shares])
-    fitting = shares[sums <= most]
-    return int(np.clip(fitting.max(initial=1), 1, _MOST_OF_A_STRATUM))
+    return int(shares[sums <= most].max(initial=1))
 
 
-def _ranks(rows: pd.DataFrame) -> np.ndarray:
-    """The rank of each row among its solver's worst, one row a question; 0 beyond `WORST`."""
-    question = ["solver", "experiment", "scenario_id", "branch", "initial_guess", "profile"]
+def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
+    """The rank of each row among its solver's worst, one row a question; 0 beyond `WORST`.
+
+    A false claim is worse than a longer path, that than a path that misses, that than none at all.
+    """
+    level = rows["verdict"].map(_LEVELS).fillna(1).mask(rows["false_claim"].eq(True), 4)
+    sizes = rows[["gap", "curvature_excess"]].assign(miss=rows["miss"] / rows["radius"])
+    ranked = rows.assign(level=level, size=sizes.max(axis="columns").fillna(0.0).clip(lower=0.0))
     order = ["level", "size", "scenario_id", "branch", "repeat"]
-    worst = rows[rows["candidate"]].sort_values(order, ascending=[False] * 4 + [True])
-    rank = worst.drop_duplicates(question).groupby("solver", sort=False).cumcount() + 1
-    return rank[rank <= WORST].reindex(rows.index, fill_value=0).to_numpy()
-
-
-# A false claim is worse than a longer path, that than a path that misses, that than none at all.
-_LEVEL = f"""CASE WHEN false_claim THEN 4 WHEN verdict = 'longer' THEN 3
-    WHEN verdict = 'misses' THEN 2 WHEN verdict IN {(*SUCCESSES, PRESOLVED)} THEN 0 ELSE 1 END"""
-_SIZE = """greatest(coalesce(gap, 0.0), coalesce(miss / radius, 0.0),
-    coalesce(curvature_excess, 0.0))"""
-_ORDER = "{'a': scenario_id, 'b': branch, 'c': experiment, 'd': initial_guess, 'e': profile}"
-_BADNESS = f"{{'a': {_LEVEL}, 'b': {_SIZE}, 'c': scenario_id, 'd': branch, 'e': -repeat}}"
-_STRATA = "FROM chosen WHERE repeat = 0 GROUP BY solver, region, verdict"
+    worst = ranked.sort_values(order, ascending=[False] * 4 + [True], kind="stable")
+    rank = worst.drop_duplicates(_QUESTION).groupby("solver", sort=False).cumcount() + 1
+    return rank[rank <= WORST].reindex(rows.index, fill_value=0)
 
 
 _DIGITS = 4  # that are kept of measured numbers; the page shows three

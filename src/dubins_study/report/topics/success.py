@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import Attempts
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
@@ -22,7 +21,7 @@ from dubins_study.report.statistics.methods import (
     drawn_methods,
     foremost,
 )
-from dubins_study.report.statistics.metrics import by_solver
+from dubins_study.report.statistics.metrics import by_solver, gaps, upper_quantile
 from dubins_study.report.topics.summary import best_solvers, solver_summary, summary_table
 
 REGIONS = ("all", "outside", "left disc", "right disc", "circle")
@@ -33,37 +32,47 @@ QUANTILES = (
     *columns(share, arrived="arrive"),
     *columns(digits(3), q50="median gap", q90="90 %", q99="99 %", q100="worst"),
 )
+_SHARES = (0.5, 0.9, 0.99, 1.0)
 _GAPS = np.geomspace(1e-16, 10.0, 171)  # points of a curve, ten to a decade
 
 
-def gap_quantiles(frame: pd.DataFrame) -> pd.DataFrame:
-    """`Attempts.gap_quantiles` in the order of solvers, with arrived as a share of the attempts.
+def gap_quantiles(attempts: pd.DataFrame) -> pd.DataFrame:
+    """Gap quantiles for questions that have an answer: one row per solver and region.
 
-    A region that holds all of a solver's attempts is left out.
+    The region `all` joins all regions; one that holds all of a solver's attempts is left out. The
+    gap of an attempt that does not arrive counts as infinite.
+
+    Columns: solver, region, attempts, arrived (a share of them), and q50, q90, q99, q100.
     """
-    order = {region: place for place, region in enumerate(REGIONS)}
-    known = frame[frame["region"].isin(REGIONS)].sort_values("region", key=lambda r: r.map(order))
-    every = known.groupby("solver")["attempts"].transform("max")
-    news = (known["region"] == "all") | (known["attempts"] < every)
-    return by_solver(known[news].assign(arrived=known["arrived"] / known["attempts"]))
+    asked = attempts.loc[attempts["answerable"], ["solver", "region"]].assign(gap=gaps(attempts))
+    each = asked[asked["region"].isin(REGIONS)]
+    groups = pd.concat([asked.assign(region="all"), each]).groupby(["solver", "region"])["gap"]
+    lines = [
+        (*key, len(part), np.isfinite(part).mean(), *(upper_quantile(part, q) for q in _SHARES))
+        for key, part in groups
+    ]
+    names = ["solver", "region", "attempts", "arrived", *(f"q{100 * q:g}" for q in _SHARES)]
+    frame = pd.DataFrame(lines, columns=names)
+    every = frame.groupby("solver")["attempts"].transform("max")
+    news = frame[(frame["region"] == "all") | (frame["attempts"] < every)]
+    return by_solver(news.sort_values("region", key=lambda region: region.map(REGIONS.index)))
 
 
-def gap_shares(profile: pd.DataFrame) -> pd.DataFrame:
-    """Of `Attempts.gap_profile`: shares of attempts indexed by gap, a column per solver."""
-    shares = {}
-    for solver, rows in profile.groupby("solver"):
-        reached = np.append(0, rows["attempts"].cumsum()) / rows["attempts"].sum()
-        # The bins have ends at these gaps, but for rounding.
-        within = np.searchsorted(rows["gap"], _GAPS * (1 + 1e-9), side="right")
-        shares[str(solver)] = reached[within]
+def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
+    """Shares of the attempts at questions with an answer, indexed by gap; a column per solver."""
+    ends = _GAPS * (1 + 1e-12)  # but for the rounding of the gaps
+    groups = gaps(attempts).groupby(attempts["solver"])
+    shares = {str(s): np.searchsorted(np.sort(g), ends, "right") / len(g) for s, g in groups}
     return pd.DataFrame(shares, pd.Index(_GAPS, name="gap"))
 
 
 def success_section(results: Results) -> Section | None:
     """Gap profiles, and gap quantiles per region."""
-    attempts = results.attempts
-    each = {name: attempts.only({name}) for name in attempts.experiments}
-    quantiles = gap_quantiles(attempts.gap_quantiles())
+    each = {
+        name: results.only({name}).attempts
+        for name in sorted({run.name for run in results.folders})
+    }
+    quantiles = gap_quantiles(results.attempts)
     if quantiles.empty:
         return None
     allowed, palette = _gap_tolerances(results.folders), Palette.of_page(results)
@@ -84,7 +93,7 @@ def success_section(results: Results) -> Section | None:
     return Section("success", "Success and gaps", text, tuple(blocks), lead)
 
 
-def _experiment_table(each: Mapping[str, Attempts]) -> Table:
+def _experiment_table(each: Mapping[str, pd.DataFrame]) -> Table:
     parts = [solver_summary(one).assign(experiment=name) for name, one in each.items()]
     frame = pd.concat(parts, ignore_index=True)
     caption = (
@@ -108,9 +117,9 @@ def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
 
 
 def _profile_picture(
-    experiment: str, attempts: Attempts, tolerance: float | None, palette: Palette
+    experiment: str, attempts: pd.DataFrame, tolerance: float | None, palette: Palette
 ) -> Picture:
-    shares = gap_shares(attempts.gap_profile())
+    shares = gap_shares(attempts)
     caption = (
         f"Experiment {experiment}: share of attempts within each gap. Higher is more reliable, "
         "further left more accurate; a curve that ends below 100 % belongs to a solver that "

@@ -4,8 +4,19 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data import verdicts as counts
-from dubins_study.report.data.attempts import EXACT, PRESOLVED, UNDECIDED, Attempts
+from dubins_study.report.data.attempts import (
+    EXACT,
+    LATE,
+    PRESOLVED,
+    SUCCESSES,
+    TRIAL,
+    UNDECIDED,
+    VERDICTS,
+    is_true,
+    methods,
+    questions,
+    weights,
+)
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
@@ -17,30 +28,52 @@ from dubins_study.report.statistics.methods import best_of_formulations, methods
 STARTS = ("cold", "warm")
 
 
-def by_start(starts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver of `report.data.verdicts.starts`, with shares right for cold and warm."""
-    frame = starts[["solver"]].drop_duplicates(ignore_index=True)
+def by_start(attempts: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver, with shares right for cold and warm as of `with_share`.
+
+    Of questions that have a path and that the solver was asked both cold and warm.
+    """
+    starts = attempts["initial_guess"]
+    kept = attempts["answerable"] & starts.isin(STARTS)
     for start in STARTS:
-        rows = starts[starts["initial_guess"] == start].set_index("solver")
-        right, questions = (
-            frame["solver"].map(rows[name]).fillna(0) for name in ("right", "questions")
-        )
-        frame = with_share(frame, start, right, questions)
-    return frame
+        trials = starts.eq(start).groupby([attempts[name] for name in ("solver", *TRIAL)])
+        kept &= trials.transform("any")
+    asked = attempts.assign(weight=weights(attempts, "initial_guess"))[kept]
+    frame = pd.DataFrame(index=pd.Index(sorted(asked["solver"].unique()), name="solver"))
+    for start in STARTS:
+        cold = asked["initial_guess"].eq(start)
+        right = questions(asked, cold & asked["verdict"].isin(SUCCESSES))
+        frame = with_share(frame, start, right, questions(asked, cold))
+    return frame.reset_index()
 
 
-def summary(verdicts: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
+def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: verdicts, false claims, wrong basins and times where a path exists.
 
     Solvers that were asked no such question are left out, unless none was. The columns of
-    `report.data.verdicts.verdicts` and `methods`, those of `methods_of`, in its order, and those of
-    `with_share` for right, a share of the questions.
+    `methods_of`, in its order; attempts, questions, right (questions answered right), the attempts
+    with each verdict, those that are undecided (which are no attempts here), false_claims,
+    wrong_basins, not_returned (timeout, crashed, raised, ...), wall_s (median, s; missing if no
+    attempt returned), and those of `with_share` for right, a share of the questions.
     """
-    asked = verdicts["questions"] > 0
-    counted = verdicts[asked] if asked.any() else verdicts
-    frame = with_share(counted, "right", counted["right"], counted["questions"])
-    named = methods_of(methods[methods["solver"].isin(counted["solver"])])
-    return named.join(frame.set_index("solver")).reset_index()
+    solver, verdict, asked = attempts["solver"], attempts["verdict"], attempts["answerable"]
+    returned = attempts["outcome"].eq("returned")
+    flags = {name: verdict.eq(name) for name in VERDICTS}
+    flags |= {"attempts": asked, "not_returned": ~returned}
+    flags |= {f"{name}s": is_true(attempts[name]) for name in ("false_claim", "wrong_basin")}
+    counts = {name: asked & flag for name, flag in flags.items()} | {
+        UNDECIDED: verdict.eq(UNDECIDED)
+    }
+    frame = pd.DataFrame(counts).groupby(solver).sum()
+    frame["questions"] = questions(attempts, asked)
+    frame["right"] = questions(attempts, asked & verdict.isin(SUCCESSES))
+    times = attempts["wall_s"].where(asked).groupby(solver).median()
+    frame["wall_s"] = times.where((asked & returned).groupby(solver).any())
+    frame = frame[frame["attempts"] > 0] if asked.any() else frame
+    frame = with_share(frame, "right", frame["right"], frame["questions"])
+    named = methods(attempts)
+    named = methods_of(named[named["solver"].isin(frame.index)])
+    return named.join(frame).reset_index()
 
 
 # The spec instead of the settings: it is what a reader hands to the command.
@@ -48,7 +81,7 @@ _COLUMNS = (
     *METHOD[:-1],
     SOLVER,
     *columns(kind="cell", right_text="right of n, 95 %"),
-    *(Column(key, key, count) for key in ("none exists", PRESOLVED)),
+    *(Column(key, key, count) for key in ("none exists", PRESOLVED, LATE)),
     *columns(count, longer="longer", misses="misses", none="none"),
     *columns(count, undecided="undecided"),
     *columns(count, false_claims="false claims", wrong_basins="wrong basins"),
@@ -56,11 +89,6 @@ _COLUMNS = (
     *columns(seconds, wall_s="median time"),
 )
 _NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "right_high")
-
-
-def solver_summary(attempts: Attempts) -> pd.DataFrame:
-    """The table `summary` of attempts."""
-    return summary(counts.verdicts(attempts), counts.methods(attempts))
 
 
 @once
@@ -72,7 +100,9 @@ def best_solvers(results: Results) -> tuple[str, ...]:
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
     """A table of `summary`, with columns before it; columns without any count are left out."""
     rare = [
-        key for key in ("none exists", PRESOLVED, UNDECIDED, "not_returned") if not frame[key].any()
+        key
+        for key in ("none exists", PRESOLVED, LATE, UNDECIDED, "not_returned")
+        if not frame[key].any()
     ]
     shown = [column for column in _COLUMNS if column.key not in rare]
     bad = marks(frame, "misses", "none", "false_claims", "not_returned")
@@ -83,7 +113,7 @@ def summary_section(results: Results) -> Section | None:
     """Verdicts and times where a path exists, solver by solver."""
     attempts = results.attempts
     frame = solver_summary(attempts)
-    solvers = len(attempts.values("solver"))
+    solvers = attempts["solver"].nunique()
     caption = sentences(
         "Questions that have a path and that the solver takes. Right: the check finds the answer "
         f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts.",
@@ -96,18 +126,13 @@ def summary_section(results: Results) -> Section | None:
         "A false claim says more than the check finds; a wrong basin is a longer path that turns "
         "by another angle. Not returned: timed out, crashed, raised or unavailable.",
     )
-    experiments = list(
-        dict.fromkeys(run.name for run in results.folders if run.name in attempts.experiments)
-    )
-    questions, without = (
-        frame["questions"].sum(),
-        attempts.count - int(frame[["attempts", UNDECIDED]].sum().sum()),
-    )
+    experiments = list(dict.fromkeys(run.name for run in results.folders))
+    without = len(attempts) - int(frame[["attempts", UNDECIDED]].sum().sum())
     text = sentences(
-        f"{some(attempts.count, 'attempt')} by {some(solvers, 'solver')} in the "
+        f"{some(len(attempts), 'attempt')} by {some(solvers, 'solver')} in the "
         f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",
-        f"Right where a path exists: {share(frame['right'].sum() / questions)}."
-        if questions
+        f"Right where a path exists: {share(frame['right'].sum() / frame['questions'].sum())}."
+        if frame["questions"].any()
         else "",
         f"{some(without, 'attempt')} {'was' if without == 1 else 'were'} at questions that have no "
         "path; whether solvers recognise that stands in the section on existence, and no number "
@@ -119,7 +144,7 @@ def summary_section(results: Results) -> Section | None:
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
     table = summary_table("summary", caption, frame, ())
-    started = in_page_order(by_start(counts.starts(attempts)), results)
+    started = in_page_order(by_start(attempts), results)
     tables = (table, _start_table(started)) if len(started) else (table,)
     return Section("summary", "Summary", text, tables, lead)
 
