@@ -11,10 +11,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.harness import Measurement, side_by_side, sized
+from dubins_study.solvers.course import FULL_TURN
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.option_sets import nested
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import (
-    FULL_TURN,
     Subproblem,
     equations,
     jacobian,
@@ -26,7 +28,7 @@ from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 
 N = sized(1_000, 3)
-TARGET = 1.3
+TARGET = 1.1
 
 
 class Job(NamedTuple):
@@ -63,7 +65,7 @@ def ours(solver: Solver, asked: list[Question]) -> None:
         solver.solve(solver.build(question), 60.0)
 
 
-def slsqp_by_hand(work: list[Job], solver: Slsqp) -> None:
+def slsqp_by_hand(work: list[Job]) -> None:
     """`scipy.optimize.minimize` with the same functions, bounds, starts and tolerance."""
     ones = np.ones(2)
 
@@ -85,7 +87,7 @@ def slsqp_by_hand(work: list[Job], solver: Slsqp) -> None:
             method="SLSQP",
             bounds=[(0.0, FULL_TURN), (0.0, math.inf)],
             constraints=constraint,
-            options={"ftol": solver.ftol * math.hypot(X, Y), "maxiter": solver.maxiter},
+            options=ENGINES["slsqp"].options.of("equal"),
         )
 
 
@@ -97,7 +99,7 @@ def ipopt_by_hand(work: list[Job], solver: Any) -> None:
         solver(x0=start, p=(X, Y), lbx=0, ubx=upper, lbg=0, ubg=0)
 
 
-def casadi_solver(settings: Ipopt) -> Any:
+def casadi_solver() -> Any:
     """Model (4.12) written in casadi, the target as a parameter."""
     z, p = casadi.SX.sym("z", 3), casadi.SX.sym("p", 2)
     z1, th, z3 = z[0], z[0] - z[1], z[2]
@@ -109,14 +111,8 @@ def casadi_solver(settings: Ipopt) -> Any:
         "f": casadi.sum1(z),
         "g": casadi.vertcat(p[0] - x_end, p[1] - y_end),
     }
-    options = {
-        "print_level": 0,
-        "sb": "yes",
-        "tol": settings.tol,
-        "max_iter": settings.max_iter,
-        "bound_relax_factor": settings.bound_relax,
-    }
-    return casadi.nlpsol("hand", "ipopt", nlp, {"print_time": False, "ipopt": options})
+    options = nested(ENGINES["ipopt"].options.of("equal"))
+    return casadi.nlpsol("hand", "ipopt", nlp, {"print_time": False, **options})
 
 
 def measure() -> Iterable[Measurement]:
@@ -124,11 +120,11 @@ def measure() -> Iterable[Measurement]:
     work = jobs(asked)
     # the loops by hand solve the words that the presolve leaves
     slsqp, ipopt = Slsqp(presolve=True), Ipopt(via="library", presolve=True)
-    by_hand = casadi_solver(ipopt)
+    by_hand = casadi_solver()
     pairs = {
         "slsqp, against bare scipy.optimize.minimize": (
             lambda: ours(slsqp, asked),
-            lambda: slsqp_by_hand(work, slsqp),
+            lambda: slsqp_by_hand(work),
         ),
         "ipopt, against casadi and Ipopt by hand": (
             lambda: ours(ipopt, asked),

@@ -9,7 +9,9 @@ from dataclasses import replace
 import pandas as pd
 from hypothesis import strategies as st
 
+from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
+from dubins_study.study.words import FROZEN
 
 PAPER = {
     "problem 1": Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1),
@@ -20,6 +22,19 @@ PAPER = {
     "problem 5, R=10": Scenario(0, 0, 2 * math.pi / 3, -80, 20, 10),
     "problem 5, R=5": Scenario(0, 0, 2 * math.pi / 3, -80, 20, 5),
 }
+
+# whose label names a frozen convex problem
+FROZEN_ROUTE = Scenario(
+    via=[(6, 3), (9, -4), (15, -2), (18, 5)], target_x=25, target_y=6, label="qp-50-well"
+)
+
+
+def question_for(name: str, scenario: Scenario) -> tuple[Scenario, str, str]:
+    """Arguments of `solve` for the best path, or for a frozen problem if no path is answered."""
+    if load(name).branches == (FROZEN,):
+        return FROZEN_ROUTE, name, FROZEN
+    return scenario, name, "best"
+
 
 # one of every kind of target there is, none within 0.05 R of a turning circle's front half
 EDGES = {

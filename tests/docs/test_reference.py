@@ -16,6 +16,7 @@ from jsonschema import Draft202012Validator
 import dubins_study
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.report.page.sections import TOPICS
+from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.registry import load, settings
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -98,3 +99,24 @@ def test_every_section_of_the_report_is_explained():
     ]
 
     assert re.findall(r"^\| ([^|]*) \|", table, re.M) == [topic.title for topic in TOPICS]
+
+
+@pytest.mark.parametrize("kind", ["nlp", "search", "qp"])
+def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind):
+    """Read back from the page's table; an engine that no line names is left to its makers."""
+    page = (DOCS / "engines.md").read_text(encoding="utf-8")
+    assert f"```{{generated}} engine-options {kind}\n" in page
+    tables = generator("package_tables")
+    shown: dict[str, dict[str, dict[str, str]]] = {}
+    for line in tables.options_table(kind).splitlines()[2:]:
+        name, where, texts, why = (cell.strip(" `") for cell in line.strip("|").split(" | "))
+        engine = shown.setdefault(name if name != "–" and name else list(shown)[-1], {})
+        pairs = re.findall(r"`?([^`,]+)=([^`,]+)`?", texts)
+        engine[where] = {key.strip(): value for key, value in pairs}
+        assert why != "–" or where == "equal"
+
+    for name, options in ((name, ENGINES[name].options) for name in shown):
+        every = shown[name].get("every", {})
+        for chosen in ("default", "equal", "tuned"):
+            page_says = every | shown[name].get(chosen, {})
+            assert page_says == {key: str(value) for key, value in options.of(chosen).items()}

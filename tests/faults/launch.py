@@ -25,7 +25,8 @@ HERE = Path(__file__).parent
 PATIENCE = 150.0
 # what differs between two runs that find the same
 MEASURED = ["build_s", "solve_s", "wall_s", "subproblem_s", "best_run_s"]
-MEASURED += ["machine", "jobs", "executor", "run_id", "started"]
+MEASURED += ["floor_s", "memory_mib"]
+MEASURED += ["machine", "jobs", "limit_s", "executor", "run_id", "started"]
 
 
 class Ended(NamedTuple):

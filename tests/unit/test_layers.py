@@ -48,13 +48,14 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(8_610, 43),
-    "experiments": Size(5_620, 40),
-    "conformance": Size(1_780, 9),
-    "report": Size(13_150, 80),
-    "cli": Size(1_940, 18),
-    "package": Size(41_060, 247),
-    "tests": Size(31_440, 240),
+    "study": Size(9_450, 54),
+    "solvers": Size(10_500, 68),
+    "experiments": Size(5_910, 40),
+    "conformance": Size(1_820, 9),
+    "report": Size(13_260, 78),
+    "cli": Size(1_950, 18),
+    "package": Size(42_960, 263),
+    "tests": Size(33_360, 240),
 }
 
 _LEAVES = (
@@ -69,6 +70,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.closed_form": ("study",),
     "study.rows": ("study",),
     "study.route": ("study", "study.closed_form"),
+    "study.convex": ("study", "study.rows"),
     "study.check": ("study", "study.closed_form", "study.rows", "study.route"),
     "solvers": ("study.*",),
     "solvers.nlp_engines": ("study.*", "solvers"),
@@ -82,21 +84,23 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "solvers.global_minlp": (
         *("study.*", "solvers", "solvers.paper_nlp"),
         *("solvers.minlp_engines", "solvers.nlp_engines"),
+        "solvers.optimal_control",  # the way back to a route's points
     ),
     "solvers.stochastic": ("study.*", "solvers", "solvers.paper_nlp"),
     "solvers.route": (
-        *("study.*", "solvers", "solvers.nlp_engines"),
+        *("study.*", "solvers", "solvers.nlp_engines", "solvers.minlp_engines"),
         "solvers.stochastic",  # its engines search any box
     ),
-    "solvers.heading_milp": (
-        *("study.*", "solvers", "solvers.optimal_control", "solvers.minlp_engines"),
-        "solvers.paper_nlp",  # whether a path of one-sided turning is a word
-    ),
+    "solvers.convex": ("study.*", "solvers"),
     "solvers.export": ("study.*", "solvers", "solvers.paper_nlp", "solvers.global_minlp"),
+    "experiments.isolation.floor": (
+        *("study.*", "solvers", "solvers.paper_nlp", "solvers.convex"),
+        *("solvers.minlp_engines", "solvers.stochastic"),
+    ),
     **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
     "experiments.code_digest": ("solvers", "experiments.provenance"),
     "experiments.definition": ("study.*", "solvers"),
-    "experiments.isolation": ("study.*", "solvers", *_LEAVES),
+    "experiments.isolation": ("study.*", "solvers", "experiments.isolation.floor", *_LEAVES),
     "experiments.plan": (
         *("study.*", "solvers", *_LEAVES),
         *("experiments.definition", "experiments.isolation"),
@@ -310,7 +314,7 @@ def way_to_the_answers(
 
 # Their formulation, or a guess of theirs, is made of the shortest legs between given headings: the
 # closed form of one leg, but no answer to a question with an unknown heading.
-OF_LEGS = ("solvers.route.headings", "solvers.route.joint")
+OF_LEGS = ("solvers.route.grid", "solvers.route.headings", "solvers.route.joint")
 
 
 def solver_modules() -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -11,7 +12,7 @@ import time
 import pytest
 
 from dubins_study import Claim, Guarantee, Path, Solution, check_solver, solve
-from dubins_study.conformance import CHECKS
+from dubins_study.conformance import CHECKS, interview
 from dubins_study.conformance.checks import ConformanceError
 from dubins_study.conformance.questions import (
     AXIS,
@@ -31,10 +32,10 @@ from dubins_study.conformance.report import (
 )
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.profiles import ProfileError
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.tolerances import ProfileError
 
 ANSWERS = [name for name in CHECKS if name not in ("frames", "limits", "state")]
 TABLES = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
@@ -136,6 +137,36 @@ class Slow(Right):
     def solve(self, question, limit):
         time.sleep(2 * RUN_GRACE_S + 0.05)
         return super().solve(question, limit)
+
+
+class Hurried(Right):
+    """Answers all but two questions with what it has when its limit is over."""
+
+    branches, sure = ("best",), ("target ahead to the left", "target behind to the right")
+
+    def solve(self, question, limit):
+        began, steps = time.perf_counter(), 0
+        if question.scenario.label in self.sure:
+            return super().solve(question, limit)
+        while time.perf_counter() < began + limit:
+            steps += 1
+        return Solution(Claim.FEASIBLE, Path(question.scenario.start, [0.0], [1.0 + steps]))
+
+
+class AlwaysHurried(Hurried):
+    """Answers every question so."""
+
+    sure = ()
+
+
+class HurriedAndMoody(Hurried):
+    """Answers what it has time for with another length each time."""
+
+    mood = itertools.count()
+
+    def solve(self, question, limit):
+        path = super().solve(question, limit).path
+        return Solution(Claim.LOCAL, Path(path.start, [0.0], [next(self.mood) + 1.0]))
 
 
 class Idle(Right):
@@ -289,6 +320,29 @@ def test_the_report_as_json():
 def test_requests_that_cannot_be_met(request_, error, message):
     with pytest.raises(error, match=message):
         check_solver(**({"solver": "analytic", "isolated": False} | request_))
+
+
+def test_what_the_limit_cuts_off_need_not_be_the_same():
+    """How far a search comes in its limit is the machine's doing; the rest is compared."""
+    reports = [
+        check_solver(kind, checks=["determinism"], time_limit=0.05, isolated=False)
+        for kind in (Hurried, AlwaysHurried, HurriedAndMoody)
+    ]
+    hurried, always, moody = (report["determinism"] for report in reports)
+
+    assert hurried.status is Status.PASS
+    assert hurried.summary.startswith("4 pairs of answers the same; of 4 more pairs")
+    assert always.status is Status.NOT_APPLICABLE
+    assert "took the whole time limit" in always.summary
+    assert moody.status is Status.FAIL
+
+
+def test_an_error_of_the_check_is_not_the_solvers(monkeypatch):
+    """It ends the interview with its own traceback; nothing is said of the solver."""
+    monkeypatch.setattr(interview, "judged", lambda *_: 1 / 0)
+
+    with pytest.raises(ZeroDivisionError):
+        checked(Right, ["outcome"])
 
 
 def test_the_spec_of_a_class():
