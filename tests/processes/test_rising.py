@@ -91,3 +91,39 @@ def test_a_block_has_a_time_limit_of_its_own(tmp_path, monkeypatch):
         5: [30.0],
     }
     assert set(forced["limit_s"]) == {25.0}
+
+
+DIES = '''
+import os
+from dataclasses import dataclass
+from dubins_study import Claim, Solution, Solver
+
+warm = False
+
+@dataclass(frozen=True)
+class Dies(Solver):
+    """Ends its process at the warm-up of a route; tells whether it was warmed up on a leg."""
+    name = "dies"
+    takes = frozenset({"free final heading", "via points"})
+    def solve(self, question, limit):
+        global warm
+        if question.scenario.label == "warm-up":
+            if question.scenario.via:
+                os._exit(3)
+            warm = True
+        return Solution(Claim.FAILED, None, message=f"warm: {warm}")
+'''
+
+
+def test_a_warm_up_that_fails_on_a_route_leaves_that_on_a_leg(tmp_path, monkeypatch):
+    """Else each later worker would pay for its imports within the limit of a question."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "dies.py").write_text(DIES)
+    text = RISING.format(label="c").replace("late.py:Late", "dies.py:Dies")
+    (tmp_path / "routes.toml").write_text(text.replace("rising = true", ""))
+
+    frame = rows_by_size(run("routes.toml", solvers=["dies.py:Dies"], trust_plugins=True))
+
+    assert set(frame["legs"]) == {1, 3, 5}
+    assert set(frame["outcome"]) == {"returned"}
+    assert set(frame["message"]) == {"warm: True"}

@@ -36,6 +36,7 @@ GRACE_S = 0.1
 # loads what later solves find loaded.
 _LOADING = Allowance(60.0, activity="loading the solver")
 _WARM_UP_S = 10.0
+_LEG_ROUTE = (False, True)  # what a solver is warmed up on: whether it is a route
 _PROBING = Allowance(60.0, activity="measuring its speed")
 # A worker that never waits for its pool has jobs in advance: as long as those that it has are
 # expected to take less than `AHEAD_S`, and at most `_AHEAD_JOBS`.
@@ -99,6 +100,7 @@ class _Worker(WorkerProcess):
         super().__init__(function, [memory_bytes], memory_bytes)
         self.group = group
         self.loaded: set[SolverKey] = set()
+        self.warmed: set[tuple[SolverKey, bool]] = set()  # on a leg, on a route
 
 
 class WorkerPool:
@@ -123,8 +125,8 @@ class WorkerPool:
         self._allow(math.inf)
         self._workers: list[_Worker | None] = [None] * workers
         self._warm_up = warm_up
-        # Solvers whose warm-up ended a worker: they are loaded without it.
-        self._without_warm_up: set[SolverKey] = set()
+        # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
+        self._without_warm_up: set[tuple[SolverKey, bool]] = set()
         # Solver -> seconds that its next solve is expected to take; a solver that has answered.
         self._expected_s: dict[SolverKey, float] = {}
         # Solver that ended its worker while it was loaded -> the reply to its other jobs.
@@ -160,7 +162,10 @@ class WorkerPool:
         """Limit solves. A task's allowance tells its kind: these, `_LOADING` and `_PROBING`."""
         self._time_limit_s = time_limit_s
         self._solving = Allowance(time_limit_s, GRACE_S)
-        self._warming_up = Allowance(time_limit_s + _WARM_UP_S, activity="warming up")
+        self._warming_up = tuple(
+            Allowance(time_limit_s + _WARM_UP_S, activity=f"warming up on a {what}")
+            for what in ("leg", "route")
+        )
 
     def solve(
         self, jobs: Iterable[Job], stop: Interruption, time_limit_s: float
@@ -264,9 +269,13 @@ class WorkerPool:
         if key not in worker.loaded:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, tag=job)
-            if self._warm_up and key not in self._without_warm_up:
-                message = ["warm up", *key, self._time_limit_s, self._probed is not None]
-                worker.put(message, self._warming_up, tag=job)
+        for route in _LEG_ROUTE if job.question.scenario.via else _LEG_ROUTE[:1]:
+            if (key, route) in worker.warmed:
+                continue
+            worker.warmed.add((key, route))
+            if self._warm_up and (key, route) not in self._without_warm_up:
+                message = ["warm up", *key, self._time_limit_s, route, self._probed is not None]
+                worker.put(message, self._warming_up[route], tag=job)
         message = ["solve", *key, encode_question(job.question), self._time_limit_s]
         worker.put(message, self._solving, decode_reply, job)
 
@@ -300,8 +309,8 @@ class WorkerPool:
             return []
         self._false_starts = 0
         key = task.tag.solver_key
-        if task.allowance is self._warming_up:  # load the solver again, without a warm-up
-            self._without_warm_up.add(key)
+        if task.allowance in self._warming_up:  # load the solver again, without this warm-up
+            self._without_warm_up.add((key, task.allowance is self._warming_up[True]))
             return []
         if task.allowance is _LOADING:
             outcome, (_, solution, _) = reply.outcome, reply

@@ -111,10 +111,13 @@ class _Worker:
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             self._solvers[spec, profile] = _error_reply(error, started, digest)
 
-    def _warm_up(self, spec: str, profile: str, time_limit: float, floors: bool) -> None:
+    def _warm_up(
+        self, spec: str, profile: str, time_limit: float, route: bool, floors: bool
+    ) -> None:
         """Ask an easy question, so that a solver's imports, templates and caches are ready.
 
-        With `floors`, measure the floor of the solver's times as well.
+        Of a leg, or of a route where the solver takes one. With `floors` and a leg, measure the
+        floor of the solver's times as well.
         """
         loaded = self._solvers[spec, profile]
         if isinstance(loaded, list):
@@ -123,10 +126,12 @@ class _Worker:
         try:
             seed()
             branch = loaded.solver.branches[0]
+            if route:
+                if VIA_POINTS in loaded.solver.takes:
+                    limit = min(time_limit, _WARM_UP_ROUTE_S)
+                    ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), limit)
+                return
             ask(loaded.solver, Question(_WARM_UP, branch), time_limit)
-            if VIA_POINTS in loaded.solver.takes:
-                limit = min(time_limit, _WARM_UP_ROUTE_S)
-                ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), limit)
             if floors and unavailable(loaded.solver) is None:
                 from dubins_study.experiments.isolation.floor import floor_s
 
