@@ -49,13 +49,20 @@ class Attempts(NamedTuple, Generic[Guess, Point]):
 
 
 def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
-    """The runs on all subproblems; none begins when the time is up."""
+    """The runs on all subproblems; none begins when the time is up.
+
+    Each subproblem has an equal share of the time that is left: some engines never end on a word
+    that has no path, and would leave nothing for the others.
+    """
     runs: list[Run[Point]] = []
-    for guesses, solve, enough in attempts:
+    every = list(attempts)
+    for left, (guesses, solve, enough) in zip(range(len(every), 0, -1), every, strict=True):
+        began = perf_counter()
+        end = began + (until - began) / left
         for guess in guesses:
-            if perf_counter() > until:
-                return runs
-            runs.append(solve(guess, until))
+            if perf_counter() > end:
+                break
+            runs.append(solve(guess, end))
             if runs[-1].claim is Claim.LOCAL and enough(runs[-1]):
                 break
     return runs
