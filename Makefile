@@ -42,8 +42,12 @@ studies: $(READY)  ## run every experiment but the benchmark and write one repor
 	for name in $(STUDIES); do $(BIN)/dubins-study run $$name --jobs 2 || exit $$?; done
 	$(BIN)/dubins-study report $(STUDIES:%=results/%) --out results/studies
 
-benchmark: $(READY)  ## make the committed benchmark run anew, and its report
-	$(BIN)/dubins-study run benchmark --out results/benchmark --jobs 2 --restart
+# one job, so that nothing else takes time from a solve; begun again, it goes on where it was stopped
+SUITES := route pose leg
+benchmark: $(READY)  ## run the benchmark's three suites (two hours) and write their report
+	for suite in $(SUITES); do \
+	    $(BIN)/dubins-study run benchmark-$$suite --out results/benchmark/$$suite --jobs 1 || exit $$?; \
+	done
 	$(BIN)/dubins-study report results/benchmark --out results/benchmark-report
 
 # a group keeps the tests that watch time, memory or processes in one worker

@@ -21,13 +21,14 @@ from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.words import FORMULATIONS
 
 FOLDER = Path(__file__).parents[2] / "results" / "benchmark"
+LEG = FOLDER / "leg"  # tables of formulations and engines are of its questions
 
 _three = digits(3)
 
 
 @cache
 def _results() -> Results:
-    return load([FOLDER])
+    return load([LEG])
 
 
 @cache

@@ -39,9 +39,8 @@ _HIDDEN = 1e-10
 # the least lengths that were found for 2 000 routes of seed 0
 LENGTHS = np.loadtxt(Path(__file__).with_name("route_lengths.txt"))
 TOLERANCE = 1e-12  # relative; what the attack's own rounding and that of the points may take
-# likewise where a point lies on a turning circle up to rounding: the search takes it to be there,
-# and a way off it of 1e-15 frees the heading by its root
-_ON_CIRCLE = 3e-8
+# How far off a turning circle a point may be by rounding, in radii; the search takes it to be there
+_OFF_CIRCLE = 1e-15
 
 
 class Asked(NamedTuple):
@@ -216,15 +215,21 @@ def attacked(asked: Asked, rng: Rng) -> tuple[float, float, float]:
 
 
 def tolerated(asked: Asked) -> float:
-    """By how much of its length a route's bound may be above a length that is found."""
-    ways = [(asked.points[1] - asked.points[0], asked.first)]
-    if asked.last is not None:
-        ways.append((asked.points[-2] - asked.points[-1], asked.last))
-    for way, heading in ways:
-        left = np.array([-math.sin(heading), math.cos(heading)])
-        if min(abs(math.hypot(*(way - turn * left)) - 1.0) for turn in (1.0, -1.0)) < 1e-14:
-            return _ON_CIRCLE
-    return TOLERANCE
+    """By how much of its length a route's bound may be above a length that is found.
+
+    From a given heading points may lie on turning circles one after another up to rounding. Each
+    frees the heading there by the root of what it is off; more than two were not needed.
+    """
+    off = _OFF_CIRCLE
+    for points, heading in ((asked.points, asked.first), (asked.points[::-1], asked.last)):
+        freed = _OFF_CIRCLE
+        for way in [] if heading is None else np.diff(points, axis=0)[:2]:
+            left = np.array([-math.sin(heading), math.cos(heading)])
+            if min(abs(math.hypot(*(way - turn * left)) - 1.0) for turn in (1.0, -1.0)) > 9 * freed:
+                break
+            heading, freed = 2.0 * math.atan2(way[1], way[0]) - heading, math.sqrt(freed)
+        off = max(off, freed)
+    return off if off > _OFF_CIRCLE else TOLERANCE
 
 
 def proven(asked: Asked, number: int) -> Route:
