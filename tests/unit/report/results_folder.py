@@ -113,7 +113,7 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
         **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
         **{
-            "proves": None,
+            **{"proves": None, "knows": "", "label": "", "via_x": None},
             "floor_s": None,
             "subproblem_runs": None,
             "guesses": "one",
@@ -140,10 +140,12 @@ def write_folder(
 ) -> FilePath:
     """A results folder with one part.
 
-    Its section is `section` if given, else what a packaged experiment of its name has.
+    Its section is `section` if given, else what a packaged experiment of its name has;
+    that of `benchmark` is the suites'.
     """
     rows = list(rows)
     named = read(name).experiment.section if name in packaged() else None
+    named = "benchmark" if name == "benchmark" else named
     section = manifest.pop("section", named)
     experiment = {"name": name, "title": f"About {name}", "question": "?", "text": "a = 1"}
     (folder / "parts").mkdir(parents=True)

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binomtest
+from scipy.stats import binomtest, linregress
 
 from dubins_study.report.elements.content import General
 from dubins_study.report.page.sections import TOPICS, sections_of
@@ -19,6 +20,8 @@ from dubins_study.report.statistics.methods import Compared, compared, methods_o
 from dubins_study.report.topics import findings as found
 from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding
+from dubins_study.report.topics.findings_routes import exponent
+from dubins_study.report.topics.routes import TITLE
 from tests.unit.report.results_folder import attempt, compared_row, paper_scenarios
 
 WORDS, JOINT, PENALTY = found.WORDS, found.JOINT, found.STOCHASTIC
@@ -77,6 +80,8 @@ def slower(factor: float, _: int) -> Row:
 IPOPT = {"solver": "ipopt"}
 SLSQP = {"solver": "slsqp", "engine": "SLSQP"}
 BOTH_ORDERS = {"solver": "ipopt[model=joint]", "formulation": JOINT}
+ONE_GUESS = {"solver": "one", "guess": "one", "guesses": "one"}
+BLIND = {"solver": "blind", "guess": "straight", "guesses": "blind"}
 SCIP = {"solver": "disjunctive", "engine": "SCIP", "formulation": "disjunction", "guess": "none"}
 PROOF = {"claim": "optimal", "lower_bound": 4.0}
 
@@ -104,14 +109,27 @@ def infeasible(n: int, effect: bool) -> list[Row]:
     ]
 
 
-def changing(n: int, effect: bool) -> list[Row]:
-    """With the effect the verdict of every third question changes in the second repeat."""
-    random = {"solver": "ipopt[initial_guess=random]", "guess": "random"}
-    return [
-        row(q, **random, repeat=repeat, right=not (effect and repeat and q % 3 == 0))
-        for repeat in range(2)
-        for q in range(n)
-    ]
+def routes(
+    n: int,
+    effect: bool,
+    slow: float = 1.0,
+    power: float = 1.0,
+    right: Callable[[int], bool] = lambda _: True,
+) -> list[Row]:
+    """Routes of 2, 5, 10 and 20 legs by the search and by an engine; the effect is one of them."""
+    made = []
+    for q in range(n):
+        legs = (2, 5, 10, 20)[q % 4]
+        same: Row = {"label": "short", "via_x": [1.0] * (legs - 1)}
+        mine = slow if effect else 1.0
+        other = legs ** (power if effect else 1.0)
+        own = {"engine": "none", "formulation": "closed form", "guess": "none", "claim": "optimal"}
+        made.append(row(q, "analytic", **own, **same, wall_s=1e-3 * mine * other))
+        found_it = right(legs) or not effect
+        made.append(row(q, "ipopt", **same, wall_s=1e-3 * other, right=found_it))
+        if power != 1.0:
+            made[-2]["wall_s"] = 1e-3 * legs * (1 + (q % 7) / 50)
+    return made
 
 
 CASES = [
@@ -120,16 +138,6 @@ CASES = [
         of_two(IPOPT, BOTH_ORDERS, half_wrong),
         ("Pose one problem a word", "50.0 ("),
         50.0,
-    ),
-    Case(
-        found.single_order,
-        of_two(
-            BOTH_ORDERS | {"region": "left disc"},
-            {"solver": "b", "formulation": "joint NLP, LRS", "region": "left disc"},
-            lambda _: {"gap": 0.3, "verdict": "longer", "right": False},
-        ),
-        ("in the left disc, 100 % (88.6 to 100)", "LRS alone"),
-        100.0,
     ),
     Case(
         found.coarse_transcription,
@@ -143,18 +151,29 @@ CASES = [
     ),
     Case(found.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
     Case(
-        found.zero_start,
-        of_two(IPOPT, {"solver": "ipopt[initial_guess=zero]", "guess": "zero"}, half_wrong),
-        ("Start from the bearing", "50.0 ("),
+        found.blind_start,
+        of_two(ONE_GUESS, ONE_GUESS | BLIND, half_wrong),
+        ("Begin from one guess", "50.0 ("),
         50.0,
     ),
     Case(
-        found.random_restarts,
-        of_two({"solver": "r", "guess": "random", "wall_s": 5e-3}, IPOPT, half_wrong),
-        ("Try several random guesses", "50.0 (", "5.0 (5.0 to 5.0) times the median time"),
-        50.0,
+        found.proof_of_routes,
+        partial(routes, slow=4.0),
+        ("the search with a proof closes 100 % (", "of 2 to 20 legs", "takes 4.00 ("),
+        4.0,
     ),
-    Case(found.repeats, changing, ("more than once", "33.3 % ("), 100 / 3),
+    Case(
+        found.where_engines_stop,
+        partial(routes, right=lambda legs: legs < 5),
+        ("Do not trust any engine alone with routes of many short", "0 % (0 to", "on 22 of 22"),
+        0.0,
+    ),
+    Case(
+        found.growth,
+        partial(routes, power=2.0),
+        ("Ipopt (bearing) on one NLP a word grows with the power 2.0 (", "with 1.0 ("),
+        2.0,
+    ),
     Case(
         found.slowest_engine,
         of_two(IPOPT, SLSQP, partial(slower, 4.0)),
@@ -217,8 +236,9 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     value, low, high, questions = finding.estimate
     assert value == pytest.approx(case.value, rel=0.03, abs=1e-12)
     assert low <= value <= high
-    assert questions == MANY or case.find in (found.near_circles, found.derivative_free_search)
-    ratio = "times the median time" in finding.sentence
+    some = (found.near_circles, found.derivative_free_search, found.where_engines_stop)
+    assert questions == MANY or case.find in some
+    ratio = finding.unit == found.TIMES and case.find is not found.presolve
     assert ratio == ("that both answer, medians" in finding.question)
     for rows in (case.made(MANY, False), case.made(FEW, True), one, failed):
         assert case.find(evidence(rows)) is None
@@ -229,9 +249,9 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     [
         (found.words_against_joint, of_two(BOTH_ORDERS, IPOPT, half_wrong), "Pose the joint model"),
         (
-            found.zero_start,
-            of_two({"solver": "z", "guess": "zero"}, IPOPT, half_wrong),
-            "Start from the zero point",
+            found.blind_start,
+            of_two(ONE_GUESS | BLIND, ONE_GUESS, half_wrong),
+            "Begin from a blind guess",
         ),
     ],
 )
@@ -315,17 +335,17 @@ def test_an_engine_is_not_slow_for_want_of_the_presolve():
     assert found.slowest_engine(evidence(rows)) is None
 
 
-def test_an_engine_that_met_few_questions_answers_them_too():
-    """What it answers with one order alone is not answered "by no engine"."""
-    left = {"region": "left disc"}
-    alone = {"formulation": "joint NLP, LRS"} | left
-    rows = of_two(BOTH_ORDERS | left, {"solver": "b"} | alone, lambda _: {"right": False})
-    few = [row(q, "c", engine="alpaqa", **alone, right=q % 2 == 0) for q in range(FEW)]
-    finding = found.single_order(evidence(rows(MANY, True) + few))
+def test_an_exponent_is_that_of_the_times():
+    """Times that are a power exactly have no interval; noisy ones have that of scipy about it."""
+    legs = np.repeat([2.0, 5.0, 10.0, 20.0, 50.0], 8)
+    noise = np.random.default_rng(3).normal(0.0, 0.3, legs.size)
+    exact, noisy = exponent(legs, 3.0 * legs**1.5), exponent(legs, 3.0 * np.exp(noise) * legs**1.5)
+    line = linregress(np.log(legs), 1.5 * np.log(legs) + noise)
 
-    assert finding is not None
-    assert "all attempts of all engines" in finding.question
-    assert finding.estimate.value == pytest.approx(100 * (1 - 5 / MANY))
+    assert exact[:3] == pytest.approx((1.5, 1.5, 1.5))
+    assert noisy.value == pytest.approx(line.slope)
+    assert noisy.high - noisy.low == pytest.approx(2 * 1.96 * line.stderr, rel=0.25)
+    assert noisy.low < line.slope < noisy.high
 
 
 def test_the_section_has_eight_sentences_first(load_rows):
@@ -347,7 +367,7 @@ def test_the_section_has_eight_sentences_first(load_rows):
     topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
-    assert {name.split(":")[0] for name in named} <= shown
+    assert {name.split(":")[0] for name in named} <= shown | {TITLE}
     assert "SLSQP takes 3.00" in " ".join(section.blocks[0].frame["sentence"])
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
     assert "that of two medians" in section.blocks[0].caption

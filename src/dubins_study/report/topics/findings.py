@@ -17,7 +17,7 @@ from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import evaluations, spread, times
+from dubins_study.report.topics.comparison import evaluations, times
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -30,82 +30,57 @@ from dubins_study.report.topics.findings_evidence import (
     Pair,
     chosen_share,
 )
+from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
-ORDERS = ("joint NLP, LRS", "joint NLP, RLS")
+JOINTS = (JOINT, "joint NLP, LRSLR a leg")  # of one leg, and of routes
 TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 STRATA = "Formulation by engine: strata"
 STOCHASTIC = "penalty"
-# Strata lie at 1e-6 radii from a circle, at 1e-3, at 0.1, and farther.
-_NEAR, _AWAY = 1e-5, 0.05
+# Strata lie at 1e-4 radii from a circle, at 0.01, at 0.1, and farther.
+_NEAR, _AWAY = 2e-4, 0.05
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
-    """One problem a word against the joint model in both orders, at equal guesses.
+    """One problem a word against the joint model, at equal guesses.
 
     Engine by engine; both of a pair are presolved, or neither.
     """
+    same = ["engine", "guesses", "presolve", "settings"]
+    pairs = [p for joint in JOINTS for p in evidence.pairs(same, "formulation", WORDS, joint)]
     return _difference(
         evidence,
-        evidence.pairs(["engine", "guesses", "presolve"], "formulation", WORDS, JOINT),
-        "method",
-        ("one problem a word", "the joint model in both orders"),
+        pairs,
+        ("one problem a word", "the joint model"),
         "Pose {better}: with the same engines and the same guesses it is right on {points} "
         "percentage points more of the questions than {worse}.",
     )
 
 
-def zero_start(evidence: Evidence) -> Finding | None:
-    """The guess along the bearing against the zero point: same engine, same formulation."""
+def blind_start(evidence: Evidence) -> Finding | None:
+    """One guess toward the points against a blind one: same engine, formulation and settings."""
     return _difference(
         evidence,
-        evidence.pairs(_SAME, "guess", "bearing", "zero"),
-        "method",
-        ("the bearing of the target", "the zero point"),
-        "Start from {better}: from {worse} the same engines on the same formulations are right on "
+        evidence.pairs(["formulation", "engine", "settings"], "guesses", "one", "blind"),
+        ("one guess toward the target", "a blind guess (a straight line, zero or random)"),
+        "Begin from {better}: from {worse} the same engines on the same formulations are right on "
         "{points} percentage points fewer of the questions.",
     )
-
-
-def random_restarts(evidence: Evidence) -> Finding | None:
-    """Random guesses against the one along the bearing, and the time that they take."""
-    pairs = evidence.pairs(_SAME, "guess", "random", "bearing")
-    ratios = [(ratio, pair) for pair in pairs if (ratio := evidence.time_ratio(*pair)) is not None]
-    cost = medians_text = ""
-    if ratios:
-        _, pair = max(ratios)
-        dearest = evidence.time_ratio(*pair, of=len(ratios)) or max(ratios)[0]
-        cost = f", for up to {dearest.text(digits(2))} times the median time"
-        medians_text = f"; time of {evidence.medians_of(*pair)}"
-    return _difference(
-        evidence,
-        pairs,
-        "method",
-        ("Try several random guesses where the model is joint", "Do not rely on random guesses"),
-        "{better}: with the same engine and formulation they are right on {points} percentage "
-        f"points {{more}} of the questions than the guess along the bearing{cost}.",
-        medians_text,
-    )
-
-
-_SAME = ["formulation", "engine"]
 
 
 def _difference(
     evidence: Evidence,
     pairs: list[Pair],
-    noun: str,
     names: tuple[str, str],
     sentence: str,
-    time: str = "",
 ) -> Finding | None:
     """How much more often the first of each pair is right, or the second: whichever is better.
 
     A mean over pairs and questions, of which both of a pair were asked; its interval is over
-    scenarios and engines. The sentence has places
-    for the better and the worse name, the percentage points, and whether the first has more.
+    scenarios and engines. The sentence has places for the better and the worse name, and the
+    percentage points.
     """
     if not pairs:
         return None
@@ -116,62 +91,13 @@ def _difference(
     if points is None or points.low <= 0 <= points.high:
         return None
     better, worse = names
-    more = "more"
     if points.value < 0:
         points = Estimate(-points.value, -points.high, -points.low, points.questions)
-        better, worse, more = worse, better, "fewer"
-    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), noun)}, in pairs"
-    text = sentence.format(better=better, worse=worse, points=points.text(), more=more)
-    return Finding(text, points, POINTS, f"{asked}{time}", MATRIX)
-
-
-def single_order(evidence: Evidence) -> Finding | None:
-    """What one order of the joint model loses against both, in the region where it loses most.
-
-    Engines and guesses together, those that met few questions too: a question is answered if any
-    attempt of any method of the formulation is right.
-    """
-    rates = evidence.rates[[s for s in evidence.rates if s in evidence.methods.index]]
-    formulation = evidence.methods["formulation"].reindex(rates.columns)
-    answered = rates.T.groupby(formulation).max().T
-    if JOINT not in answered:
-        return None
-    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
-    regions = rows["region"].reindex(answered.index)
-    of = sum(order in answered for order in ORDERS) * regions.nunique()
-    worst: list[tuple[Estimate, str, str]] = []
-    for order in ORDERS:
-        if order not in answered:
-            continue
-        lost = (answered[order] == 0).astype(float)[answered[JOINT] == 1]
-        shares = [
-            (evidence.share_of(here, of), str(where)) for where, here in lost.groupby(regions)
-        ]
-        known = [(share, order, where) for share, where in shares if share and share.value > 0]
-        worst += [max(known)] if known else []
-    if not worst:
-        return None
-    (share, order, region), *other = sorted(worst, reverse=True)
-    more = "".join(
-        f"; with {name[-3:]} alone, {each.percent_text()} {_where(place)}"
-        for each, name, place in other
-    )
-    return Finding(
-        f"Pose both orders: where the target lies {_where(region)}, {share.percent_text()} of the "
-        "questions that both orders answer are answered by no engine with the order "
-        f"{order[-3:]} alone{more}.",
-        share,
-        PERCENT,
-        f"{some(share.questions, 'question')} {_where(region)}; all attempts of all engines",
-        STRATA,
-    )
-
-
-def _where(region: str) -> str:
-    return _WHERE.get(region, f"in the {region}")
-
-
-_WHERE = {"circle": "on a turning circle", "outside": "outside the turning circles"}
+        better, worse = worse, better
+    methods = some(len(pairs), "method")
+    asked = f"{some(points.questions, 'question')} with a path, {methods}, in pairs"
+    text = sentence.format(better=better, worse=worse, points=points.text())
+    return Finding(text, points, POINTS, asked, MATRIX)
 
 
 def coarse_transcription(evidence: Evidence) -> Finding | None:
@@ -314,27 +240,6 @@ def derivative_free_search(evidence: Evidence) -> Finding | None:
     )
 
 
-def repeats(evidence: Evidence) -> Finding | None:
-    """The method whose verdict changes most often from repeat to repeat."""
-    every = spread(evidence.compared)
-    if every.empty:
-        return None
-    changing = every[(every["questions"] >= ENOUGH) & (every["changing"] > 0)]
-    if changing.empty:
-        return None
-    line = changing.to_dict("records")[0]
-    change = chosen_share(line["changing"], line["questions"], len(every))
-    return Finding(
-        f"Run {evidence.name(str(changing.index[0]))} more than once: on {change.percent_text()} "
-        "of the questions its verdict changes from repeat to repeat. "
-        f"{some(len(changing), 'method')} of {len(every)} change at all.",
-        change,
-        PERCENT,
-        f"{some(change.questions, 'question')} with a path, {line['repeats']} repeats each",
-        "Comparison of methods: spread over repeats",
-    )
-
-
 _NAMES = 3  # names in a sentence
 
 
@@ -420,8 +325,11 @@ def infeasible_claims(evidence: Evidence) -> Finding | None:
 
 
 FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
+    proof_of_routes,
+    where_engines_stop,
+    growth,
     words_against_joint,
-    zero_start,
+    blind_start,
     slowest_engine,
     presolve,
     price_of_proof,
@@ -429,10 +337,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     infeasible_claims,
     near_circles,
     derivative_free_search,
-    single_order,
     coarse_transcription,
-    random_restarts,
-    repeats,
 )
 
 

@@ -45,6 +45,7 @@ from dubins_study.study.path import RIPPLE, FloatArray, Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.scenario_frame import numbers_of
 
+TITLE = "Routes of many legs"
 _CELL = ["solver", "label", "legs"]
 _SHARE = ["successes", "trials", "share", "low", "high"]
 # Largest median gap of a class, its name, and its colour, from light to dark.
@@ -97,7 +98,7 @@ def routes_section(results: Results) -> Section | None:
         "panel to panel what shorter legs cost it."
     )
     blocks = _picture(cells, strata, results), _table(rows, strata, results)
-    return Section("routes", "Routes of many legs", _text(rows, strata, results), blocks, lead)
+    return Section("routes", TITLE, _text(rows, strata, results), blocks, lead)
 
 
 def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:

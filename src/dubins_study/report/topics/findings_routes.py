@@ -1,0 +1,184 @@
+"""What the study found of routes: what a proof costs, where engines stop, how times grow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.elements.formats import digits, seconds, some
+from dubins_study.report.statistics.intervals import medians, scenario_shares
+from dubins_study.report.topics.findings_evidence import (
+    ENOUGH,
+    PERCENT,
+    TIMES,
+    Estimate,
+    Evidence,
+    Finding,
+    chosen_share,
+    estimate_of,
+)
+from dubins_study.report.topics.routes import TITLE
+from dubins_study.study.path import FloatArray
+from dubins_study.study.scenario_frame import numbers_of
+
+_LONG = 5  # legs from which engines are asked where they stop
+_SIZES = 4  # numbers of legs that an exponent is of, at least
+_RESAMPLES, _SEED = 2000, 0
+
+
+def routes_of(evidence: Evidence) -> pd.DataFrame:
+    """The attempts at routes of at least two legs, with a column legs."""
+    rows = evidence.compared.answerable
+    legs = rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ()))
+    return rows.assign(legs=legs.astype(int))[legs > 1]
+
+
+def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
+    """Engines that met nearly all questions, the most surely right first: `scenario_shares`."""
+    engines = rows[rows["solver"].isin(evidence.usual.index)]
+    if engines.empty:
+        return pd.DataFrame()
+    shares = scenario_shares(engines, by=["solver"], success="right", scenario=["question"])
+    time = engines.groupby("solver", observed=True)["wall_s"].median()
+    shares = shares.assign(wall_s=time.reindex(shares.index))
+    return shares.sort_values(["low", "wall_s"], ascending=[False, True])
+
+
+def _named(evidence: Evidence, solver: str, rows: pd.DataFrame) -> str:
+    """The name of an engine's method, and whether the words are known to it."""
+    knows = rows.loc[rows["solver"] == solver, "knows"].dropna()
+    given = len(knows) > 0 and "words" in str(knows.iloc[0]).split()
+    return evidence.name(solver) + (", which is given the words" if given else "")
+
+
+def proof_of_routes(evidence: Evidence) -> Finding | None:
+    """How many routes the search proves, and its time beside that of the surest engine."""
+    rows = routes_of(evidence)
+    own, surest = rows[rows["solver"] == EXACT], _surest(evidence, rows)
+    if own.empty or surest.empty:
+        return None
+    name = str(surest.index[0])
+    closed = own["right"] & own["claim"].eq("optimal")
+    proved = evidence.share_of(closed.astype(float).groupby(own["question"]).mean())
+    right = rows[rows["right"] & rows["solver"].isin([EXACT, name])]
+    times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
+    both = times.dropna()
+    if proved is None or len(both) < ENOUGH or name in evidence.at_floor:
+        return None
+    ratio = estimate_of(
+        evidence.compared.bootstrap(both, medians, "value", name).loc[[EXACT]], "value", len(both)
+    )
+    if ratio.low <= 1 <= ratio.high:
+        return None
+    line = surest.iloc[0]
+    rival = chosen_share(line["share"], int(line["trials"]), len(surest))
+    own_s, rival_s = seconds(both[EXACT].median()), seconds(both[name].median())
+    return Finding(
+        "Ask for a proof of a route, not only of a leg: the search with a proof closes "
+        f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
+        f"{seconds(own.loc[own['legs'] == own['legs'].max(), 'wall_s'].median())}. The surest "
+        f"engine, {_named(evidence, name, rows)}, finds {rival.percent_text()} and proves none; "
+        f"where both are right the search takes {ratio.text()} times its median time.",
+        ratio,
+        TIMES,
+        f"{some(proved.questions, 'route')}; {len(both)} that both answer, medians {own_s} and "
+        f"{rival_s}",
+        TITLE,
+    )
+
+
+def where_engines_stop(evidence: Evidence) -> Finding | None:
+    """Of the kind of routes that is hardest to engines, the share that the surest finds."""
+    rows = routes_of(evidence)
+    rows = rows[rows["legs"] >= _LONG]
+    found: list[tuple[Estimate, str, str, pd.DataFrame]] = []
+    for label, of_label in rows.groupby("label"):
+        surest = _surest(evidence, of_label)
+        if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
+            line = surest.iloc[0]
+            share = chosen_share(line["share"], int(line["trials"]), len(surest))
+            found.append((share, str(label), str(surest.index[0]), of_label))
+    if not found:
+        return None
+    share, label, name, chosen = min(found)
+    own = chosen[chosen["solver"] == EXACT]
+    if own.empty or not own["right"].mean() > share.high / 100:
+        return None
+    legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
+    return Finding(
+        f"Do not trust any engine alone with routes of many {label}: of {legs} the surest, "
+        f"{_named(evidence, name, chosen)}, finds the shortest on {share.percent_text()}; the "
+        f"search proves it on {int(own['right'].sum())} of {len(own)}.",
+        share,
+        PERCENT,
+        f"{some(share.questions, 'route')} of {legs}, the surest of "
+        f"{some(len(_surest(evidence, chosen)), 'method')}",
+        TITLE,
+    )
+
+
+def growth(evidence: Evidence) -> Finding | None:
+    """With which power of the number of legs times grow: the least and the largest.
+
+    Of methods that are right on most routes of each of at least four sizes, all of one label.
+    """
+    rows = routes_of(evidence)
+    if rows.empty:
+        return None
+    label = rows.groupby("label")["legs"].max().idxmax()
+    rows = rows[rows["label"] == label]
+    solvers = [EXACT, *(s for s in evidence.usual.index if s not in evidence.at_floor)]
+    powers: list[tuple[Estimate, str]] = []
+    chosen: dict[str, pd.DataFrame] = {}
+    for solver in solvers:
+        mine = rows[rows["solver"] == solver]
+        share = mine.groupby("legs")["right"].mean()
+        sizes = share.index[share > 0.5]
+        if len(sizes) >= _SIZES and sizes.max() == rows["legs"].max():
+            chosen[solver] = mine[mine["right"] & mine["legs"].isin(sizes)]
+    for solver, mine in chosen.items():
+        estimate = exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), len(chosen))
+        powers.append((estimate, solver))
+    if len(powers) < 2:
+        return None
+    least, most = min(powers), max(powers)
+    own = next((power for power, solver in powers if solver == EXACT), None)
+    if most[0].questions < ENOUGH or not least[0].high < most[0].low:
+        return None
+
+    def named(solver: str) -> str:
+        return "the search with a proof" if solver == EXACT else evidence.name(solver)
+
+    shown = digits(2)
+    proof = f"; that of the search with a proof with {own.text(shown)}" if own else ""
+    return Finding(
+        f"Plan for size by the power of the legs, not by one time: with {label} the time of "
+        f"{named(most[1])} grows with the power {most[0].text(shown)} of the number of legs, that "
+        f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
+        most[0],
+        "power",
+        f"{some(most[0].questions, 'route')} that it answers; {some(len(powers), 'method')} still "
+        f"right on most routes of {rows['legs'].max()} legs",
+        TITLE,
+    )
+
+
+def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
+    """The slope of log time on log legs (least squares), with its interval over routes.
+
+    Routes are resampled within each number of legs. If it is the most extreme of several, the
+    interval is that of all at once.
+    """
+    x, y = np.log(legs), np.log(wall_s)
+    sizes = [np.flatnonzero(legs == size) for size in np.unique(legs)]
+    rng = np.random.default_rng(_SEED)
+    picks = np.concatenate(
+        [size[rng.integers(size.size, size=(_RESAMPLES, size.size))] for size in sizes], axis=1
+    )
+    xs, ys = x[picks], y[picks]
+    away = xs - xs.mean(axis=1, keepdims=True)
+    slopes = (away * ys).sum(axis=1) / (away * away).sum(axis=1)
+    low, high = np.quantile(slopes, [0.025 / of, 1.0 - 0.025 / of])
+    value = float(np.polyfit(x, y, 1)[0])
+    return Estimate(value, min(float(low), value), max(float(high), value), legs.size)
