@@ -17,7 +17,6 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import (
     BENCHMARK,
     Picture,
-    Place,
     Section,
     Table,
     Topic,
@@ -327,4 +326,4 @@ def _methods(methods: pd.DataFrame) -> Table:
     return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
 
 
-TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK, place=Place.FRONT)
+TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK)

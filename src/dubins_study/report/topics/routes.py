@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -19,7 +20,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import percent, questions, with_share
-from dubins_study.report.elements.looks import Palette, in_page_order
+from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, draw_cells
 from dubins_study.report.elements.style import (
     BLUE,
@@ -36,7 +37,7 @@ from dubins_study.report.elements.style import (
     new_figure,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
-from dubins_study.report.statistics.methods import best_methods, foremost, stratum_order
+from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.failures import time_limits
 from dubins_study.report.topics.paper_figures import plot_start_and_target
@@ -57,7 +58,7 @@ GAPS = (
     (np.inf, "most do not arrive", "#2f4c69"),
 )
 _DARK = 3  # classes from this one on carry light text
-_LINES = 4  # methods of a formulation whose times are drawn
+_LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
 
 
 def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -103,7 +104,7 @@ def routes_section(results: Results) -> Section | None:
 
 def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
     """How many answers are undecided and proven, and who is most surely right."""
-    labels, own = Palette.of_page(results).labels, rows[rows["solver"] == EXACT]
+    labels, own = _labels(results), rows[rows["solver"] == EXACT]
     engines = rows[(rows["solver"] != EXACT) & ~rows["undecided"]]
     shares = scenario_shares(engines, by=["label", "solver"], success="right", scenario=TRIAL)
     surest = shares.reset_index().sort_values("low", ascending=False, kind="stable")
@@ -133,13 +134,25 @@ def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
     )
 
 
+def _labels(results: Results) -> dict[str, str]:
+    """Short names that tell the methods of this experiment apart, whatever else is on the page."""
+    return short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
+
+
 def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
     """A map of success and gap for each stratum, and below it the times of some methods."""
-    palette, summary = Palette.of_page(results), solver_summary(results.attempts)
-    best = best_methods(summary[summary["solver"] != EXACT], ["formulation", "engine"])
-    groups = best.set_index("solver").groupby("formulation", sort=False)["right_low"]
-    drawn = [EXACT, *(s for _, low in groups for s in foremost(low, _LINES))]
+    palette = replace(Palette.of_page(results), labels=_labels(results))
+    summary = solver_summary(results.attempts)
+    summary = summary[summary["solver"] != EXACT]
+    engines = best_methods(summary, ["formulation"])["solver"]
+    drawn = [EXACT, *engines]
     solvers = list(dict.fromkeys(cells["solver"]))
+    if len(solvers) > _LINES:
+        known = results.rows.groupby("solver", observed=True)["guesses"].first()
+        kinds = summary.assign(guesses=summary["solver"].map(known).fillna(""))
+        kept = {EXACT, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
+        solvers = [solver for solver in solvers if solver in kept]
+        cells = cells[cells["solver"].isin(solvers)]
     heights = (0.14 * len(solvers), 1.45)
     figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
     panels = figure.subplots(2, len(strata), sharey="row", squeeze=False, height_ratios=heights)
@@ -161,7 +174,8 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
     figure.legend(handles=lines, loc="outside lower left", ncols=3, **style)
     caption = (
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
-        "and as colour the median gap. Below, median times of each formulation's surest engines, "
+        "and as colour the median gap; of each formulation and guess the surest engine. Below, "
+        "median times of each formulation's surest engine, "
         "failures included; an engine's floor is at most that at one leg. Dotted: the limit."
     )
     return Picture("routes", caption, figure, "Success, gap and time against the number of legs")
