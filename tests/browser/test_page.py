@@ -192,7 +192,7 @@ def test_a_link_to_what_is_folded_unfolds_it(new_tab, report_page: Path):
         ([attempt(paper_scenarios()[0], "slsqp")], "Only one method was asked"),
         (
             [attempt(s, x, path=None, claim=Claim.FAILED) for s, x in LOST],
-            "none can be recommended",
+            "No engine was right",
         ),
     ],
     ids=["empty", "one solver", "all failures"],

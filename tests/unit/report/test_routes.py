@@ -6,7 +6,6 @@ import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
 from dubins_study.report.topics.audit import printed_routes, printed_section
-from dubins_study.report.topics.decision import decision_section
 from dubins_study.report.topics.routes import (
     by_legs,
     routes_section,
@@ -92,18 +91,6 @@ def test_a_page_of_all_kinds_of_routes(results, tmp_path):
     page = topic_page(results("routes", [*open_, *gone]), tmp_path / "out", "routes")
 
     assert 'id="routes"' in page.read_text(encoding="utf-8")
-
-
-def test_nothing_is_recommended_by_the_region_of_a_route(load_rows):
-    """The targets of one leg alone lie in regions."""
-    made = [*rows(), *(attempt(scenario, "ipopt") for scenario in paper_scenarios())]
-    one_leg = [row for row in made if row["via_x"] is None]
-
-    parts = ("both", made), ("alone", one_leg)
-    assert decision_section(load_rows("routes", rows()[:3])) is None
-    both, alone = (decision_section(load_rows(name, each)) for name, each in parts)
-    assert both.lead == alone.lead
-    assert both.blocks[0].texts() == alone.blocks[0].texts()
 
 
 def test_published_lengths(load_rows):

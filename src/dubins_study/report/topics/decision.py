@@ -129,7 +129,9 @@ def decision_section(results: Results) -> Section | None:
         )
         return Section("decision", TITLE, text, (), "Nothing can be compared here.")
     rows = attempts.answerable
-    rows = rows.assign(guesses=rows["guesses"].fillna(""))
+    stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
+    formulation = rows["solver"].map(stated).fillna(rows["solver"])  # a plug-in that states none
+    rows = rows.assign(formulation=formulation, guesses=rows["guesses"].fillna(""))
     if rows.empty:
         return Section("decision", TITLE, "", (), "No question that was asked has a path.")
     engines = attempts.engines
@@ -173,9 +175,10 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
     for kind, line in by_kind.items():
         end = ended[kind]
         line["errs"] = " / ".join(percent(end[w]) for w in ("longer", "misses", "none", "late"))
-        line |= end | {"stops": stop.get(kind, ""), "sure": float(np.mean(line.pop("lows")))}
+        lows = line.pop("lows")
+        line |= end | {"stops": stop.get(kind, ""), "asked": len(lows), "sure": np.mean(lows)}
     frame = pd.DataFrame([*by_kind.values()]).sort_values(
-        "sure", ascending=False, ignore_index=True
+        ["asked", "sure"], ascending=False, ignore_index=True
     )
     shown = (
         *columns(kind="text", method="formulation, guesses", knows="knows"),

@@ -1,0 +1,176 @@
+"""Where engines err and where they stop: each number against plain counting of made-up rows."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import pandas as pd
+import pytest
+from scipy.stats import binomtest
+from typer.testing import CliRunner
+
+from dubins_study.cli.app import app
+from dubins_study.experiments.run import run
+from dubins_study.report.data.command import run_command
+from dubins_study.report.data.results import load
+from dubins_study.report.elements.content import Place, Section
+from dubins_study.report.page.environment import linked
+from dubins_study.report.page.sections import TOPICS, sections_of
+from dubins_study.report.topics.decision import decision_section, ends, stops, surest
+from dubins_study.study.words import Claim
+from tests.unit.report.results_folder import astray, attempt, compared_row, paper_scenarios
+
+WORDS = ("one NLP a word", "words")
+
+
+def row(question, solver, **changes):
+    made = {"experiment": "leg", "guesses": "words"} | changes
+    return compared_row(question, solver, **made)
+
+
+def test_the_surest_is_the_one_with_the_highest_lower_end():
+    """All of four questions are less sure than 39 of 40; of two as sure the faster one."""
+    rows = [row(q, "few") for q in range(4)]
+    rows += [row(q, "many", right=q > 0) for q in range(40)]
+    rows += [row(q, "slow", right=q > 0, wall_s=9.0) for q in range(40)]
+    rows += [row(q, "few", experiment="pose") for q in range(4)]
+    found = surest(pd.DataFrame(rows))
+
+    assert found.loc[("leg", *WORDS), "solver"] == "many"
+    assert found.loc[("pose", *WORDS), "solver"] == "few"
+    low = binomtest(39, 40).proportion_ci(method="wilson").low
+    assert found.loc[("leg", *WORDS), "low"] == pytest.approx(low)
+
+
+def test_every_attempt_ends_in_one_way():
+    """Two engines of one formulation; a right answer that came late is late, not right."""
+    kinds = [
+        *({"verdict": "longer", "right": False}, {"verdict": "misses", "right": False}),
+        *({"verdict": "none", "right": False}, {"right": False, "late": True}, {}),
+    ]
+    rows = [row(q, "ab"[q % 2], **kinds[q % 5]) for q in range(20)]
+    rows[0]["false_claim"] = True
+    end = ends(pd.DataFrame(rows))[WORDS]
+
+    assert end == {"longer": 0.2, "misses": 0.2, "late": 0.2, "none": 0.2, "false_claims": 1}
+
+
+def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
+    """By the engine that goes furthest; a spacing at which none begins is 0."""
+    rows = []
+    for label, most in (("long", 5), ("short", 0)):
+        for legs in (1, 2, 5, 10):
+            for q in range(4):
+                via = [1.0] * (legs - 1) or None
+                right = legs <= most or (legs == 10 and q < 2)
+                rows.append(row(q, "a", label=label, via_x=via, right=right))
+                rows.append(row(q, "b", label=label, via_x=via, right=False))
+    plain = pd.DataFrame([row(q, "a", label="leg") for q in range(4)])
+
+    found = stops(pd.DataFrame(rows), ["short", "long"])
+    assert found == {WORDS: "0, 5"}
+    assert stops(plain, ["leg"]) == {}
+
+
+def _section(folders):
+    results = load(folders)
+    topic = next(topic for topic in TOPICS if topic.title == "where engines err")
+    return next(sections_of(topic, results))
+
+
+def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results):
+    """With a benchmark on the page the table is of its rows; its lines name what can be typed."""
+    scenarios = paper_scenarios()
+    bench = results("benchmark", [attempt(s, "slsqp") for s in scenarios])
+    lines = [attempt(s, solver) for s in scenarios for solver in ("analytic", "ipopt")]
+    for folder in (results(name, lines) for name in ("paper", "mine")):
+        alone, together = _section([folder]), _section([folder, bench])
+        assert alone.key == "decision"
+        assert set(alone.blocks[0].frame["suite_0_solver"]) == {"analytic", "ipopt"}
+        assert "right in time on 5 of 5 questions" in alone.lead
+        assert set(together.blocks[0].frame["suite_0_solver"]) == {"slsqp"}
+
+
+def test_a_report_without_anything_to_compare_says_so(results):
+    """Only failures, no closed form, only warm attempts: each in words."""
+    scenarios = paper_scenarios()[:2]
+    wrong = [attempt(s, "slsqp", path=astray(s), claim=Claim.FAILED) for s in scenarios]
+    failures = _section([results("failures", wrong)])
+    warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
+    only = _section([results("only", [attempt(s) for s in scenarios])])
+
+    assert "No engine was right on any question" in failures.text
+    assert "The closed form was not asked" in failures.text
+    assert "Nothing can be compared" in warm.lead
+    assert warm.blocks == ()
+    assert "right in time on 2 of 2 questions" in only.lead
+
+
+@pytest.mark.parametrize(
+    ("command", "asked"),
+    [
+        ("dubins-study run paper --jobs 2", "paper"),
+        ("dubins-study run my.toml --solver ipopt --time-limit 3", "my.toml --time-limit 3"),
+        (
+            "dubins-study run --scenarios 'my s.csv' --solver a --solver b --repeats 2",
+            "--scenarios 'my s.csv' --repeats 2",
+        ),
+        (
+            "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --engine dask",
+            "--scenarios s.csv",
+        ),
+        ("dubins-study run --scenarios 'no end", "'a b; rm c'"),
+        ("", "'a b; rm c'"),
+    ],
+)
+def test_the_command_asks_what_the_run_was_asked(results, command, asked):
+    """The folder's own arguments, for a name alone names no file; other solvers answer.
+
+    A name from outside is one word of the command.
+    """
+    named = {"name": "a b; rm c", "text": ""}
+    folder = results("s", [attempt(paper_scenarios()[0])], command=command, experiment=named)
+    manifest = load([folder]).folders[0].manifest
+
+    assert run_command(manifest, "--solver X --out Y") == (
+        f"dubins-study run {asked} --solver X --out Y"
+    )
+
+
+def test_the_command_on_the_page_of_a_file_of_scenarios_runs(tmp_path):
+    """The page's line, with a solver and a folder filled in, asks the file's questions again."""
+    file = tmp_path / "my s.csv"
+    file.write_text("x,y,heading,target_x,target_y,radius\n0,0,0,4,1,1\n0,0,0,-2,3,1\n")
+    folder = run(scenarios=file, solvers=["slsqp"], out=tmp_path / "first", time_limit=20)
+    text = " ".join(decision_section(load([folder])).blocks[1].frame["command"])
+    (line,) = re.findall("dubins-study (run .* --out MINE)", text)
+    words = ["shooting" if word == "FILE.py:CLASS" else word for word in shlex.split(line)]
+    done = CliRunner().invoke(app, [*words[:-1], str(tmp_path / "second")])
+
+    assert done.exit_code == 0, done.output
+    first, second = (load([tmp_path / name]).rows for name in ("first", "second"))
+    assert set(second["solver"]) == {"shooting"}
+    assert set(second["scenario_id"]) == set(first["scenario_id"])
+
+
+def test_titles_of_sections_become_links():
+    """To the section of that title, on its page; plain where there are several, a note where there
+    is none."""
+    page = "index.html"
+    sections = [
+        Section("paths", "The paper's figures", "", (), place=Place.PAPER),
+        Section("matrix", "Formulation by engine", "", ()),
+        Section("cost-a", "Cost where it arises: a", "", ()),
+        Section("cost-b", "Cost where it arises: b", "", ()),
+    ]
+
+    for title, link in {
+        "Formulation by engine: <strata>": (
+            '<a href="#matrix">Formulation by engine: &lt;strata&gt;</a>'
+        ),
+        "Cost where it arises: the presolve": "Cost where it arises: the presolve",
+        "The paper's figures": '<a href="paper.html#paths">The paper&#39;s figures</a>',
+        "The audit": "The audit (not on this page)",
+    }.items():
+        assert linked(title, sections, page) == link
