@@ -153,21 +153,29 @@ def finding(name: str) -> str:
     return prose(found.sentence)
 
 
+@cache
+def _whole() -> Results:
+    return load([FOLDER])
+
+
 def all_findings() -> str:
-    """The page's first eight findings, as a list."""
-    sentences = [one.sentence for one in findings.findings(_evidence())[:8]]
+    """The page's first findings, as a list."""
+    section = findings.findings_section(_whole())
+    if section is None:
+        raise LookupError("the rows of the benchmark carry no finding")
+    sentences = section.blocks[0].frame["sentence"]
     return "\n".join(f"{n}. {prose(sentence)}" for n, sentence in enumerate(sentences, 1))
 
 
 def decision() -> str:
-    """What to use, by the target's place, the accuracy wanted and the need of proof."""
-    section = decision_section(_results())
+    """Where engines err and where they stop, formulation by formulation."""
+    section = decision_section(_whole())
     if section is None or not section.blocks:
-        raise LookupError("the rows of the benchmark carry no table of choices")
+        raise LookupError("the rows of the benchmark carry no table of formulations")
     block = section.blocks[0]
     lines = [[prose(cell.replace("\n", ": ")) for cell in line] for line in block.texts()]
     head = [prose(column.title) for column in block.columns]
-    return f"{prose(section.lead)}\n\n{table(head, lines)}\n\n{prose(section.text)}"
+    return f"{prose(section.lead)}\n\n{table(head, lines)}\n\n{prose(block.caption)}"
 
 
 SOURCES: dict[str, Callable[..., str]] = {

@@ -14,7 +14,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
-from dubins_study.report.elements.identity import best_first, percent, with_interval
+from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
 from dubins_study.study.scenario_frame import numbers_of
@@ -174,7 +174,9 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
         line |= _cell(method, experiments.index(method["experiment"]), attempts)
     for kind, line in by_kind.items():
         end = ended[kind]
-        line["errs"] = " / ".join(percent(end[w]) for w in ("longer", "misses", "none", "late"))
+        line["errs"] = " / ".join(
+            f"{100 * end[w]:.0f}" for w in ("longer", "misses", "none", "late")
+        )
         lows = line.pop("lows")
         line |= end | {"stops": stop.get(kind, ""), "asked": len(lows), "sure": np.mean(lows)}
     frame = pd.DataFrame([*by_kind.values()]).sort_values(

@@ -19,7 +19,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
-from dubins_study.report.elements.identity import percent, questions, with_share
+from dubins_study.report.elements.identity import questions, with_share
 from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, draw_cells
 from dubins_study.report.elements.style import (
@@ -99,17 +99,12 @@ def routes_section(results: Results) -> Section | None:
         "panel to panel what shorter legs cost it."
     )
     blocks = _picture(cells, strata, results), _table(rows, strata, results)
-    return Section("routes", TITLE, _text(rows, strata, results), blocks, lead)
+    return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
-def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
-    """How many answers are undecided and proven, and who is most surely right."""
-    labels, own = _labels(results), rows[rows["solver"] == EXACT]
-    engines = rows[(rows["solver"] != EXACT) & ~rows["undecided"]]
-    shares = scenario_shares(engines, by=["label", "solver"], success="right", scenario=TRIAL)
-    surest = shares.reset_index().sort_values("low", ascending=False, kind="stable")
-    lines = surest.drop_duplicates("label").set_index("label").to_dict("index")
-    best = [(label or "all legs", lines[label]) for label in strata if label in lines]
+def _text(rows: pd.DataFrame) -> str:
+    """How many answers are undecided, and how many the search proves."""
+    own = rows[rows["solver"] == EXACT]
     return sentences(
         "Right: the path passes all points in order, and its proven gap is within the run's "
         "tolerance.",
@@ -120,16 +115,6 @@ def _text(rows: pd.DataFrame, strata: list[str], results: Results) -> str:
         f"The search with a proof closes {count(own['claim'].eq('optimal').sum())} of its "
         f"{count(len(own))} attempts within its limit."
         if len(own)
-        else "",
-        "Of the engines the most surely right (the lower end of the interval decides): "
-        + "; ".join(
-            f"with {label}, {labels.get(line['solver'], line['solver'])}, "
-            f"{percent(line['share'])} % ({percent(line['low'])} to {percent(line['high'])}) of "
-            f"{questions(line['trials'])}"
-            for label, line in best
-        )
-        + "."
-        if best
         else "",
     )
 
