@@ -94,8 +94,8 @@ def test_the_contents_follow_the_reading(new_tab, report_page: Path):
     page.goto(report_page.as_uri())
     current = page.locator("#contents a[aria-current]")
     first = current.text_content()
-    page.evaluate("document.getElementById('matrix').scrollIntoView()")
-    page.wait_for_function("document.querySelector('#contents a[aria-current]').hash === '#matrix'")
+    page.evaluate("document.getElementById('decision').scrollIntoView()")
+    page.wait_for_function("document.querySelector('#contents a[aria-current]').hash === '#decision'")
 
     assert current.count() == 1
     assert first != current.text_content()
@@ -111,7 +111,7 @@ def test_the_contents_fold_away_on_a_phone(new_tab, report_page: Path):
     """One line names the section that is read; a tap unfolds the list, a link folds it again."""
     page = new_tab(viewport=PHONE, reduced_motion="reduce")
     page.goto(report_page.as_uri())
-    link = page.locator("#contents a[href='#matrix']")
+    link = page.locator("#contents a[href='#decision']")
 
     assert not link.is_visible()
     page.locator("#contents summary").click()
@@ -166,9 +166,9 @@ def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
     page.goto(report_page.as_uri())
 
     assert page.locator("#contents a[href='#glossary']").is_visible()
-    page.locator("#matrix .more > summary").click()
-    assert page.locator("#matrix table").first.is_visible()
-    assert page.locator("#matrix svg").first.is_visible()
+    page.locator("#belief .more > summary").click()
+    assert page.locator("#belief table").first.is_visible()
+    assert page.locator("#belief svg").first.is_visible()
 
 
 @pytest.mark.slow

@@ -348,7 +348,7 @@ def test_an_exponent_is_that_of_the_times():
     assert noisy.low < line.slope < noisy.high
 
 
-def test_the_section_has_six_sentences_first(load_rows):
+def test_the_section_has_five_sentences_first(load_rows):
     """Of real rows; and none where no row carries a finding."""
     rows = []
     for number in range(12):
@@ -363,7 +363,7 @@ def test_the_section_has_six_sentences_first(load_rows):
     assert made is not None
     every = findings(Evidence(made))
     assert section is not None
-    assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every][:6]
+    assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every][:5]
     topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}

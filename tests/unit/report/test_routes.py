@@ -76,7 +76,6 @@ def test_the_section_shows_what_is_undecided(load_rows):
 
     assert "Undecided are 2 of 10 attempts" in section.text
     assert "closes 1 of its 2 attempts" in section.text
-    assert f"with {FAR}, b, headings, 100 % (43.9 to 100) of 3" in section.text
     written = {text.get_text() for ax in picture.figure.axes for text in ax.texts}
     assert {"1/2?", "1/2", "3/3", "1/1?"} <= written
     assert lines.loc["a", ["undecided", "false_claim"]].tolist() == [1, 1]

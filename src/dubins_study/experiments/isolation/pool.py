@@ -270,10 +270,8 @@ class WorkerPool:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, tag=job)
         for route in _LEG_ROUTE if job.question.scenario.via else _LEG_ROUTE[:1]:
-            if (key, route) in worker.warmed:
-                continue
-            worker.warmed.add((key, route))
-            if self._warm_up and (key, route) not in self._without_warm_up:
+            if self._warm_up and (key, route) not in worker.warmed | self._without_warm_up:
+                worker.warmed.add((key, route))
                 message = ["warm up", *key, self._time_limit_s, route, self._probed is not None]
                 worker.put(message, self._warming_up[route], tag=job)
         message = ["solve", *key, encode_question(job.question), self._time_limit_s]

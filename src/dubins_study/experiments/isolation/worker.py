@@ -111,9 +111,7 @@ class _Worker:
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             self._solvers[spec, profile] = _error_reply(error, started, digest)
 
-    def _warm_up(
-        self, spec: str, profile: str, time_limit: float, route: bool, floors: bool
-    ) -> None:
+    def _warm_up(self, spec: str, profile: str, limit: float, route: bool, floors: bool) -> None:
         """Ask an easy question, so that a solver's imports, templates and caches are ready.
 
         Of a leg, or of a route where the solver takes one. With `floors` and a leg, measure the
@@ -128,10 +126,10 @@ class _Worker:
             branch = loaded.solver.branches[0]
             if route:
                 if VIA_POINTS in loaded.solver.takes:
-                    limit = min(time_limit, _WARM_UP_ROUTE_S)
-                    ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), limit)
+                    short = min(limit, _WARM_UP_ROUTE_S)
+                    ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), short)
                 return
-            ask(loaded.solver, Question(_WARM_UP, branch), time_limit)
+            ask(loaded.solver, Question(_WARM_UP, branch), limit)
             if floors and unavailable(loaded.solver) is None:
                 from dubins_study.experiments.isolation.floor import floor_s
 

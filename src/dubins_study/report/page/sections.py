@@ -18,11 +18,11 @@ _MODULES = (
     "topics.routes",
     "topics.findings",
     "topics.decision",
-    "topics.matrix",
     "page.explorer",
     # the comparison in detail
     "topics.caution",
     "topics.summary",
+    "topics.matrix",
     "topics.success",
     "topics.existence",
     "topics.certificates",

@@ -201,8 +201,10 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
     )
     table = Table("decision", caption, frame, shown, numbers=numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
-    which = "Of each formulation the kind of guesses that is most surely right."
-    return best_first(table, kinds, {*kinds[~frame["formulation"].duplicated()]}, which)
+    several = frame["asked"] >= min(2, len(experiments))
+    first = kinds[several & ~frame["formulation"].duplicated()]
+    which = "Of each formulation, if several suites ask it, the most surely right kind of guesses."
+    return best_first(table, kinds, {*first}, which)
 
 
 def _cell(best: Mapping[Hashable, Any], place: int, attempts: Compared) -> dict[str, Any]:

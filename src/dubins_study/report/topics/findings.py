@@ -353,7 +353,7 @@ def findings(
     return [finding for find in finders if (finding := find(evidence)) is not None]
 
 
-_MOST = 6
+_MOST = 5
 
 
 def findings_section(results: Results) -> Section | None:
