@@ -95,7 +95,9 @@ def test_the_contents_follow_the_reading(new_tab, report_page: Path):
     current = page.locator("#contents a[aria-current]")
     first = current.text_content()
     page.evaluate("document.getElementById('decision').scrollIntoView()")
-    page.wait_for_function("document.querySelector('#contents a[aria-current]').hash === '#decision'")
+    page.wait_for_function(
+        "document.querySelector('#contents a[aria-current]').hash === '#decision'"
+    )
 
     assert current.count() == 1
     assert first != current.text_content()

@@ -52,10 +52,10 @@ BUDGETS |= {
     "solvers": Size(10_500, 68),
     "experiments": Size(5_910, 40),
     "conformance": Size(1_820, 9),
-    "report": Size(13_260, 78),
+    "report": Size(13_190, 71),
     "cli": Size(1_950, 18),
-    "package": Size(42_960, 263),
-    "tests": Size(33_360, 240),
+    "package": Size(42_900, 262),
+    "tests": Size(33_280, 216),
 }
 
 _LEAVES = (
