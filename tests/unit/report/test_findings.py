@@ -251,7 +251,7 @@ def test_a_finding_is_said_of_its_effect_alone(case):
         (
             found.blind_start,
             of_two(ONE_GUESS | BLIND, ONE_GUESS, half_wrong),
-            "Begin from a blind guess",
+            "Begin from a straight line",
         ),
     ],
 )
@@ -264,7 +264,10 @@ def test_a_sentence_turns_round_with_the_rows(find, made, advice):
     assert finding.estimate.low > 0
 
 
-@pytest.mark.parametrize("unequal", [{"guesses": "several"}, {"guesses": None}, {"presolve": True}])
+@pytest.mark.parametrize(
+    "unequal",
+    [{"guesses": "several"}, {"guesses": None}, {"guess": "random"}, {"presolve": True}],
+)
 def test_formulations_are_compared_at_equal_guesses_only(unequal):
     """More guesses, or a presolve, on one side say nothing of the formulation."""
     equal = of_two(IPOPT, BOTH_ORDERS, half_wrong)(MANY, True)

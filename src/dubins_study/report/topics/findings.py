@@ -48,7 +48,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 
     Engine by engine; both of a pair are presolved, or neither.
     """
-    same = ["engine", "guesses", "presolve", "settings"]
+    same = ["engine", "guess", "guesses", "presolve", "settings"]
     pairs = [p for joint in JOINTS for p in evidence.pairs(same, "formulation", WORDS, joint)]
     return _difference(
         evidence,
@@ -60,11 +60,11 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
 
 
 def blind_start(evidence: Evidence) -> Finding | None:
-    """One guess toward the points against a blind one: same engine, formulation and settings."""
+    """One guess toward the points against a straight line: same engine, formulation, settings."""
     return _difference(
         evidence,
-        evidence.pairs(["formulation", "engine", "settings"], "guesses", "one", "blind"),
-        ("one guess toward the target", "a blind guess (a straight line, zero or random)"),
+        evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight"),
+        ("one guess toward the target", "a straight line"),
         "Begin from {better}: from {worse} the same engines on the same formulations are right on "
         "{points} percentage points fewer of the questions.",
     )
