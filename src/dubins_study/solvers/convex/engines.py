@@ -60,12 +60,12 @@ _MANY = 10**7  # iterations: the time limit ends first
 _EPS = ("eps_abs",), ("eps_rel",)
 _GAPS = "eps_duality_gap_abs", "eps_duality_gap_rel"
 _FEASIBILITY = "primal_feasibility_tolerance", "dual_feasibility_tolerance"
-_TOLS = "tol_feas", "tol_gap_abs", "tol_gap_rel"
+_TOLS = "tol_feas", "tol_gap_abs"
 
 # Where cvxpy has defaults of its own, the maker's stand here.
 ENGINES = {
     "piqp": Engine("PIQP", "piqp", ("eps_abs", _GAPS[0]), ("eps_rel", _GAPS[1])),
-    "clarabel": Engine("Clarabel", "clarabel", _TOLS, (), "time_limit", cones=True),
+    "clarabel": Engine("Clarabel", "clarabel", _TOLS, ("tol_gap_rel",), "time_limit", cones=True),
     "osqp": Engine(*("OSQP", "osqp", *_EPS, "time_limit"), {"max_iter": _MANY, "polishing": False}),
     "scs": Engine("SCS", "scs", *_EPS, "time_limit_secs", {"max_iters": _MANY}, cones=True),
     "highs": Engine(
@@ -76,7 +76,7 @@ ENGINES = {
         *("QPALM", "qpalm", *_EPS, "time_limit"),
         {"max_iter": _MANY, "eps_prim_inf": 1e-5, "eps_dual_inf": 1e-5},
     ),
-    "ecos": Engine("ECOS", "ecos", ("feastol", "abstol", "reltol"), cones=True),
+    "ecos": Engine("ECOS", "ecos", ("feastol", "abstol"), others={"reltol": 1e-300}, cones=True),
     "daqp": Engine("DAQP", "daqp", ("primal_tol", "dual_tol"), others={"eps_prox": -1.0}),
 }
 
