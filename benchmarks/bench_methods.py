@@ -54,7 +54,7 @@ def _proofs(what: str, scenarios: Iterable[Scenario], target: float | None) -> M
     for scenario in scenarios:
         least, solution = _least(solver, scenario, sized(3, 1))
         seconds.append(least)
-        length = math.inf if solution.path is None else solution.path.total_length
+        length = math.inf if solution.path is None else solution.path.length
         bound = -math.inf if solution.lower_bound is None else solution.lower_bound
         closed = length - bound <= PROOF * max(length, 1e-300) and math.isfinite(length)
         proven += solution.claim is Claim.OPTIMAL and closed

@@ -81,7 +81,7 @@ def benchmark_rows() -> Iterator[dict[str, Any]]:
                     guess=method.guess,
                     wall_s=method.wall_s * (1 + number / 40),
                     evaluations=int(1e4 * method.wall_s) + number,
-                    lower_bound=shortest.total_length if method.claim is Claim.OPTIMAL else None,
+                    lower_bound=shortest.length if method.claim is Claim.OPTIMAL else None,
                     message=f"{HOSTILE} {LONG}" if wrong else "",
                 )
 

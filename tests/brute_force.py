@@ -114,7 +114,7 @@ def integrated(path: Path, radius: float = 1.0) -> Array:
     In units of the radius, so that the integrator's tolerances mean the same everywhere.
     """
     pose: Array = np.array(path.start, dtype=float)
-    for k, length in zip(path.curvature * radius, path.length / radius, strict=True):
+    for k, length in zip(path.curvatures * radius, path.lengths / radius, strict=True):
         if length > 0:
             arc = solve_ivp(
                 lambda _, q, k=k: (math.cos(q[2]), math.sin(q[2]), k),

@@ -50,7 +50,7 @@ def run(seed: int, low: int, high: int) -> Table:
         table.generator, asked = wrong_answer(rng, scenario)
         with ctx.workprec(bits(asked.scenario)):
             checks.answer(table, asked, Truth.of(asked.scenario), rng)
-        length, claim = asked.path.total_length, CLAIMS[number % len(CLAIMS)]
+        length, claim = asked.path.length, CLAIMS[number % len(CLAIMS)]
         bound = rng.choice([None, 1e9, np.inf, length, length * 0.9])
         answers.append(frames.judged(table.generator, *asked, claim, bound))
         answers.append(frames.judged("no path", scenario, "LS", None, claim))

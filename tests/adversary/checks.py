@@ -62,8 +62,8 @@ def closed_form(table: Table, scenario: Scenario, truth: Truth, rng: np.random.G
         driven = [arb(s) for s in optimum.segments if s > 0]
         word = zip(optimum.word, driven, strict=True)
         end = drive([(arb(TURN[letter]), s) for letter, s in word])[0]
-        far = _deviation(truth, branch, scenario, path.total_length, end, rng)
-        table.note("closed form length", far, f"shortest_path({line}).total_length")
+        far = _deviation(truth, branch, scenario, path.length, end, rng)
+        table.note("closed form length", far, f"shortest_path({line}).length")
         # the set's own width, and the rounding of both segments
         room = truth.delta + 16 * _EPS * (1 + arb(optimum.total))
         missed = end - truth.target
@@ -159,7 +159,7 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
         wrong = (judged.verdict, residual, cut) != (Verdict.MISSES, None, None)
         table.note("broken path", wrong, line)
         return
-    end, length = end_of(scenario, path), arb(path.total_length) / arb(scenario.radius)
+    end, length = end_of(scenario, path), arb(path.length) / arb(scenario.radius)
     arrives = _arrives(asked, truth, end)
     optimal = judged.verdict is Verdict.OPTIMAL
     found = optimal or judged.verdict is Verdict.LONGER
@@ -175,7 +175,7 @@ def answer(table: Table, asked: Answer, truth: Truth, rng: np.random.Generator) 
     table.note("proved", is_proved and (arrives is False or wrong), line)
     if residual is not None and cut is not None and residual <= 1e-7 and cut >= 1e-9:
         # summed exactly: a path of 1e12 radii has a double for its length that is off by 1e-4
-        summed = sum(map(arb, path.length.tolist()), arb(0)) / arb(scenario.radius)
+        summed = sum(map(arb, path.lengths.tolist()), arb(0)) / arb(scenario.radius)
         table.note("certificate", _above_shortest(end, summed), line)
 
 
@@ -185,10 +185,10 @@ def _arrives(asked: Answer, truth: Truth, end: acb) -> bool | None:
     R = scenario.radius
     if truth.exact[branch] is None:
         return None  # an admissible path of other pieces may arrive where the word itself does not
-    controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     bend = excess([k * R for k, s in controls if s > 0], branch)
     miss = float(abs(end - truth.target))
-    rounding = 32 * _EPS * (scenario.extent + path.total_length) / R
+    rounding = 32 * _EPS * (scenario.extent + path.length) / R
     if abs(bend - TOLERANCES.curvature) < 1e-14:
         return None
     if miss > TOLERANCES.miss * _CLOSE + 2 * rounding:

@@ -96,7 +96,7 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
             path = shortest_path(scenario, branch)
             table.note("kernel existence", math.isnan(length) != (path is None), line)
             if path is not None and not math.isnan(length):
-                apart = abs(length - path.total_length) / ulp(length, scenario.radius)
+                apart = abs(length - path.length) / ulp(length, scenario.radius)
                 table.note("kernel length", apart, line)
             wrong = VERDICTS[rows.verdict[row]] not in _RIGHT or rows.false_claim[row]
             table.note("analytic claim", wrong, line)
@@ -104,15 +104,15 @@ def closed_forms(table: Table, cases: Sequence[tuple[str, Scenario]]) -> None:
 
 def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
     """Answers of at most two pieces as a frame beside what the scalar check says of each."""
-    few = [one for one in answers if one.path is None or one.path.length.size < 3]
+    few = [one for one in answers if one.path is None or one.path.lengths.size < 3]
     for branch in BRANCHES:
         some = [one for one in few if one.branch == branch]
         frame = scenario_frame(one.scenario for one in some)
         controls = np.zeros((2, 2, len(some)))
         for row, path in enumerate(one.path for one in some):
             if path is not None:
-                controls[0, : path.curvature.size, row] = path.curvature
-                controls[1, : path.length.size, row] = path.length
+                controls[0, : path.curvatures.size, row] = path.curvatures
+                controls[1, : path.lengths.size, row] = path.lengths
         paths = Paths(*controls, np.array([one.path is not None for one in some], np.bool_))
         claims = np.array([CLAIMS.index(one.claim) for one in some], np.intp)
         bound = np.array([math.nan if one.bound is None else one.bound for one in some])

@@ -283,7 +283,7 @@ ALTERED: dict[str, tuple[float, Alter]] = {
 def _with_end_as_target(scenario: Scenario, path: Path) -> Scenario:
     """The scenario whose target is the path's own end, rounded to doubles."""
     with ctx.workprec(320):
-        controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+        controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
         moved = drive([(arb(k), arb(s)) for k, s in controls])[0]
         sin, cos = arb(scenario.heading).sin_cos()
         x = float(arb(scenario.x) + moved.real * cos - moved.imag * sin)
@@ -300,7 +300,7 @@ def wrong_answer(rng: Rng, scenario: Scenario) -> tuple[str, Answer]:
         path = shortest_path(scenario, word) or shortest_path(scenario)
         assert path is not None, "some path to every target exists"
         R = scenario.radius
-        u, s = alter(rng, (path.curvature * R).tolist(), (path.length / R).tolist())
+        u, s = alter(rng, (path.curvatures * R).tolist(), (path.lengths / R).tolist())
         path = Path(scenario.start, np.array(u) / R, np.array(s) * R)
         branch = str(rng.choice(BRANCHES)) if rng.random() < 0.4 else "best"
         try:

@@ -147,5 +147,5 @@ def greatest(values: Iterable[arb]) -> arb:
 def end_of(scenario: Scenario, path: Path) -> acb:
     """The end of a path's controls, driven in 60 digits, in the vehicle's frame (radii)."""
     radius = arb(scenario.radius)
-    controls = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    controls = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     return drive([(arb(k) * radius, arb(s) / radius) for k, s in controls])[0]

@@ -69,13 +69,13 @@ def off_points(scenario: Scenario, path: Path) -> float:
     the first one that is near enough. Of a point that is missed, the rest counts from there.
     """
     radius = scenario.radius
-    ends = np.concatenate([[0.0], np.cumsum(path.length)])
+    ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
     dense = np.linspace(0.0, ends[-1], 20 * int(ends[-1] / radius) + 50)
     dense = np.union1d(dense, ends)
     sample = path.at(dense)[:, :2]
     at, worst = (
         0.0,
-        float(np.abs(path.curvature * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature,
+        float(np.abs(path.curvatures * radius).max(initial=1.0) - 1.0) / TOLERANCES.curvature,
     )
     for x, y in scenario.via:
         away = np.hypot(*(sample - (x, y)).T)
@@ -112,7 +112,7 @@ def answers(
     rng: Rng, scenario: Scenario, path: Path, known: tuple[float, float]
 ) -> Iterator[Answer]:
     """Paths beside the best one, honest and false, and the best one before other questions."""
-    radius, k, s = scenario.radius, path.curvature, path.length
+    radius, k, s = scenario.radius, path.curvatures, path.lengths
     off = float(rng.choice([1e-12, 1e-9, 0.5e-6, 0.99e-6, 1.01e-6, 2e-6, 1e-3]))
     angle, sign = rng.uniform(-math.pi, math.pi), rng.choice([-1.0, 1.0])
     yield Answer("best", scenario, path, *known)
@@ -130,7 +130,7 @@ def answers(
         final = scenario.final_heading + sign * off
         yield Answer("wrong heading", replace(scenario, final_heading=final), path)
     via = list(scenario.via)
-    first = visits(path, via[:1], radius, 1e-6 * radius).at[0] if via else path.total_length
+    first = visits(path, via[:1], radius, 1e-6 * radius).at[0] if via else path.length
     if first > 0.1 * radius:  # a point on the first leg leaves the length
         x, y = path.at(first * rng.uniform(0.05, 0.95))[0, :2]
         yield Answer("point on the way", replace(scenario, via=[(x, y), *via]), path, *known)
@@ -153,13 +153,13 @@ def own_points(rng: Rng) -> Answer:
     rates = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], n)
     lengths = rng.exponential(rng.choice([0.3, 1.0, 3.0]), n)
     path = Path(Pose(*rng.uniform(-3, 3, 3)), rates, lengths)
-    at = np.sort(rng.uniform(0, path.total_length, int(rng.integers(0, 3))))
-    at = at[np.diff(at, prepend=0.0, append=path.total_length)[:-1] > 0.05]
+    at = np.sort(rng.uniform(0, path.length, int(rng.integers(0, 3))))
+    at = at[np.diff(at, prepend=0.0, append=path.length)[:-1] > 0.05]
     x, y, heading = path.end
     final = heading if not at.size or rng.random() < 0.5 else None
     via = path.at(at)[:, :2] if at.size else []
     asked = Scenario(*path.start, x, y, via=via, final_heading=final)
-    return Answer("own points", asked, path, 0.0, path.total_length)
+    return Answer("own points", asked, path, 0.0, path.length)
 
 
 def attacked(table: Table, seed: int, number: int) -> None:
@@ -177,9 +177,9 @@ def attacked(table: Table, seed: int, number: int) -> None:
         allowed += Verdict.UNDECIDED, Verdict.LONGER
     wrong = judged.verdict not in allowed or judged.false_claim or certificate.false_bound
     table.note("route claim", wrong, f"solve({paste(scenario)})")
-    known = (low, path.total_length)
+    known = (low, path.length)
     if not scenario.via:
-        known = _leg(table, scenario, path.total_length, rng)
+        known = _leg(table, scenario, path.length, rng)
     try:
         tried = [*answers(rng, scenario, path, known), own_points(rng)]
     except ScenarioError:  # two points have become one
@@ -217,7 +217,7 @@ def _judged(table: Table, answer: Answer) -> None:
     low, high = certificate.reference_low, certificate.reference_high
     assert low is not None
     assert high is not None
-    length, scale = path.total_length, max(low, scenario.radius)
+    length, scale = path.length, max(low, scenario.radius)
     wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
     wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
     wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)

@@ -123,7 +123,7 @@ def paste(scenario: Scenario, branch: str = "") -> str:
 
 def paste_path(scenario: Scenario, branch: str, path: Path) -> str:
     """A call of `judge` with this path."""
-    k, s = path.curvature.tolist(), path.length.tolist()
+    k, s = path.curvatures.tolist(), path.lengths.tolist()
     start = tuple(path.start)
     asked = f"{paste(scenario)}, Path({start}, {k}, {s}), branch={branch!r}"
     return f"judge({asked})".replace("nan", "math.nan").replace("inf", "math.inf")

@@ -88,7 +88,7 @@ def test_lattice_routes_close(seed: int) -> None:
 
 def _longer(path: Path | None) -> Path | None:
     """The path, longer by a share of 1e-13."""
-    return path and Path(path.start, path.curvature, path.length * (1 + 1e-13))
+    return path and Path(path.start, path.curvatures, path.lengths * (1 + 1e-13))
 
 
 Spoil = Callable[[Any], Any]

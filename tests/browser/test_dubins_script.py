@@ -194,11 +194,11 @@ def test_a_polyline_stays_on_the_path_which_arrives(in_page):
             # on an edge the path goes to another target within delta, twice; then 32 ulp
             rounding = 32 * EPS * (case.extent + entry["length"])
             assert miss <= 4 * local(case).delta * case.radius + rounding, f"{case} {entry}"
-            turns = np.abs(path.curvature * path.length)
+            turns = np.abs(path.curvatures * path.lengths)
             parts = [max(1, math.ceil(40 * t / (turns.sum() or 1))) for t in turns]
-            ends = np.concatenate([[0.0], np.cumsum(path.length)])
+            ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
             along = [
-                ends[i] + path.length[i] * j / n
+                ends[i] + path.lengths[i] * j / n
                 for i, n in enumerate(parts)
                 for j in range(1, n + 1)
             ]

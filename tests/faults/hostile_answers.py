@@ -115,8 +115,8 @@ class Huge(Analytic):
 
     def solve(self, model, limit):
         path = shortest_path(model.scenario)
-        k = np.repeat(path.curvature, self.pieces)
-        lengths = np.repeat(path.length / self.pieces, self.pieces)
+        k = np.repeat(path.curvatures, self.pieces)
+        lengths = np.repeat(path.lengths / self.pieces, self.pieces)
         return Solution(Claim.OPTIMAL, Path(path.start, k, lengths))
 
 

@@ -264,7 +264,7 @@ class Warmed(Slsqp):
         if scenario.radius == 2 and FAILS:
             raise ValueError("the second fails")
         solution = super().solve(model, limit)
-        told = "none" if start is None else f"{start.length.sum():.6f}"
+        told = "none" if start is None else f"{start.lengths.sum():.6f}"
         object.__setattr__(solution, "message", told)
         return solution
 """

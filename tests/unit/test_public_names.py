@@ -79,7 +79,7 @@ def test_one_question():
 def test_an_answer_prints_in_ten_lines():
     """Whatever the solver, with or without a path."""
     turning = solve(Scenario(target_x=-5, target_y=0.1), solver="turn-rate-qp")
-    assert len(turning.path.length) == 50
+    assert len(turning.path.lengths) == 50
     for answer in (turning, solve(Scenario(target_x=0, target_y=1), branch="LS")):
         lines = repr(answer).splitlines()
         assert len(lines) <= 10

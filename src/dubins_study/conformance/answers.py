@@ -154,7 +154,7 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
         if (
             known is not None
             and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-            and path.length.size
+            and path.lengths.size
             and known == replace(path, start=known.start)
         ):
             name = earlier.question.scenario.label or "another one"
@@ -253,19 +253,19 @@ class Cause(NamedTuple):
 
     advice: str
     scenario: Callable[[Scenario], Scenario] = lambda s: s
-    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvature
-    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.length
+    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvatures
+    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.lengths
 
 
 def _inverse(path: Path) -> np.ndarray:
-    turning = path.curvature != 0
-    return np.where(turning, 1 / np.where(turning, path.curvature, 1.0), 0.0)
+    turning = path.curvatures != 0
+    return np.where(turning, 1 / np.where(turning, path.curvatures, 1.0), 0.0)
 
 
 CAUSES = (
     Cause(
         "left and right are swapped: curvature is positive to the left",
-        curvature=lambda s, p: -p.curvature,
+        curvature=lambda s, p: -p.curvatures,
     ),
     Cause(
         "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius",
@@ -274,18 +274,18 @@ CAUSES = (
     Cause(
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "
         "lengths by it",
-        curvature=lambda s, p: p.curvature / s.radius,
-        length=lambda s, p: p.length * s.radius,
+        curvature=lambda s, p: p.curvatures / s.radius,
+        length=lambda s, p: p.lengths * s.radius,
     ),
     Cause(
         "are the lengths of your turns angles in rad? An arc is angle * radius long",
-        length=lambda s, p: np.where(p.curvature != 0, p.length * s.radius, p.length),
+        length=lambda s, p: np.where(p.curvatures != 0, p.lengths * s.radius, p.lengths),
     ),
     Cause(
         "are your controls turn rates and times? A path takes curvatures and lengths: divide by "
         "the speed, and multiply by it",
-        curvature=lambda s, p: p.curvature / s.speed,
-        length=lambda s, p: p.length * s.speed,
+        curvature=lambda s, p: p.curvatures / s.speed,
+        length=lambda s, p: p.lengths * s.speed,
     ),
     Cause(
         "your path arrives if the heading is taken for degrees: question.scenario.heading is in "
@@ -301,9 +301,9 @@ CAUSES = (
 
 def cause_of(scenario: Scenario, path: Path) -> str:
     """What the author of a path that misses, or is too tight, has mixed up; empty if unknown."""
-    if not path.length.size:
+    if not path.lengths.size:
         return ""
-    last = np.array([path.curvature[-1] - scenario.target_x, path.length[-1] - scenario.target_y])
+    last = np.array([path.curvatures[-1] - scenario.target_x, path.lengths[-1] - scenario.target_y])
     if (np.abs(last) <= 1e-6 * scenario.radius).all():
         return _POSITIONS
     with np.errstate(all="ignore"):
@@ -319,7 +319,7 @@ def _fits(scenario: Scenario, path: Path) -> bool:
     """Whether a path is one of a scenario's, but for rounding and a solver's tolerance."""
     if not drivable(path):
         return False
-    tightest = float(np.abs(path.curvature[path.length > 0]).max(initial=0.0)) * scenario.radius
+    tightest = float(np.abs(path.curvatures[path.lengths > 0]).max(initial=0.0)) * scenario.radius
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
     return tightest <= 1 + _FIT and miss <= _FIT * scenario.radius
@@ -327,10 +327,10 @@ def _fits(scenario: Scenario, path: Path) -> bool:
 
 def length_cause(scenario: Scenario, path: Path) -> str:
     """What makes an arriving path longer than the shortest of its word; empty if unknown."""
-    turns = np.abs(path.curvature * path.length)
+    turns = np.abs(path.curvatures * path.lengths)
     if (turns > 2 * math.pi + _FIT).any():
         return "an arc turns by more than a full turn: take its angle modulo 2 pi"
-    tightest = np.abs(path.curvature[path.length > 0]).max(initial=0.0) * scenario.radius
+    tightest = np.abs(path.curvatures[path.lengths > 0]).max(initial=0.0) * scenario.radius
     if 0 < tightest < 1 - _FIT:
         return (
             f"its turns are {1 / tightest:.3g} times as wide as the radius allows: a shortest path "

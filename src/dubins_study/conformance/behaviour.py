@@ -165,15 +165,15 @@ def _difference(first: Seen, second: Seen) -> float:
         return math.inf
     if one is None or other is None:
         return 0.0 if one is other else math.inf
-    if one.length.shape != other.length.shape or one.start != other.start:
+    if one.lengths.shape != other.lengths.shape or one.start != other.start:
         return math.inf
     (k, lengths), (other_k, other_lengths) = (
-        (np.nan_to_num(path.curvature), np.nan_to_num(path.length)) for path in (one, other)
+        (np.nan_to_num(path.curvatures), np.nan_to_num(path.lengths)) for path in (one, other)
     )
     with np.errstate(all="ignore"):
         turned = np.abs(k * lengths - other_k * other_lengths).max(initial=0.0)
         moved = np.abs(lengths - other_lengths).max(initial=0.0)
-        return float(np.nan_to_num(max(moved / max(one.total_length, 1e-300), turned)))
+        return float(np.nan_to_num(max(moved / max(one.length, 1e-300), turned)))
 
 
 # state -> what to do instead of changing it

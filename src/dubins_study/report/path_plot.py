@@ -85,7 +85,7 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
         "radius": scenario.radius,
     }
     paths = pd.DataFrame(
-        {"branch": p.word(1e-2) or "–", "path": p, "length": p.total_length, "rank": rank, **shared}
+        {"branch": p.word(1e-2) or "–", "path": p, "length": p.length, "rank": rank, **shared}
         for rank, p in enumerate(named_paths.values(), 1)
     )
     return _figure(partial(plot_paths, paths=paths, names=tuple(named_paths)), place)
@@ -140,7 +140,7 @@ def _reference(drawn: object) -> Path | None:
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
     """The name in the legend, the path, and the scenario of the path."""
     if isinstance(drawn, Path):
-        sharpest = float(np.abs(drawn.curvature).max(initial=0.0))
+        sharpest = float(np.abs(drawn.curvatures).max(initial=0.0))
         radius = 1 / sharpest if sharpest > 0 else 1.0
         x, y = drawn.end.x, drawn.end.y
         return "path", drawn, Scenario(*drawn.start, target_x=x, target_y=y, radius=radius)

@@ -59,7 +59,7 @@ class Analytic(Solver):
             path = pose_path(scenario.start, end, scenario.radius, branch)
         if path is None:
             return Solution(Claim.INFEASIBLE, message=_NONE.format(branch))
-        length = path.total_length
+        length = path.length
         return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
 
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
@@ -103,7 +103,7 @@ def _searched(scenario: Scenario, limit: float) -> Solution:
     return Solution(
         Claim.OPTIMAL if closed else Claim.FEASIBLE,
         path,
-        claimed_length=path.total_length,
+        claimed_length=path.length,
         lower_bound=low,
         message="" if closed else "the search ended before it had proved the path to be shortest",
     )

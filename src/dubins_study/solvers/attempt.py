@@ -170,7 +170,7 @@ def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None,
     """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
     if path is None:
         return None, None
-    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
     finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
     return (curvatures, lengths) if finite else (None, None)
 

@@ -209,8 +209,8 @@ def _controls(paths: Paths) -> tuple[Any, Any]:
 
     n = len(paths)
     offsets = np.empty(n + 1, np.int64)
-    flat = np.empty((2, paths.length.size + 1))
-    flatten(paths.curvature, paths.length, offsets, *flat)
+    flat = np.empty((2, paths.lengths.size + 1))
+    flatten(paths.curvatures, paths.lengths, offsets, *flat)
     missing: Any = None if paths.returned is None else pa.array(~paths.returned)
     bounds: Any = pa.array(offsets)
     curvatures, lengths = (

@@ -122,8 +122,8 @@ class Solution(Reported):
                 values[name] = make_plain(value)
             except Exception:  # of a class of a plug-in
                 raise TypeError(f"{name} is {short(value)}; expected {expected}") from None
-        if self.path is not None and self.path.length.size > MAX_ARCS:
-            arcs = self.path.length.size
+        if self.path is not None and self.path.lengths.size > MAX_ARCS:
+            arcs = self.path.lengths.size
             raise TypeError(f"path has {arcs} arcs; expected at most {MAX_ARCS}")
 
 
@@ -131,7 +131,7 @@ def _path(value: Any) -> Path:
     """The path, of `Path` itself: a subclass may report another end than its controls have."""
     if not isinstance(value, Path):
         raise TypeError
-    return value if type(value) is Path else Path(value.start, value.curvature, value.length)
+    return value if type(value) is Path else Path(value.start, value.curvatures, value.lengths)
 
 
 # The largest count that a results folder holds: beyond it doubles leave out whole numbers.

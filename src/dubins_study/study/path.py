@@ -36,58 +36,59 @@ class Path:
 
     Args:
         start: initial pose.
-        curvature: shape (n,), 1 / length unit, positive to the left.
-        length: shape (n,), length unit.
+        curvatures: of the arcs, shape (n,), 1 / length unit, positive to the left.
+        lengths: of the arcs, shape (n,), length unit.
 
     Any numbers are accepted, since a path may come from a solver that went wrong; whether it
     can be driven (finite, no negative length) is for `study.check.verdict` to say.
     """
 
     start: Pose
-    curvature: FloatArray
-    length: FloatArray
+    curvatures: FloatArray
+    lengths: FloatArray
 
-    def __init__(self, start: Pose, curvature: ArrayLike, length: ArrayLike) -> None:
-        k, lengths = doubles("curvature", curvature).copy(), doubles("length", length).copy()
-        if k.ndim != 1 or k.shape != lengths.shape:
+    def __init__(self, start: Pose, curvatures: ArrayLike, lengths: ArrayLike) -> None:
+        k, s = doubles("curvatures", curvatures).copy(), doubles("lengths", lengths).copy()
+        if k.ndim != 1 or k.shape != s.shape:
             raise ValueError(
-                f"curvature has shape {k.shape} and length {lengths.shape}; expected one shape (n,)"
+                f"curvatures has shape {k.shape} and lengths {s.shape}; expected one shape (n,)"
             )
-        for array in (k, lengths):
+        for array in (k, s):
             array.setflags(write=False)
         object.__setattr__(self, "start", Pose(*map(real_number, start)))
-        object.__setattr__(self, "curvature", k)
-        object.__setattr__(self, "length", lengths)
+        object.__setattr__(self, "curvatures", k)
+        object.__setattr__(self, "lengths", s)
 
     def __eq__(self, other: object) -> bool:
         return (
             isinstance(other, Path)
             and self.start == other.start
-            and np.array_equal(self.curvature, other.curvature)
-            and np.array_equal(self.length, other.length)
+            and np.array_equal(self.curvatures, other.curvatures)
+            and np.array_equal(self.lengths, other.lengths)
         )
 
     __hash__ = None  # type: ignore[assignment]  # arrays cannot be hashed, nor should a path be
 
     @property
-    def total_length(self) -> float:
-        if self.length.size <= FEW:  # numpy adds as many in the same order, and begins slowly
-            return sum(self.length.tolist(), 0.0)
-        return float(self.length.sum())
+    def length(self) -> float:
+        """The sum of the arcs' lengths (length unit)."""
+        if self.lengths.size <= FEW:  # numpy adds as many in the same order, and begins slowly
+            return sum(self.lengths.tolist(), 0.0)
+        return float(self.lengths.sum())
 
     @property
     def turn(self) -> float:
         """Net heading change (rad, positive to the left), not wrapped."""
-        return float((self.curvature * self.length).sum())
+        return float((self.curvatures * self.lengths).sum())
 
     @property
     def poses(self) -> FloatArray:
         """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
-        return rollout(self.start, self.curvature, self.length)
+        return rollout(self.start, self.curvatures, self.lengths)
 
     @property
     def end(self) -> Pose:
-        return Pose(*corners(self.start, self.curvature, self.length)[-1])
+        return Pose(*corners(self.start, self.curvatures, self.lengths)[-1])
 
     def at(self, distance: ArrayLike) -> FloatArray:
         """Poses at given distances along the path, shape (m, 3).
@@ -96,20 +97,20 @@ class Path:
             distance: shape (m,), or one number; length unit, clipped to [0, total length].
         """
         d = np.clip(np.atleast_1d(np.asarray(distance, dtype=np.float64)), 0.0, self._ends[-1])
-        if not self.length.size:
+        if not self.lengths.size:
             return np.tile(np.array(self.start), (d.size, 1))
         arc = self._arc_at(d)
-        return _advance(self.poses[arc], self.curvature[arc], d - self._ends[arc])
+        return _advance(self.poses[arc], self.curvatures[arc], d - self._ends[arc])
 
     @property
     def _ends(self) -> FloatArray:
         """Distances along the path of the ends of its arcs, shape (n + 1,); the first is 0."""
-        return np.concatenate(([0.0], np.cumsum(self.length)))
+        return np.concatenate(([0.0], np.cumsum(self.lengths)))
 
     def _arc_at(self, distance: FloatArray) -> NDArray[np.intp]:
         """The arc that each distance lies on; of two arcs that meet there, the later one."""
         arc = np.searchsorted(self._ends, distance, side="right") - 1
-        return np.clip(arc, 0, self.length.size - 1)
+        return np.clip(arc, 0, self.lengths.size - 1)
 
     @overload
     def sample(self, n: int) -> FloatArray: ...
@@ -134,10 +135,10 @@ class Path:
         if (n is None) == (step is None):
             raise ValueError(f"n is {short(n)} and step is {short(step)}; expected one of them")
         if n is not None:
-            return self.at(np.linspace(0.0, self.total_length, n))
+            return self.at(np.linspace(0.0, self.length, n))
         import pandas as pd
 
-        total = self.total_length
+        total = self.length
         try:
             size = real_number(step)
         except TypeError:
@@ -148,7 +149,7 @@ class Path:
         # a last step of rounding alone is no step
         steps = max(math.ceil(total / size * (1 - 1e-12)), 1) if total > 0 else 0
         s = np.append(size * np.arange(steps), total)
-        curvature = self.curvature[self._arc_at(s)] if self.length.size else np.zeros(1)
+        curvature = self.curvatures[self._arc_at(s)] if self.lengths.size else np.zeros(1)
         x, y, heading = self.at(s).T
         return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
 
@@ -177,8 +178,8 @@ class Path:
             raise ValueError(f"chord_error is {short(chord_error)}; expected a share up to 1")
         if not drivable(self):
             raise ValueError("the path has a number that is not finite, or a negative length")
-        driven = self.length > 0
-        bend, lengths = np.abs(self.curvature[driven]), self.length[driven]
+        driven = self.lengths > 0
+        bend, lengths = np.abs(self.curvatures[driven]), self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
         # what is bent by less has a radius that overflows
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
@@ -199,7 +200,7 @@ class Path:
             "type": "Feature",
             "geometry": {"type": kind, "coordinates": coordinates},
             "properties": {
-                "length": self.total_length,
+                "length": self.length,
                 "word": self.word(),
                 "radius": radius,
                 "start_heading": self.start.heading,
@@ -215,7 +216,7 @@ class Path:
         A run to one side that turns by no more than `tolerance` (rad) counts as straight, and a
         straight that is no longer than `tolerance` times the path is passed over.
         """
-        curvatures, lengths = self.curvature.tolist(), self.length.tolist()
+        curvatures, lengths = self.curvatures.tolist(), self.lengths.tolist()
         if not (all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))):
             return ""  # a broken path has no word
         ripple = RIPPLE * max(map(abs, curvatures), default=0.0)
@@ -227,7 +228,7 @@ class Path:
             (side if bend > tolerance else 0, bend, length)
             for side, bend, length in _joined(pieces)
         ]
-        least = tolerance * self.total_length
+        least = tolerance * self.length
         letters = ("SLR"[side] for side, _, length in _joined(runs) if side or length > least)
         return "".join(letter for letter, _ in groupby(letters))
 
@@ -318,7 +319,7 @@ def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
 
 def drivable(path: Path) -> bool:
     """Whether all numbers are finite, their sums too, and no length is negative."""
-    curvatures, lengths = path.curvature.tolist(), path.length.tolist()
+    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
     turned = sum(map(mul, curvatures, lengths))
     sums = sum(curvatures), sum(lengths), turned, *path.start
     return all(map(math.isfinite, sums)) and min(lengths, default=0.0) >= 0
@@ -329,19 +330,19 @@ class Paths:
     """Controls of n paths of at most two or three arcs, each starting at its scenario's start.
 
     Args:
-        curvature: shape (2, n) or (3, n), 1 / length unit, positive to the left.
-        length: of the same shape, length unit; an arc of length 0 is left out.
+        curvatures: shape (2, n) or (3, n), 1 / length unit, positive to the left.
+        lengths: of the same shape, length unit; an arc of length 0 is left out.
         returned: shape (n,), False where there is no path; None if all rows have one.
     """
 
-    curvature: FloatArray
-    length: FloatArray
+    curvatures: FloatArray
+    lengths: FloatArray
     returned: BoolArray | None = None
 
     def __post_init__(self) -> None:
-        arcs, n = (*np.shape(self.curvature), 0, 0)[:2]
+        arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
         shape = (3 if arcs == 3 else 2, n)
-        for name in ("curvature", "length"):
+        for name in ("curvatures", "lengths"):
             array = doubles(name, getattr(self, name))
             if array.shape != shape:
                 raise ValueError(f"{name} has shape {array.shape}; expected {shape}")
@@ -355,11 +356,11 @@ class Paths:
             object.__setattr__(self, "returned", returned)
 
     def __len__(self) -> int:
-        return int(self.curvature.shape[-1])
+        return int(self.curvatures.shape[-1])
 
     def path(self, row: int, scenario: Scenario) -> Path | None:
         """One row's path, as the scalar check takes it."""
         if self.returned is not None and not self.returned[row]:
             return None
-        driven = self.length[:, row] != 0
-        return Path(scenario.start, self.curvature[driven, row], self.length[driven, row])
+        driven = self.lengths[:, row] != 0
+        return Path(scenario.start, self.curvatures[driven, row], self.lengths[driven, row])

@@ -15,7 +15,7 @@ from dubins_study.conformance.questions import GENERAL, REFERENCE
 from dubins_study.study.closed_form.shortest import shortest_path
 
 RIGHT = shortest_path(REFERENCE)
-K, S = RIGHT.curvature, RIGHT.length
+K, S = RIGHT.curvatures, RIGHT.lengths
 R, V = REFERENCE.radius, REFERENCE.speed
 TURNS = K != 0
 
@@ -23,7 +23,7 @@ TURNS = K != 0
 def of_other(**changes):
     """The controls of the shortest path of a changed question."""
     path = shortest_path(replace(REFERENCE, **changes))
-    return path.curvature, path.length
+    return path.curvatures, path.lengths
 
 
 # words of the advice -> the controls that a solver with this mix-up returns

@@ -58,7 +58,7 @@ class Confident(Right):
             for word in ("LS", "RS")
         ]
         paths = [answer.path for answer in answers if answer.path is not None]
-        return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.total_length))
+        return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.length))
 
 
 class Careful(Confident):
@@ -105,7 +105,7 @@ class Bounding(Right):
 
     def solve(self, question, limit):
         path = super().solve(question, limit).path
-        grown = path.total_length * (1.01 if path.curvature[-1:].any() else 1)
+        grown = path.length * (1.01 if path.curvatures[-1:].any() else 1)
         return Solution(Claim.LOCAL, path, lower_bound=grown)
 
 

@@ -192,15 +192,15 @@ def test_the_algorithm_beyond_a_turning_circle(found):
             # a square root of the 1e-9 is in the second arc
             best, algorithm = shortest_path(scenario), shortest_path(scenario, away)
             length = crossing["example_length" if prefix else "length_beyond"]
-            assert length == pytest.approx(best.total_length, rel=1e-4)
+            assert length == pytest.approx(best.length, rel=1e-4)
             assert crossing[f"{prefix}algorithm_length"] == pytest.approx(
-                algorithm.total_length, rel=1e-8
+                algorithm.length, rel=1e-8
             )
             assert best.word() == crossing["word_beyond"] or radius < 1.001 * circle
             other = "LS" if away == "RS" else "RS"
             assert shortest_path(scenario, other) is None  # nothing else is left to the algorithm
         before = shortest_path(double(problem, circle * (1 - 1e-9)))
-        assert crossing["length_there"] == pytest.approx(before.total_length, rel=1e-4)
+        assert crossing["length_there"] == pytest.approx(before.length, rel=1e-4)
     fifth = found["algorithm"][-1]
     assert float(fifth["radius"]) == pytest.approx(57.352960, abs=1e-6)
     assert fifth["example_radius"] == 60
@@ -249,8 +249,7 @@ def test_statements_by_other_means(found):
     assert f"{outside} of the 14" in said["section 2, (4.7)"]
     assert f"{int((final > 1).sum())} of the 14" in said["after (2.8)"]
     ratios = [
-        max(a.total_length, b.total_length) / min(a.total_length, b.total_length)
-        for a, b in list(pairwise(paths))[::2]
+        max(a.length, b.length) / min(a.length, b.length) for a, b in list(pairwise(paths))[::2]
     ]
     assert f"up to {max(ratios):.2f} times" in said["(2.4)-(2.15)"]
     assert "14 of the 14" in said["(2.4)-(2.15)"]

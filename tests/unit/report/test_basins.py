@@ -37,7 +37,9 @@ def turned(scenario, word, turns):
     path = shortest_path(scenario, word)
     R = scenario.radius
     before = [math.tau * R] * turns
-    return Path(scenario.start, [1 / R] * turns + list(path.curvature), before + list(path.length))
+    return Path(
+        scenario.start, [1 / R] * turns + list(path.curvatures), before + list(path.lengths)
+    )
 
 
 @pytest.mark.parametrize("scenario", [THREE, FOUR, replace(THREE, radius=0.5)])
@@ -69,7 +71,7 @@ def not_a_minimum():
     """A right turn more than LS needs, then the best that is left: it arrives and is too long."""
     early = Path(THREE.start, [-1], [0.5]).end
     rest = shortest_path(replace(THREE, x=early.x, y=early.y, heading=early.heading), "LS")
-    return Path(THREE.start, [-1, *rest.curvature], [0.5, *rest.length])
+    return Path(THREE.start, [-1, *rest.curvatures], [0.5, *rest.lengths])
 
 
 def every_end():

@@ -39,7 +39,7 @@ def frame(load_rows, rows):
 
 
 LONGER, MISSES = shortest_path(PLAIN, "RS"), Path(PLAIN.start, [0.0], [1.0])
-LENGTH = shortest_path(PLAIN).total_length
+LENGTH = shortest_path(PLAIN).length
 
 
 def bound(factor, **changes):

@@ -42,7 +42,7 @@ def left(scenario, solver, right, claim=Claim.LOCAL):
         Scenario(*pose, scenario.target_x, scenario.target_y, R),
         "LS",
     )
-    path = Path(scenario.start, [-1 / R, *rest.curvature], [right, *rest.length])
+    path = Path(scenario.start, [-1 / R, *rest.curvatures], [right, *rest.lengths])
     return attempt(scenario, solver, path=path, claim=claim)
 
 

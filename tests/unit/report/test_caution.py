@@ -23,7 +23,7 @@ OUTSIDE = Scenario(0, 0, 0, 4, 1, 1)
 
 def row(scenario, path="exact"):
     """With the proven lower end of the shortest length, here the closed form's."""
-    return attempt(scenario, "slsqp", path=path, reference_low=shortest_path(scenario).total_length)
+    return attempt(scenario, "slsqp", path=path, reference_low=shortest_path(scenario).length)
 
 
 def caution_of(load_rows, rows):
@@ -37,7 +37,7 @@ def test_a_path_that_stops_on_the_circle_is_named(load_rows):
     caution = caution_of(load_rows, rows)
 
     assert rows[0]["verdict"] == "optimal"
-    times = shortest_path(INSIDE).total_length / 1.0
+    times = shortest_path(INSIDE).length / 1.0
     assert caution.estimate.value == 1
     assert "1 right answer at 1 scenario next to" in caution.sentence
     assert float(caution.sentence.split(" times shorter")[0].split()[-1]) == pytest.approx(

@@ -80,7 +80,7 @@ def test_a_crossed_number_shows_why(cells):
 def test_a_path_off_by_a_hundredth_differs(paths):
     """A cell that no misprint explains is not excused."""
     good = paths["problem 2", "LS"]
-    paths["problem 2", "LS"] = Path(good.start, good.curvature, good.length + 0.01)
+    paths["problem 2", "LS"] = Path(good.start, good.curvatures, good.lengths + 0.01)
     changed = compare(paths)
 
     differs = changed[changed["verdict"] == "differs"]

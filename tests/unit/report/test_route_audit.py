@@ -33,13 +33,13 @@ def test_the_better_path_is_driven(scenario):
     at = 0
     for point in scenario.points[1:]:
         distances = np.hypot(*(poses[at:, :2] - point).T)
-        step = path.total_length / 200_000
+        step = path.length / 200_000
         at += int(np.flatnonzero(distances <= step)[0])
     turned = (path.end.heading - scenario.final_heading) / (2 * np.pi)
 
     assert np.hypot(*(np.array(path.end[:2]) - scenario.points[-1])) < 1e-9
     assert turned == pytest.approx(round(turned), abs=1e-9)
-    assert np.abs(path.curvature).max() <= (1 + 1e-12) / scenario.radius
+    assert np.abs(path.curvatures).max() <= (1 + 1e-12) / scenario.radius
 
 
 @pytest.mark.parametrize(

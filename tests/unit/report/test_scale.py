@@ -24,7 +24,7 @@ def scenario(radius):
 def longer(where, share):
     """The shortest path, its straight longer by a share: it misses by that."""
     path = shortest_path(where)
-    return Path(where.start, path.curvature, path.length * [1, 1 + share])
+    return Path(where.start, path.curvatures, path.lengths * [1, 1 + share])
 
 
 def rows():
@@ -44,7 +44,7 @@ def test_numbers_by_hand(load_rows):
     """Spreads over the answers that arrive, iterations as a ratio, misses not invariant."""
     table = dependence(spreads(load_rows("scale", rows()).rows)).set_index("solver")
     exact = shortest_path(scenario(1.0))
-    straight, whole = exact.length[1], exact.total_length
+    straight, whole = exact.lengths[1], exact.length
 
     assert table["invariant"].tolist() == [1, 1, 0]
     assert table.index.tolist() == ["analytic", "ipopt", UNITS]

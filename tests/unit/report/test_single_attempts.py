@@ -135,7 +135,7 @@ def test_long_paths_come_back_as_points_of_the_path(results: Results):
     """From the start to the end, each point within a grid's step of the path."""
     chosen = sample(results, 10**6)
     path = arcs(40)
-    along = path.at(np.linspace(0, path.total_length, 100_001))[:, :2]
+    along = path.at(np.linspace(0, path.length, 100_001))[:, :2]
     long = [each for each in unpacked(chosen)["paths"] if each and "box" in each]
 
     assert len(long) == (chosen["curvatures"].str.len() > 3).sum() > 20

@@ -28,9 +28,9 @@ def test_the_transcription_is_an_ode_solved_by_quadrature():
     """
     scenario = LEFT
     answer = solve(scenario, "collocation[n=4,points=3,correct=false]")
-    ends = np.cumsum(answer.path.length)
+    ends = np.cumsum(answer.path.lengths)
     pose = np.array(scenario.start)
-    for k, length in zip(answer.path.curvature, answer.path.length, strict=True):
+    for k, length in zip(answer.path.curvatures, answer.path.lengths, strict=True):
         pose = solve_ivp(
             lambda _, s, k=k: (math.cos(s[2]), math.sin(s[2]), k),
             (0.0, length), pose, rtol=1e-12, atol=1e-12,
@@ -76,7 +76,7 @@ def test_cutting_a_path_keeps_its_turn_and_length(arcs, seed, n, equal):
     elements = cut(path, n, np.full(n, 1 / n) if equal else None)
 
     assert elements.length.shape == (n,)
-    assert elements.total == pytest.approx(path.total_length)
+    assert elements.total == pytest.approx(path.length)
     assert elements.turn.sum() == pytest.approx(path.turn, abs=1e-12)
     if not equal and arcs <= n:
         chords = rollout(elements).chords

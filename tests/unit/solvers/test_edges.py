@@ -160,7 +160,7 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
         judged = judge(scenario, path, Claim.OPTIMAL)
         assert judged.verdict == "optimal", path
         assert certify(scenario, path, judged).proof == "proved"
-    assert around.total_length - arc.total_length > 0.1
+    assert around.length - arc.length > 0.1
     longer = as_path(scenario, "L", Segments(angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim
 

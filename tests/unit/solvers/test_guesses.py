@@ -23,7 +23,7 @@ def begun(scenario, subproblems, kind):
     return sorted(
         tuple(
             (rate, length)
-            for rate, length in zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+            for rate, length in zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
             if length > 0
         )
         for name in subproblems

@@ -36,7 +36,7 @@ def of_all_choices(scenario: Scenario, count: int) -> float:
         if (leg, a, b) not in known:
             (x, y), (u, v) = points[leg : leg + 2]
             ends = Pose(x, y, a), Pose(u, v, b)
-            known[leg, a, b] = pose_path(*ends, scenario.radius).total_length
+            known[leg, a, b] = pose_path(*ends, scenario.radius).length
         return known[leg, a, b]
 
     for chosen in product(*ends):

@@ -82,7 +82,7 @@ def easier(question):
 def lying(question):
     class Liar(Path):
         end = Pose(question.scenario.target_x, question.scenario.target_y, 0.0)
-        total_length = 1.0
+        length = 1.0
 
     return Solution(Claim.OPTIMAL, path=Liar(question.scenario.start, [0.0], [1.0]))
 
@@ -147,24 +147,24 @@ def test_texts_that_no_row_holds(text):
 
 
 N = 3
-GOOD = {"curvature": np.zeros((2, N)), "length": np.ones((2, N)), "returned": np.ones(N, bool)}
+GOOD = {"curvatures": np.zeros((2, N)), "lengths": np.ones((2, N)), "returned": np.ones(N, bool)}
 ARRAYS = {
-    "big-endian": {"length": np.ones((2, N), ">f8")},
-    "integers": {"length": np.ones((2, N), int), "curvature": np.ones((2, N), np.int8)},
-    "read-only": {"length": np.broadcast_to(1.0, (2, N))},
-    "of objects": {"length": np.ones((2, N), object)},
-    "lists": {"length": [[1.0] * N] * 2},
-    "NaN": {"length": np.full((2, N), np.nan)},
-    "strided": {"length": np.ones((4, 2 * N))[::2, ::2]},
+    "big-endian": {"lengths": np.ones((2, N), ">f8")},
+    "integers": {"lengths": np.ones((2, N), int), "curvatures": np.ones((2, N), np.int8)},
+    "read-only": {"lengths": np.broadcast_to(1.0, (2, N))},
+    "of objects": {"lengths": np.ones((2, N), object)},
+    "lists": {"lengths": [[1.0] * N] * 2},
+    "NaN": {"lengths": np.full((2, N), np.nan)},
+    "strided": {"lengths": np.ones((4, 2 * N))[::2, ::2]},
     "claims": {"claim": np.ones(N, ">i4")},
     "bounds": {"lower_bound": np.ones(N, ">f4"), "claimed_length": [1, 2, 3]},
 }
 BAD_ARRAYS = {
-    "complex": ({"length": np.ones((2, N), complex)}, "length is an array of complex128"),
-    "of text": ({"length": np.full((2, N), "1_0")}, "length is an array of <U3"),
-    "of odd objects": ({"length": np.full((2, N), None)}, "length holds None"),
-    "durations": ({"length": np.ones((2, N), "m8[s]")}, "length is an array of timedelta64"),
-    "of one row": ({"length": np.ones(N)}, r"length has shape \(3,\); expected \(2, 3\)"),
+    "complex": ({"lengths": np.ones((2, N), complex)}, "lengths is an array of complex128"),
+    "of text": ({"lengths": np.full((2, N), "1_0")}, "lengths is an array of <U3"),
+    "of odd objects": ({"lengths": np.full((2, N), None)}, "lengths holds None"),
+    "durations": ({"lengths": np.ones((2, N), "m8[s]")}, "lengths is an array of timedelta64"),
+    "of one row": ({"lengths": np.ones(N)}, r"lengths has shape \(3,\); expected \(2, 3\)"),
     "numbers for flags": ({"returned": np.ones(N)}, "returned is an array of float64"),
     "few flags": ({"returned": np.ones(1, bool)}, r"returned has shape \(1,\); expected \(3,\)"),
     "claims that are NaN": ({"claim": np.full(N, np.nan)}, "claim is neither a Claim nor indices"),

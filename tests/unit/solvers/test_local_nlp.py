@@ -77,7 +77,7 @@ def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc():
     answer = solve(Scenario(0, 0, 0, 2e3, 4e3, 1e3), "ipopt[model=joint,order=LRS,options=default]")
 
     assert answer.word == "LRS"
-    assert answer.path.length[1] / 1e3 == pytest.approx(1.357e-3, rel=0.05)
+    assert answer.path.lengths[1] / 1e3 == pytest.approx(1.357e-3, rel=0.05)
     assert answer.gap < 1e-8
 
 
@@ -152,7 +152,7 @@ def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
     answer = solve(scenario, spec)
 
     assert answer.word == "LRS"
-    right = answer.path.length[1]
+    right = answer.path.lengths[1]
     expected = (mu * radius**2) ** (1 / 3)
     assert right == pytest.approx(expected, rel=0.1 + 2 * expected / radius)
     assert answer.gap < expected  # the length is right far beyond what the segments are

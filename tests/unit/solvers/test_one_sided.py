@@ -27,7 +27,7 @@ def test_no_claim_about_the_word(name, side, X, Y):
     """
     there = one_sided(X, Y)
     assert (there.end.x, there.end.y) == pytest.approx((X, Y), abs=1e-12)
-    assert there.length[0] > 0
+    assert there.lengths[0] > 0
     answer = solve(Scenario(0, 0, 0, X, side * Y, 1), name, "LS" if side > 0 else "RS")
 
     assert answer.claim not in (Claim.INFEASIBLE, Claim.OPTIMAL, Claim.LOCAL)

@@ -60,7 +60,7 @@ def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
     for point in points.T:
         path = as_path(scenario, SUBPROBLEMS[name], function.lengths(point))
         miss = math.hypot(path.end.x - scenario.target_x, path.end.y - scenario.target_y)
-        expected.append((path.total_length + 3.0 * miss) / scenario.radius)
+        expected.append((path.length + 3.0 * miss) / scenario.radius)
 
     np.testing.assert_allclose(function.at_each(points), expected, rtol=1e-13)
     np.testing.assert_allclose([function.at(point) for point in points.T], expected, rtol=1e-13)

@@ -215,10 +215,10 @@ def test_a_route_is_found_and_nothing_false_is_claimed(spec, name):
         assert math.remainder(path.end.heading - scenario.final_heading, 2 * math.pi) == (
             pytest.approx(0, abs=1e-6)
         )
-    assert solution.claimed_length == pytest.approx(path.total_length, abs=1e-5 * radius)
+    assert solution.claimed_length == pytest.approx(path.length, abs=1e-5 * radius)
     # the grid's route is longer than the shortest by about the square of its step, where D is
     # smooth; the paths found are local minima at the grid's or longer
-    assert path.total_length > least - 0.02 * radius
+    assert path.length > least - 0.02 * radius
 
 
 def test_the_final_heading_may_be_turns_away():
@@ -238,7 +238,7 @@ def test_one_leg_with_a_free_final_heading_is_a_route_too(spec):
     solution = ask(load(spec), Question(scenario), 10.0).solution
 
     assert solution.path is not None
-    assert solution.path.total_length == pytest.approx(shortest(scenario).total, abs=1e-6)
+    assert solution.path.length == pytest.approx(shortest(scenario).total, abs=1e-6)
     if spec == "route-nlp":
         # The duals of the end are the direction in which the path arrives; an interior point is
         # 1e-3 rad off, since an arc that costs the cube of its length is not quite zero.

@@ -141,7 +141,7 @@ def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
     short = solve(Scenario(0, 0, 0, 1.5, 0.5, 1), "shooting", "RL")
     long = solve(Scenario(0, 0, 0, 0.3, 1.2, 1), "shooting", "RL")
 
-    assert short.path.length[1] < math.pi < long.path.length[1]
+    assert short.path.lengths[1] < math.pi < long.path.lengths[1]
     assert short.verdict is long.verdict is Verdict.OPTIMAL
     assert "no extremal" in short.message
     assert "no extremal" not in long.message

@@ -43,7 +43,7 @@ def test_every_branch_at_every_kind_of_target(edge, branch, spec):
         return
     assert answer.verdict is Verdict.OPTIMAL
     assert abs(answer.gap) <= TINY[spec]
-    rate = answer.path.curvature * EDGES[edge].radius
+    rate = answer.path.curvatures * EDGES[edge].radius
     # dividing by the radius and multiplying again may cost a rounding
     assert rate.min(initial=0) >= RATES[branch].lower - 1e-15
     assert rate.max(initial=0) <= RATES[branch].upper + 1e-15

@@ -106,8 +106,8 @@ def check_path(scenario: Scenario, solution: Solution, solver: TurnRateQp, branc
     path = solution.path
     assert path is not None
     assert path.start == scenario.start
-    assert path.curvature.size in (0, solver.n)  # at the start there is nothing to drive
-    rate = path.curvature * scenario.radius
+    assert path.curvatures.size in (0, solver.n)  # at the start there is nothing to drive
+    rate = path.curvatures * scenario.radius
     bounds = RATES[branch]
     # dividing by the radius and multiplying again may cost a rounding
     assert rate.min(initial=0) >= bounds.lower - 1e-15

@@ -51,21 +51,21 @@ def test_the_papers_feasible_row_is_an_extremal_and_no_more(problem):
     """LS where RS is best satisfies every condition, and the cut rejects it (derivation.md, 9)."""
     scenario = PAPER[problem]
     both = [shortest_path(scenario, word) for word in ("LS", "RS")]
-    longer = max(both, key=lambda path: path.total_length)
+    longer = max(both, key=lambda path: path.length)
     found = certified(scenario, longer)
 
     assert found.proof is Proof.EXTREMAL
     assert found.pmp_residual < 1e-9
     assert found.cut_margin < 0
-    assert found.reference_high < longer.total_length
+    assert found.reference_high < longer.length
 
 
 def test_a_short_path_that_is_no_extremal_is_not_proved():
     """Forty steps that average to the shortest path's turn: optimal to four digits, unproved."""
     path = shortest_path(PROBLEM)
     wobble = 1 + 1e-3 * np.sin(np.arange(40))
-    arc, straight = path.length
-    curvature = np.concatenate((np.full(40, path.curvature[0]), [0.0]))
+    arc, straight = path.lengths
+    curvature = np.concatenate((np.full(40, path.curvatures[0]), [0.0]))
     lengths = np.concatenate((arc / 40 * wobble / wobble.mean(), [straight]))
     same = Path(PROBLEM.start, curvature * np.append(1 / wobble, 1), lengths * np.append(wobble, 1))
     found = judge(PROBLEM, same, Claim.LOCAL, tolerances=Tolerances(miss=1, curvature=1, gap=1e-2))
@@ -77,15 +77,15 @@ def test_a_short_path_that_is_no_extremal_is_not_proved():
 def test_a_bound_proves_what_no_condition_does():
     """A global solver's own bound, if it is within the tolerance; it names no extremal."""
     exact = shortest_path(PROBLEM)
-    arc, straight = exact.length
+    arc, straight = exact.lengths
     # an arc of 1e-5 the other way makes it no extremal, and no longer to speak of
-    path = Path(PROBLEM.start, [*exact.curvature[:1], 1.0, 0.0], [arc + 1e-5, 1e-5, straight])
-    length = path.total_length
+    path = Path(PROBLEM.start, [*exact.curvatures[:1], 1.0, 0.0], [arc + 1e-5, 1e-5, straight])
+    length = path.length
     found = judge(PROBLEM, path, Claim.OPTIMAL, tolerances=Tolerances(miss=1e-3))
 
     assert found.verdict is Verdict.OPTIMAL
     assert certify(PROBLEM, path, found).proof is not Proof.PROVED
-    bounded = certify(PROBLEM, path, found, lower_bound=exact.total_length * (1 - 1e-7))
+    bounded = certify(PROBLEM, path, found, lower_bound=exact.length * (1 - 1e-7))
     assert bounded.proof is Proof.BOUNDED
     for bound in (length - 0.1, length + 0.1, math.inf):
         loose = certify(PROBLEM, path, found, lower_bound=bound)
@@ -221,7 +221,7 @@ def test_what_is_as_short_as_the_shortest_may_be_an_extremal(curvature, length):
 
     assert found.proof is Proof.EXTREMAL
     assert found.cut_margin is None
-    assert path.total_length == pytest.approx(found.reference_low, rel=1e-12)
+    assert path.length == pytest.approx(found.reference_low, rel=1e-12)
 
 
 def test_a_straight_that_bends_is_no_straight():

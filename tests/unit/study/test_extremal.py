@@ -44,7 +44,7 @@ def driven(path: Path, nu, nu0: float, radius: float):
     x, y, heading = path.end
     state = np.array([x, y, heading, 0.0]) / np.array([radius, radius, 1, 1])
     largest, least = 0.0, math.inf
-    arcs = zip(path.curvature[::-1] * radius, path.length[::-1] / radius, strict=True)
+    arcs = zip(path.curvatures[::-1] * radius, path.lengths[::-1] / radius, strict=True)
     for u, length in arcs:
 
         def field(s, z, u=u):
@@ -69,13 +69,13 @@ def test_costates_against_an_ode_integrator(name):
     """With the costates found, the integrated Hamiltonian is zero and every turn has its sign."""
     scenario = (PAPER | EDGES)[name]
     path = shortest_path(scenario)
-    if path is None or not path.length.size:
+    if path is None or not path.lengths.size:
         pytest.skip("nothing to drive")
     found = certified(path, scenario.radius)
     H, margin = driven(path, found.nu, 0.0 if found.abnormal else 1.0, scenario.radius)
 
     # the integrator's 1e-12 grows with the length in radii, and with the costates' size
-    allowed = 1e-9 * (1 + path.total_length / scenario.radius) * max(1, math.hypot(*found.nu))
+    allowed = 1e-9 * (1 + path.length / scenario.radius) * max(1, math.hypot(*found.nu))
     assert found.pmp_residual <= ROUNDING
     assert allowed >= H
     assert margin >= -allowed

@@ -30,7 +30,7 @@ def test_a_path_whose_end_no_scenario_may_have_is_judged():
     """Found by fuzzing: the end of an answer may lie beyond the largest coordinate."""
     scenario = Scenario(0, 0, 0.5, -1e150, 1e149, 1e150)
     exact = solve(scenario)
-    beyond = Path(scenario.start, exact.path.curvature, exact.path.length * (1 - 1e-9))
+    beyond = Path(scenario.start, exact.path.curvatures, exact.path.lengths * (1 - 1e-9))
     at_edge = Path(scenario.start, [0.0], [1.0])
     for path in (exact.path, beyond, at_edge):
         found = judge(scenario, path, Claim.OPTIMAL)
@@ -76,14 +76,14 @@ def test_the_check_never_raises(scenario, pieces, in_radii, branch, bound, exact
     path = Path(scenario.start, curvature, length)
     if exact:  # next to the answer, and so near the target
         answer = solve(scenario, branch=branch).path
-        path = answer and Path(scenario.start, answer.curvature, answer.length * (1 - 1e-9))
+        path = answer and Path(scenario.start, answer.curvatures, answer.lengths * (1 - 1e-9))
     judged = judge(scenario, path, Claim.OPTIMAL, branch)
     found = certify(scenario, path, judged, branch, lower_bound=bound)
 
     assert judged.verdict in Verdict
     assert found.proof in Proof
-    if path is not None and len(path.length) == 2:
+    if path is not None and len(path.lengths) == 2:
         frame = check_frame(scenario_frame([scenario]))
-        both = Paths(path.curvature[:, None], path.length[:, None])
+        both = Paths(path.curvatures[:, None], path.lengths[:, None])
         rows = judge_frame(frame, both, Claim.OPTIMAL, branch)
         assert len(certify_frame(frame, both, rows, branch).proof) == 1

@@ -45,7 +45,7 @@ def test_samples_lie_on_the_path(pieces, n):
     np.testing.assert_allclose(poses[0], path.start, atol=1e-12)
     np.testing.assert_allclose(poses[-1], path.end, atol=1e-9)
     steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
-    assert (steps <= path.total_length / (n - 1) + 1e-9).all()
+    assert (steps <= path.length / (n - 1) + 1e-9).all()
 
 
 @given(arcs, st.floats(0.05, 3))
@@ -56,12 +56,12 @@ def test_a_frame_of_samples(pieces, step):
 
     assert list(frame) == ["s", "x", "y", "heading", "curvature"]
     np.testing.assert_array_equal(frame[["x", "y", "heading"]], path.at(frame["s"]))
-    assert (frame["s"].iloc[0], frame["s"].iloc[-1]) == (0.0, path.total_length)
+    assert (frame["s"].iloc[0], frame["s"].iloc[-1]) == (0.0, path.length)
     steps = np.diff(frame["s"])
     np.testing.assert_allclose(steps[:-1], step, rtol=1e-9)
     assert (steps[-1:] <= step * (1 + 1e-9)).all()
     # the heading a little later, by the curvature: the samples are not at the ends of arcs
-    ends = np.concatenate(([0.0], np.cumsum(path.length)))
+    ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     inside = [np.abs(ends - s).min() > 1e-3 for s in frame["s"]]
     turned = path.at(frame["s"] + 1e-4)[:, 2] - frame["heading"]
     np.testing.assert_allclose(
@@ -90,9 +90,9 @@ def test_chords_of_geojson_are_near_their_arcs(pieces, share):
     line = np.array(feature["geometry"]["coordinates"]).reshape(-1, 2)
     properties = feature["properties"]
 
-    kind = "LineString" if path.length.any() else "Point"
+    kind = "LineString" if path.lengths.any() else "Point"
     assert (feature["type"], feature["geometry"]["type"]) == ("Feature", kind)
-    assert (properties["length"], properties["verdict"]) == (path.total_length, "optimal")
+    assert (properties["length"], properties["verdict"]) == (path.length, "optimal")
     np.testing.assert_allclose(line[0], path.start[:2])
     np.testing.assert_allclose(line[-1], path.end[:2], atol=1e-12)
     allowed = properties["chord_error"] + 1e-9
@@ -149,13 +149,13 @@ def test_mirror_and_scale(pieces, factor):
     x, y, heading = path.end
 
     start = path.start
-    mirrored = Path(Pose(start.x, -start.y, -start.heading), -path.curvature, path.length)
+    mirrored = Path(Pose(start.x, -start.y, -start.heading), -path.curvatures, path.lengths)
     np.testing.assert_allclose(mirrored.end, (x, -y, -heading), atol=1e-9)
     assert mirrored.word() == path.word().translate(str.maketrans("LR", "RL"))
     scaled_start = Pose(start.x * factor, start.y * factor, start.heading)
-    scaled = Path(scaled_start, path.curvature / factor, path.length * factor)
+    scaled = Path(scaled_start, path.curvatures / factor, path.lengths * factor)
     np.testing.assert_allclose(scaled.end, (x * factor, y * factor, heading), rtol=1e-9, atol=1e-9)
-    assert scaled.total_length == pytest.approx(path.total_length * factor)
+    assert scaled.length == pytest.approx(path.length * factor)
     assert scaled.word() == path.word()
 
 
@@ -178,7 +178,7 @@ def test_words(pieces, word):
 
 
 def test_shapes_must_agree():
-    with pytest.raises(ValueError, match=r"shape \(2,\) and length \(1,\)"):
+    with pytest.raises(ValueError, match=r"shape \(2,\) and lengths \(1,\)"):
         Path(Pose(0, 0, 0), [1, 2], [1])
 
 
@@ -186,4 +186,4 @@ def test_a_path_cannot_be_changed():
     path = Path(Pose(0, 0, 0), [1], [1])
 
     with pytest.raises(ValueError, match="read-only"):
-        path.length[0] = 2
+        path.lengths[0] = 2

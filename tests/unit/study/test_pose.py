@@ -75,7 +75,7 @@ def test_paths_arrive():
         start, end, radius = poses_of(row)
         for word in WORDS6:
             path = pose_path(start, end, radius, word)
-            if path is not None and path.total_length < 30 * radius:
+            if path is not None and path.length < 30 * radius:
                 x, y, heading = integrated(path, radius)
                 off = math.hypot(x - end.x, y - end.y) / radius
                 assert off < 1e-7, (row, word)

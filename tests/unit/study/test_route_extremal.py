@@ -58,7 +58,7 @@ def test_costates_are_derivatives_of_lengths(seed, free):
     """nu3 is what a turned heading costs the leg before, or saves the leg after: by differences."""
     scenario = route(seed, 4.2, free)  # legs whose lengths are smooth
     found = shortest_route(scenario, 20.0)
-    headings = found.path.at([0.0, *found.at, found.path.total_length])[:, 2]
+    headings = found.path.at([0.0, *found.at, found.path.length])[:, 2]
     measured = route_extremal(found.path, found.at, 1.0, free)
     fitted = route_costates(list(route_legs(found.path, found.at, 1.0)), free)
     assert measured is not None
@@ -87,11 +87,11 @@ def test_shortest_routes_of_short_legs_are_extremals(seed):
     assert measured is not None
     assert measured.pmp_residual < 1e-9
     # cut into small pieces it is the same path
-    parts = np.full(found.path.length.size, 7)
+    parts = np.full(found.path.lengths.size, 7)
     cut = Path(
         found.path.start,
-        np.repeat(found.path.curvature, parts),
-        np.repeat(found.path.length / parts, parts),
+        np.repeat(found.path.curvatures, parts),
+        np.repeat(found.path.lengths / parts, parts),
     )
     again = route_extremal(cut, found.at, 1.0, scenario.final_heading is None)
     assert again is not None
@@ -104,19 +104,19 @@ def test_a_turned_heading_is_no_extremal(seed, off):
     """The residual is as large as what turning one heading gains, but for a factor."""
     scenario = route(seed, 4.2, True)
     found = shortest_route(scenario, 20.0)
-    headings = found.path.at([0.0, *found.at, found.path.total_length])[:, 2]
+    headings = found.path.at([0.0, *found.at, found.path.length])[:, 2]
     headings[1] += off
     points = [Pose(x, y, a) for (x, y), a in zip(scenario.points, headings, strict=True)]
     legs = [pose_path(a, b, 1.0) for a, b in pairwise(points)]
     path = Path(
         scenario.start,
-        np.concatenate([leg.curvature for leg in legs]),
-        np.concatenate([leg.length for leg in legs]),
+        np.concatenate([leg.curvatures for leg in legs]),
+        np.concatenate([leg.lengths for leg in legs]),
     )
     before, after, *_ = legs_of(scenario, headings)
     jump = abs(slope(before, 3) + slope(after, 2))
 
-    at = np.cumsum([leg.total_length for leg in legs])[:-1]
+    at = np.cumsum([leg.length for leg in legs])[:-1]
     measured = route_extremal(path, tuple(at), 1.0, True)
 
     assert measured is not None
@@ -174,7 +174,7 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
         for dx, dy in ((STEP, 0), (-STEP, 0), (0, STEP), (0, -STEP))
     ]
     if all(moved):
-        right, left, up, down = (other.total_length for other in moved)
+        right, left, up, down = (other.length for other in moved)
         if max(right, left, up, down) - min(right, left, up, down) < 1:  # no jump between them
             expected = (left - right) / (2 * STEP), (down - up) / (2 * STEP)
             size = max(1.0, math.hypot(*expected))

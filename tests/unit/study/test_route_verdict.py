@@ -36,9 +36,9 @@ NO_TIME = Tolerances(search_s=1e-9)
 
 def shifted(path: Path, legs: int, by: float) -> Path:
     """The path with its first arc longer by `by` of its own units."""
-    lengths = path.length.copy()
+    lengths = path.lengths.copy()
     lengths[legs] += by
-    return Path(path.start, path.curvature, lengths)
+    return Path(path.start, path.curvatures, lengths)
 
 
 @pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
@@ -97,7 +97,7 @@ def test_a_via_point_may_be_missed_by_a_millionth_of_the_radius(by, verdict):
         route = replace(ROUTE, radius=radius, target_x=10 * radius, target_y=5 * radius)
         route = replace(route, via=[(4 * radius, radius), (6 * radius, -2 * radius)])
         path = solve(route).path
-        heading = path.at(np.cumsum(path.length))[:, 2]
+        heading = path.at(np.cumsum(path.lengths))[:, 2]
         # across the path, where no other point of it is nearer
         [(x, y), second] = route.via
         across = next(
@@ -140,7 +140,7 @@ def test_points_in_another_order_are_missed():
 
 def test_a_path_that_passes_the_target_and_drives_on_misses():
     path = solve(FREE).path
-    on = Path(path.start, [*path.curvature, 0.0], [*path.length, 1.0])
+    on = Path(path.start, [*path.curvatures, 0.0], [*path.lengths, 1.0])
 
     assert judge(FREE, on).verdict is Verdict.MISSES
 
@@ -148,16 +148,18 @@ def test_a_path_that_passes_the_target_and_drives_on_misses():
 @pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
 def test_a_detour_is_longer(scenario):
     path = solve(scenario).path
-    circle = Path(path.start, [1.0, *path.curvature], [2 * math.pi / scenario.radius, *path.length])
+    circle = Path(
+        path.start, [1.0, *path.curvatures], [2 * math.pi / scenario.radius, *path.lengths]
+    )
 
     found = judge(scenario, circle, Claim.OPTIMAL)
 
     assert found.verdict is Verdict.LONGER
     assert found.wrong_basin
     assert found.false_claim
-    assert found.gap == pytest.approx(2 * math.pi / path.total_length)
+    assert found.gap == pytest.approx(2 * math.pi / path.length)
     # an arc that is a turn longer satisfies Pontryagin's conditions as well, another arc does not
-    same_side = path.curvature[0] > 0
+    same_side = path.curvatures[0] > 0
     proof = Proof.EXTREMAL if same_side else Proof.NONE
     assert certify(scenario, circle, found).proof is proof
 
@@ -211,11 +213,11 @@ def test_what_the_interval_leaves_open_is_undecided():
     assert judge(FREE, path, Claim.INFEASIBLE, tolerances=NO_TIME).false_claim
     certificate = certify(FREE, path, found, tolerances=NO_TIME)
     assert certificate.proof is Proof.EXTREMAL
-    assert certificate.reference_low < 0.999 * path.total_length
-    bounded = certify(FREE, path, found, lower_bound=path.total_length, tolerances=NO_TIME)
+    assert certificate.reference_low < 0.999 * path.length
+    bounded = certify(FREE, path, found, lower_bound=path.length, tolerances=NO_TIME)
     assert bounded.proof is Proof.BOUNDED
 
-    circles = Path(path.start, [1.0, *path.curvature], [20 * math.pi, *path.length])
+    circles = Path(path.start, [1.0, *path.curvatures], [20 * math.pi, *path.lengths])
     assert judge(FREE, circles, tolerances=NO_TIME).verdict is Verdict.LONGER
 
 
@@ -274,12 +276,12 @@ def test_missing_by_a_little_buys_no_turn(via):
     if via:  # the same as the first leg of a route
         there = solve(Scenario(*path.end, target_x=-3, target_y=2, final_heading=1)).path
         scenario = Scenario(target_x=-3, target_y=2, via=[last[:2]], final_heading=1)
-        path = Path(path.start, [1.0, *there.curvature], [arc, *there.length])
+        path = Path(path.start, [1.0, *there.curvatures], [arc, *there.lengths])
 
     found = judge(scenario, path, Claim.OPTIMAL)
     proved = certify(scenario, path, found)
 
-    assert proved.reference_low > path.total_length + 1
+    assert proved.reference_low > path.length + 1
     assert found.verdict is not Verdict.MISSES
     assert found.gap > -1e-5
     assert found.miss == pytest.approx(5e-7, rel=1e-3)
@@ -295,7 +297,7 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
     x, y, heading = arc.end
     away = rng.uniform(3, 8, 2) * (math.cos(heading), math.sin(heading))
     there = solve(Scenario(*arc.end, x + away[0], y + away[1])).path
-    path = Path(arc.start, [1.0, *there.curvature], [*arc.length, *there.length])
+    path = Path(arc.start, [1.0, *there.curvatures], [*arc.lengths, *there.lengths])
     scenario = Scenario(*arc.start, x + away[0], y + away[1], via=[(x, y)])
     quick = Tolerances(search_s=0.5)
 
@@ -303,7 +305,7 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
 
     assert found.verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
     certificate = certify(scenario, path, found, tolerances=quick)
-    assert certificate.reference_low <= path.total_length * (1 + 1e-9)
+    assert certificate.reference_low <= path.length * (1 + 1e-9)
     assert certificate.proof in (Proof.PROVED, Proof.EXTREMAL)
 
 
@@ -379,13 +381,13 @@ def test_a_via_point_on_the_way_changes_nothing(seed):
     scenario = random_route(seed)
     path = solve(scenario).path
     # in the middle of its longest straight: on an arc, rounding may put it inside the circle
-    straight = int(np.argmax(np.where(path.curvature == 0, path.length, 0)))
-    at = path.length[:straight].sum() + path.length[straight] / 2
+    straight = int(np.argmax(np.where(path.curvatures == 0, path.lengths, 0)))
+    at = path.lengths[:straight].sum() + path.lengths[straight] / 2
     x, y = path.at(at)[0, :2]
     after = sum(at > s for s in visits(path, scenario.via, 1, 1e-6).at)
     more = replace(scenario, via=[*scenario.via[:after], (x, y), *scenario.via[after:]])
 
     answer = solve(more)
 
-    assert answer.length == pytest.approx(path.total_length, rel=1e-8)
+    assert answer.length == pytest.approx(path.length, rel=1e-8)
     assert judge(more, path).verdict is Verdict.OPTIMAL

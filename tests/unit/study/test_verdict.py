@@ -127,7 +127,7 @@ def test_an_exact_answer_that_lands_across_the_circle_is_not_punished():
     """The long path to a target 1e-9 inside, ended 2e-9 off on the outer side, is still right."""
     inside = on_left_circle(0.3, inside=1e-9)
     path = shortest_path(inside)
-    nudged = Path(path.start, path.curvature, path.length - [0, 3e-9])
+    nudged = Path(path.start, path.curvatures, path.lengths - [0, 3e-9])
 
     found = judge(inside, nudged, Claim.LOCAL)
 
@@ -145,7 +145,7 @@ def test_near_the_rear_a_miss_explains_more():
 
     found = judge(scenario, path)
 
-    assert path.total_length < shortest_path(scenario).total_length
+    assert path.length < shortest_path(scenario).length
     assert found.verdict is Verdict.OPTIMAL
 
 
@@ -172,7 +172,7 @@ def test_one_sided_turning_is_never_shorter_than_ls(scenario, pieces):
     best = shortest_path(moved, "LS")
 
     if best is not None:
-        assert best.total_length <= path.total_length + 1e-9 * radius
+        assert best.length <= path.length + 1e-9 * radius
 
 
 def test_claims_of_infeasibility():
@@ -188,7 +188,7 @@ def test_claims_of_infeasibility():
 def test_tolerances_decide():
     """The same path is optimal or longer by the gap that is allowed."""
     path = shortest_path(PROBLEM)
-    stretched = Path(path.start, path.curvature, path.length * [1, 1 + 5e-5])
+    stretched = Path(path.start, path.curvatures, path.lengths * [1, 1 + 5e-5])
     end = stretched.end
     moved = replace(PROBLEM, target_x=end.x, target_y=end.y)
     assert judge(moved, stretched).verdict is Verdict.OPTIMAL

@@ -54,7 +54,7 @@ def test_a_longer_path_of_a_tie_is_in_the_right_basin():
     """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
     behind = Scenario(0, 0, 0, -1, 0, 1)
     paths = [shortest_path(replace(behind, radius=1.1), word) for word in ("LS", "RS")]
-    controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvature", "length"))
+    controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvatures", "lengths"))
     found = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
 
     assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2

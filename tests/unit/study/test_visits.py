@@ -37,7 +37,7 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
     sampled = float(np.hypot(*(samples - point).T).min())
     assert sampled >= seen.miss - 1e-12 * radius
     # between samples the distance changes by at most half the way from one to the next
-    assert sampled <= seen.miss + path.total_length / 40_000 + 1e-12 * radius
+    assert sampled <= seen.miss + path.length / 40_000 + 1e-12 * radius
     there = path.at(seen.at[0])[0, :2]
     assert np.hypot(*(there - point)) == pytest.approx(seen.miss, abs=1e-9 * radius)
 
@@ -47,7 +47,7 @@ def test_points_of_a_path_are_visited_in_their_order_and_as_early_as_samples_say
     rng = np.random.default_rng(seed)
     radius = 10.0 ** rng.uniform(-3, 3)
     path = random_path(rng, radius)
-    driven = np.sort(rng.uniform(0, path.total_length, 4))
+    driven = np.sort(rng.uniform(0, path.length, 4))
     via = [(x, y) for x, y in path.at(driven)[:, :2].tolist()]
     allowed = 1e-3 * radius  # which samples can resolve
 
@@ -55,9 +55,9 @@ def test_points_of_a_path_are_visited_in_their_order_and_as_early_as_samples_say
 
     assert seen.miss <= allowed
     assert list(seen.at) == sorted(seen.at)
-    samples, s = path.sample(40_001)[:, :2], np.linspace(0, path.total_length, 40_001)
+    samples, s = path.sample(40_001)[:, :2], np.linspace(0, path.length, 40_001)
     after = 0.0
-    step = path.total_length / 40_000
+    step = path.length / 40_000
     for (x, y), at, on_path in zip(via, seen.at, driven, strict=True):
         near = np.hypot(*(samples - (x, y)).T) <= allowed
         # the least distance comes at most `allowed` of way, or half a turn, after the first entry
@@ -127,7 +127,7 @@ def test_legs_end_where_points_are_visited():
     first, second, third = legs(path, (1.0, 3.0), 1)
 
     assert first.word() == "L"
-    assert (second.word(), second.total_length) == ("S", 2.0)
+    assert (second.word(), second.length) == ("S", 2.0)
     assert third.word() == "SR"
     assert third.start == pytest.approx(path.at(3.0)[0])
 

@@ -46,7 +46,7 @@ class TwoArcs(Solver):
         best, claim, tried = None, Claim.LOCAL, 0
         for path in (path for word in words for path in self.paths(question.scenario, word)):
             tried += 1
-            if path is not None and (best is None or path.total_length < best.total_length):
+            if path is not None and (best is None or path.length < best.length):
                 best = path
             if perf_counter() > end:
                 claim = Claim.LIMIT
@@ -54,7 +54,7 @@ class TwoArcs(Solver):
         if best is None:
             claim = Claim.LIMIT if claim is Claim.LIMIT else Claim.FAILED
             return Solution(claim, message=f"no root from {tried} guesses", evaluations=tried)
-        return Solution(claim, best, claimed_length=best.total_length, evaluations=tried)
+        return Solution(claim, best, claimed_length=best.length, evaluations=tried)
 
     def paths(self, scenario: Scenario, word: str) -> Iterator[Path | None]:
         """For each guess the path of a word that arrives, or None."""

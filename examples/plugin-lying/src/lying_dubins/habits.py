@@ -143,8 +143,8 @@ class Gambles(Habit):
         if answer.path is None:
             return answer
         share = np.random.default_rng().uniform(0.1, 0.9)
-        first, *rest = answer.path.length
-        curvature = np.insert(answer.path.curvature, 0, answer.path.curvature[0])
+        first, *rest = answer.path.lengths
+        curvature = np.insert(answer.path.curvatures, 0, answer.path.curvatures[0])
         length = np.array([share * first, (1 - share) * first, *rest])
         return replace(answer, path=replace(answer.path, curvature=curvature, length=length))
 

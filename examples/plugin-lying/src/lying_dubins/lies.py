@@ -38,8 +38,8 @@ def _path(change: Callable[[Scenario, Path], Path]) -> Callable[[Question], Solu
 
 
 def _controls(
-    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvature,
-    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.length,
+    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvatures,
+    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.lengths,
 ) -> Callable[[Question], Solution]:
     """A lie that changes the right controls."""
     return _path(lambda s, p: Path(p.start, curvature(s, p), length(s, p)))
@@ -53,7 +53,7 @@ def _asked(change: Callable[[Scenario], Scenario]) -> Callable[[Question], Solut
         path = answer.path
         if path is None:
             return answer
-        return replace(answer, path=Path(question.scenario.start, path.curvature, path.length))
+        return replace(answer, path=Path(question.scenario.start, path.curvatures, path.lengths))
 
     return tell
 
@@ -78,17 +78,17 @@ def _optimal(tell: Callable[[Question], Solution]) -> Callable[[Question], Solut
 
 
 def _with_radius(path: Path) -> np.ndarray:
-    turning = path.curvature != 0
-    return np.where(turning, 1 / np.where(turning, path.curvature, 1.0), 0.0)
+    turning = path.curvatures != 0
+    return np.where(turning, 1 / np.where(turning, path.curvatures, 1.0), 0.0)
 
 
 def _turns(path: Path, factor: float) -> np.ndarray:
-    return np.where(path.curvature != 0, path.length * factor, path.length)
+    return np.where(path.curvatures != 0, path.lengths * factor, path.lengths)
 
 
 def _flip_last(path: Path) -> np.ndarray:
     """The curvatures, the last of two turns to the other side."""
-    flipped = path.curvature.copy()
+    flipped = path.curvatures.copy()
     if flipped.size == 2 and flipped.all():
         flipped[-1] = -flipped[-1]
     return flipped
@@ -98,12 +98,12 @@ def _two_words(question: Question, _: Solution) -> Solution:
     """The paper's claim: LS or RS is always the shortest."""
     s = question.scenario
     paths = [answer.path for word in ("LS", "RS") if (answer := honest(s, word)).path is not None]
-    return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.total_length))
+    return Solution(Claim.OPTIMAL, min(paths, key=lambda path: path.length))
 
 
 def _only_two_words(question: Question, right: Solution) -> Solution:
     path = right.path
-    if path is not None and path.length[-1] > 0 and path.curvature[-1] != 0:
+    if path is not None and path.lengths[-1] > 0 and path.curvatures[-1] != 0:
         return Solution(Claim.INFEASIBLE)
     return right
 
@@ -111,22 +111,22 @@ def _only_two_words(question: Question, right: Solution) -> Solution:
 # lies about what a path is made of
 PATHS = {
     "radius as curvature": _controls(lambda s, p: _with_radius(p)),
-    "lengths in radii": _controls(length=lambda s, p: p.length / s.radius),
+    "lengths in radii": _controls(length=lambda s, p: p.lengths / s.radius),
     "path of radius 1": _controls(
-        lambda s, p: p.curvature * s.radius, lambda s, p: p.length / s.radius
+        lambda s, p: p.curvatures * s.radius, lambda s, p: p.lengths / s.radius
     ),
     "angles": _controls(length=lambda s, p: _turns(p, 1 / s.radius)),
-    "turn rates": _controls(lambda s, p: p.curvature * s.speed),
+    "turn rates": _controls(lambda s, p: p.curvatures * s.speed),
     "positions": _path(lambda s, p: Path(p.start, p.sample(20)[:, 0], p.sample(20)[:, 1])),
-    "left is right": _controls(lambda s, p: -p.curvature),
+    "left is right": _controls(lambda s, p: -p.curvatures),
     "one turn to the wrong side": _controls(lambda s, p: _flip_last(p)),
-    "from the target": _path(lambda s, p: Path(p.end, p.curvature[::-1], p.length[::-1])),
-    "swapped arrays": _controls(lambda s, p: p.length, lambda s, p: p.curvature),
-    "negative length": _controls(length=lambda s, p: -p.length),
-    "not a number": _controls(length=lambda s, p: p.length * math.nan),
-    "nearly there": _controls(length=lambda s, p: p.length * (1 + 1e-4)),
+    "from the target": _path(lambda s, p: Path(p.end, p.curvatures[::-1], p.lengths[::-1])),
+    "swapped arrays": _controls(lambda s, p: p.lengths, lambda s, p: p.curvatures),
+    "negative length": _controls(length=lambda s, p: -p.lengths),
+    "not a number": _controls(length=lambda s, p: p.lengths * math.nan),
+    "nearly there": _controls(length=lambda s, p: p.lengths * (1 + 1e-4)),
     "start in degrees": _path(
-        lambda s, p: Path((s.x, s.y, math.degrees(s.heading)), p.curvature, p.length)
+        lambda s, p: Path((s.x, s.y, math.degrees(s.heading)), p.curvatures, p.lengths)
     ),
 }
 # lies about the question
@@ -144,17 +144,15 @@ CLAIMS = {
     "needless turns": _optimal(
         _controls(
             length=lambda s, p: np.where(
-                p.curvature != 0, p.length + 2 * math.pi * s.radius, p.length
+                p.curvatures != 0, p.lengths + 2 * math.pi * s.radius, p.lengths
             )
         )
     ),
     "infeasible": _answer(_only_two_words),
     "no path": _answer(lambda q, right: Solution(Claim.LOCAL)),
-    "high bound": _answer(
-        lambda q, right: replace(right, lower_bound=1.01 * right.path.total_length)
-    ),
+    "high bound": _answer(lambda q, right: replace(right, lower_bound=1.01 * right.path.length)),
     "claimed time": _answer(
-        lambda q, right: replace(right, claimed_length=right.path.total_length / q.scenario.speed)
+        lambda q, right: replace(right, claimed_length=right.path.length / q.scenario.speed)
     ),
 }
 

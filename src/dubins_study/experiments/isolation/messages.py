@@ -111,7 +111,7 @@ def decode_question(values: list[Any]) -> Question:
 def _encode_path(path: Path | None) -> list[Any] | None:
     if path is None:
         return None
-    arrays = path.curvature.tobytes() + path.length.tobytes()
+    arrays = path.curvatures.tobytes() + path.lengths.tobytes()
     return [*map(float, path.start), b2a_base64(arrays, newline=False).decode()]
 
 

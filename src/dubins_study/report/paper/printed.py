@@ -117,9 +117,9 @@ def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
     A turn counts with the length that it would have at the full rate, the rest of its length as
     straight; for an arc at the full rate, the paper's only kind, that is the arc's own length.
     """
-    turn = path.curvature * path.length * radius
+    turn = path.curvatures * path.lengths * radius
     left, right = float(turn[turn > 0].sum()), float(-turn[turn < 0].sum())
-    return left, right, path.total_length - left - right, path.total_length
+    return left, right, path.length - left - right, path.length
 
 
 def compare(paths: dict[tuple[str, str], Path]) -> pd.DataFrame:
@@ -153,7 +153,7 @@ def _ranked(
     both = [(b, paths[row.label, b]) for b in ("LS", "RS") if (row.label, b) in paths]
     if len(both) < 2:
         return None, None
-    both.sort(key=lambda item: item[1].total_length)
+    both.sort(key=lambda item: item[1].length)
     word, path = both[0 if row.path == "optimal" else 1]
     return word, segments(path, PROBLEMS[row.label].radius)
 

@@ -55,9 +55,9 @@ def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
         records.append(
             {
                 **{"source": source, "label": label, "legs": scenario.legs, "printed": printed},
-                **{"length": path.total_length, "low": float(low), "high": float(high)},
+                **{"length": path.length, "low": float(low), "high": float(high)},
                 "width": (high - low) / max(high, scenario.radius),
-                **compared(printed, path.total_length, low, high),
+                **compared(printed, path.length, low, high),
                 "expected": expected,
                 "word": words_of(path, at, scenario.radius),
             }

@@ -74,7 +74,7 @@ def left_over(results: Results) -> pd.DataFrame:
     mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
     paths = [results.path(index) for index in rows.index]
-    turns = [math.nan if p is None else p.length[p.curvature < 0].sum() for p in paths]
+    turns = [math.nan if p is None else p.lengths[p.curvatures < 0].sum() for p in paths]
     z2 = pd.Series(turns, rows.index, dtype=float)
     z2 = z2.mask(z2 < _ROUNDING * rows["radius"], 0.0)
     return rows.assign(

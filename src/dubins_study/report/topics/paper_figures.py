@@ -145,7 +145,7 @@ def feasible_picture() -> Picture:
     """Figure 3.1 for a target of our own."""
     paths = {word: shortest_path(_FEASIBLE, word) for word in ("LS", "RS")}
     frame = pd.DataFrame(
-        {"branch": word, "path": path, "length": path.total_length}
+        {"branch": word, "path": path, "length": path.length}
         for word, path in paths.items()
         if path is not None
     )
@@ -198,7 +198,7 @@ def problem_paths(results: Results, problem: int) -> pd.DataFrame:
     """
     paths = word_paths(results, EXACT)
     records = [
-        {"label": label, "branch": branch, "path": path, "length": path.total_length}
+        {"label": label, "branch": branch, "path": path, "length": path.length}
         for (label, branch), path in paths.items()
         if label.startswith(f"problem {problem}")
     ]

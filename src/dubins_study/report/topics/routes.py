@@ -270,10 +270,10 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     Faint circles are those that the path drives on; arrows are headings, that at the target only
     if it is given. The legend has the word and the length, and the kinds of pieces.
     """
-    ends = np.concatenate(([0.0], np.cumsum(path.length)))
-    straight = RIPPLE * float(np.abs(path.curvature).max(initial=0.0))
+    ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
+    straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
     kinds: dict[str, Any] = {}
-    for k, (begin, end) in zip(path.curvature.tolist(), pairwise(ends.tolist()), strict=True):
+    for k, (begin, end) in zip(path.curvatures.tolist(), pairwise(ends.tolist()), strict=True):
         if not end > begin:
             continue
         letter = "S" if abs(k) <= straight else "L" if k > 0 else "R"
@@ -300,7 +300,7 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     plot_start_and_target(ax, path.start, target, scenario.final_heading)
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.07)
-    title = f"{name}: length {digits(6)(path.total_length)}"
+    title = f"{name}: length {digits(6)(path.length)}"
     ax.legend(
         handles=[kinds[letter] for letter in _TURNS if letter in kinds],
         loc="lower left",

@@ -307,8 +307,8 @@ def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
         return {"arcs": [[_rounded(k, 7), _rounded(s, 7)] for k, s in arcs]}
     path = Path(Pose(row["x"], row["y"], row["heading"]), curvature, length)
     with np.errstate(all="ignore"):
-        turned = float(np.abs(path.curvature * path.length).sum())
-        if (path.length < 0).any() or not math.isfinite(turned + path.total_length):
+        turned = float(np.abs(path.curvatures * path.lengths).sum())
+        if (path.lengths < 0).any() or not math.isfinite(turned + path.length):
             return None
         wanted = _FEWEST_POINTS + turned / _ANGLE
         most = _MOST_POINTS * (1 + len(numbers_of(VIA[0], row.get(VIA[0])) or ()))

@@ -105,15 +105,15 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
     long elements.
     """
-    some = path.length > 0
-    curvature, length = path.curvature[some], path.length[some]
+    some = path.lengths > 0
+    curvature, length = path.curvatures[some], path.lengths[some]
     if shares is None and length.size > n:
         shares = np.full(n, 1 / n)
     if shares is not None:
         ends = np.concatenate(([0.0], np.cumsum(shares)))
         ends[-1] = 1.0
-        heading = path.at(ends * path.total_length)[:, 2]
-        return Elements(np.diff(heading), shares * path.total_length)
+        heading = path.at(ends * path.length)[:, 2]
+        return Elements(np.diff(heading), shares * path.length)
     turn = curvature * length
     parts = np.ones(turn.size, dtype=int)
     for _ in range(n - turn.size):

@@ -365,17 +365,17 @@ def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
 def _given(question: Question, course: Course, n: int, shares: FloatArray | None) -> list[Guess]:
     """The question's path, cut where it is nearest to the points in turn, if it can be driven."""
     path, radius = question.initial_guess, question.scenario.radius
-    if path is None or not drivable(path) or not path.total_length > 0:
+    if path is None or not drivable(path) or not path.length > 0:
         return []
-    path = Path(HERE, path.curvature * radius, path.length / radius)
-    places = np.linspace(0.0, path.total_length, _SAMPLES * course.legs + 1)
+    path = Path(HERE, path.curvatures * radius, path.lengths / radius)
+    places = np.linspace(0.0, path.length, _SAMPLES * course.legs + 1)
     points = np.cumsum(course.steps, axis=0)[:-1, None]
     away = np.hypot(*(path.at(places)[:, :2] - points).T)
     ends = np.maximum.accumulate(places[away.argmin(axis=0)]) if len(points) else places[:0]
-    bounds = np.concatenate(([0.0], ends, [path.total_length]))
-    done = np.cumsum(path.length) - path.length
+    bounds = np.concatenate(([0.0], ends, [path.length]))
+    done = np.cumsum(path.lengths) - path.lengths
     legs = [
-        Path(HERE, path.curvature, np.clip(path.length + done, a, b) - np.clip(done, a, b))
+        Path(HERE, path.curvatures, np.clip(path.lengths + done, a, b) - np.clip(done, a, b))
         for a, b in pairwise(bounds)
     ]
     return [Guess("warm", _cut_legs(legs, n, shares))]

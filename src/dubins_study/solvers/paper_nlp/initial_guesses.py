@@ -158,6 +158,6 @@ def _first(question: Question, word: Subproblem, mirrored: bool) -> FloatArray:
 
 def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:
     """The length z of a path's turns the first way, its turns the other way, and its straights."""
-    turn = path.curvature * path.length * subproblem.turns[0]
-    straight = path.length[path.curvature == 0].sum() / radius
+    turn = path.curvatures * path.lengths * subproblem.turns[0]
+    straight = path.lengths[path.curvatures == 0].sum() / radius
     return np.array((turn[turn > 0].sum(), -turn[turn < 0].sum(), straight))

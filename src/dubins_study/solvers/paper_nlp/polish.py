@@ -70,7 +70,7 @@ def one_sided_only(question: Question, path: Path) -> str | None:
     if word not in ("LS", "RS"):
         return None
     free, turn = list(SUBPROBLEMS[word].free), abs(path.turn)
-    straight = path.total_length / scenario.radius - turn
+    straight = path.length / scenario.radius - turn
     end = path.end
     missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
     arcs = turn % FULL_TURN, min(turn, FULL_TURN)  # either side of a full turn

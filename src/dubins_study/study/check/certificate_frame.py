@@ -141,7 +141,7 @@ def _measure(
     if poses:
         left = _measure_legs(heading, radius, *three_arcs(paths), measured, abnormal)
     else:
-        curvature, length = map(loop_input, (paths.curvature, paths.length))
+        curvature, length = map(loop_input, (paths.curvatures, paths.lengths))
         left = _measure_words(heading, radius, curvature, length, measured, abnormal)
     if paths.returned is not None:
         left &= paths.returned

@@ -78,8 +78,8 @@ def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
     rate, which no shortest path can be. Neither of a path whose numbers overflow in units of the
     radius, which fits no scenario.
     """
-    rates = [k * radius for k in path.curvature.tolist()]
-    lengths = [length / radius for length in path.length.tolist()]
+    rates = [k * radius for k in path.curvatures.tolist()]
+    lengths = [length / radius for length in path.lengths.tolist()]
     word = _word(rates, lengths)
     if word is None:
         turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
@@ -151,7 +151,7 @@ def pieces(path: Path, radius: float) -> Pieces:
     way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
     allows, it is another path, and the driven one's own pieces stand.
     """
-    rate, scaled = path.curvature * radius, path.length / radius
+    rate, scaled = path.curvatures * radius, path.lengths / radius
     return Pieces(path.start.heading, *that_matter(rate, scaled))
 
 

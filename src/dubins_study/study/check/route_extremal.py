@@ -90,7 +90,7 @@ def _measured(
 
 def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Conditions | None]:
     """The conditions of each leg, seen from where it begins, in the frame of the path's start."""
-    rate, ends = path.curvature * radius, np.concatenate(([0.0], np.cumsum(path.length))) / radius
+    rate, ends = path.curvatures * radius, np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
     turned = 0.0
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
     nearest = ends[np.abs(ends[:, None] - cuts).argmin(axis=0)]

@@ -93,7 +93,7 @@ def _judge_path(
 ) -> Judgement:
     """Judge a path that can be driven."""
     end, miss, excess = _measured(scenario, path, branch)
-    radius, length = scenario.radius, path.total_length
+    radius, length = scenario.radius, path.length
     reference = None
     if (
         arrives(miss, radius, scenario.extent, length, tolerances.miss)
@@ -130,13 +130,13 @@ def _measured(scenario: Scenario, path: Path, branch: str) -> tuple[Pose, float,
     """A path's end, its distance from the target, and `curvature_excess`."""
     end = path.end
     miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    pieces = zip(path.curvature.tolist(), path.length.tolist(), strict=True)
+    pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     return end, miss, curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
 
 
 def path_word_of(path: Path) -> str:
     """The word of a path that can be driven, however many arcs it is cut into."""
-    arcs = list(zip(path.curvature.tolist(), path.length.tolist(), strict=True))
+    arcs = list(zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True))
     if len(arcs) > 2:
         return path.word(WORD if len(arcs) == 3 else DISCRETISED_WORD)
     first, second, *_ = (*arcs, _NO_ARC, _NO_ARC)
@@ -199,7 +199,7 @@ class _Seen(NamedTuple):
 
 
 def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
-    radius, length = scenario.radius, path.total_length
+    radius, length = scenario.radius, path.length
     end, miss, excess = _measured(scenario, path, branch)
     seen = visits_of(scenario, path, tolerances.miss)
     miss = max(miss, seen.miss)
@@ -228,7 +228,7 @@ def judge_visits(
         false = is_false(claim, verdict)
         return Judgement(region=None, margin=None, verdict=verdict, false_claim=false)
     seen = _seen(scenario, path, branch, tolerances)
-    radius, length = scenario.radius, path.total_length
+    radius, length = scenario.radius, path.length
     word = words_of(path, seen.visits.at, radius)
     known: dict[str, Any] = {}
     verdict = Verdict.MISSES
@@ -312,7 +312,7 @@ def miss_reason(
     seen = _seen(scenario, path, branch, tolerances)
     if seen.excess > tolerances.curvature:
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
-    if seen.miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.total_length):
+    if seen.miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.length):
         if seen.visits.miss == seen.miss:
             return f"the path passes {seen.miss / radius:.3g} R from a via point, in their order"
         return f"the path ends {seen.miss / radius:.3g} R from the target"

@@ -166,8 +166,8 @@ def judge_frame(
 
 def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     """Controls as of paths of three arcs, shape (3, n): the last may have no length."""
-    none = np.zeros((3 - len(paths.curvature), len(paths)))
-    curvature, length = (np.concatenate([a, none]) for a in (paths.curvature, paths.length))
+    none = np.zeros((3 - len(paths.curvatures), len(paths)))
+    curvature, length = (np.concatenate([a, none]) for a in (paths.curvatures, paths.lengths))
     return loop_input(curvature), loop_input(length)
 
 
@@ -181,7 +181,7 @@ def _judge_targets(
     """Judge paths of two arcs, whose final headings are free."""
     scenarios = ScenarioArrays(*(columns[name] for name in ScenarioArrays._fields))
     best = shortest_rows(*scenarios, branch=branch)
-    arcs = Arcs(*loop_input(paths.curvature), *loop_input(paths.length))
+    arcs = Arcs(*loop_input(paths.curvatures), *loop_input(paths.lengths))
     limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
     result = result._replace(reference=best.length, reference_word=best.word)
     _judge_rows(len(paths))(scenarios, arcs, limits, result)

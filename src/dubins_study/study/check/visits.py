@@ -65,14 +65,14 @@ def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowe
         at, reached, distance = pieces.visit(x, y, at, allowed / radius)
         nearest = max(nearest, reached)
         miss = max(miss, distance * radius)
-        found.append(min(nearest * radius, path.total_length))
+        found.append(min(nearest * radius, path.length))
     points = path.at(np.array(found))[:, :2].tolist() if found else []
     return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
 
 
 def visits_of(scenario: Scenario, path: Path, miss: float = ARRIVES) -> Visits:
     """How a path visits a scenario's via points, which it may miss by some radii and rounding."""
-    rounding = DRIVEN * (scenario.extent + path.total_length)
+    rounding = DRIVEN * (scenario.extent + path.length)
     return visits(path, scenario.via, scenario.radius, miss * scenario.radius + rounding)
 
 
@@ -81,9 +81,9 @@ class _Pieces:
 
     def __init__(self, path: Path, radius: float) -> None:
         self.radius = radius
-        self.length = path.length / radius
+        self.length = path.lengths / radius
         self.ends = np.concatenate(([0.0], np.cumsum(self.length)))
-        rate = path.curvature * radius
+        rate = path.curvatures * radius
         self.k, self.side = np.maximum(np.abs(rate), _STRAIGHT), np.where(rate < 0, -1.0, 1.0)
         poses = path.poses
         self.x, self.y, heading = poses[:-1].T
@@ -152,7 +152,7 @@ class _Pieces:
 def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
     """A path cut at arc lengths into its legs, without the pieces that are next to nothing."""
     starts = path.at(np.array([0.0, *at])).tolist()
-    ends = np.concatenate(([0.0], np.cumsum(path.length)))
+    ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     cuts = [0.0, *at, float(ends[-1])]
     for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
         those = slice(
@@ -161,4 +161,4 @@ def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
         )
         lengths = np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
         kept = lengths > CUT * min(radius, lengths.sum())
-        yield Path(Pose(*start), path.curvature[those][kept], lengths[kept])
+        yield Path(Pose(*start), path.curvatures[those][kept], lengths[kept])
