@@ -33,10 +33,12 @@ $(READY): requirements.lock pyproject.toml
 	$(BIN)/python -m dubins_study.solvers.compile_loops
 	touch $@
 
-study: $(READY)  ## run the experiments paper and radius-sweep and write the report
+study: $(READY)  ## run the experiments paper and radius-sweep; write their page and the benchmark's
 	$(BIN)/dubins-study run paper
 	$(BIN)/dubins-study run radius-sweep --jobs $(JOBS)
+	$(BIN)/dubins-study report results/benchmark --out results/benchmark-report > /dev/null
 	$(BIN)/dubins-study report results/paper results/radius-sweep --out results/report
+	@echo 'benchmark: results/benchmark-report/index.html'
 
 studies: $(READY)  ## run every experiment but the benchmark and write one report of all
 	for name in $(STUDIES); do $(BIN)/dubins-study run $$name --jobs 2 || exit $$?; done
@@ -44,7 +46,8 @@ studies: $(READY)  ## run every experiment but the benchmark and write one repor
 
 # one job, so that nothing else takes time from a solve; begun again, it goes on where it was stopped
 SUITES := route pose leg
-benchmark: $(READY)  ## run the benchmark's three suites (two hours) and write their report
+benchmark: $(READY)  ## run the benchmark's three suites and the convex problems (two hours) and write their report
+	$(BIN)/dubins-study run convex --repeats 1 --out results/benchmark/convex --jobs 1
 	for suite in $(SUITES); do \
 	    $(BIN)/dubins-study run benchmark-$$suite --out results/benchmark/$$suite --jobs 1 || exit $$?; \
 	done

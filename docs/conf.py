@@ -20,7 +20,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "decisions_page",
-    "explorer_page",
+    "own_pages",
     "generated",
     "mathml",
     "short_names",

@@ -22,9 +22,10 @@ from dubins_study.report.topics.findings import FINDINGS, findings, findings_sec
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding
 from dubins_study.report.topics.findings_routes import exponent
 from dubins_study.report.topics.routes import TITLE
+from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, compared_row, paper_scenarios
 
-WORDS, JOINT, PENALTY = found.WORDS, found.JOINT, found.STOCHASTIC
+WORDS, JOINT = found.WORDS, found.JOINT
 MANY, FEW = 30, ENOUGH - 1
 Row = dict[str, Any]
 
@@ -78,7 +79,6 @@ def slower(factor: float, _: int) -> Row:
 
 
 IPOPT = {"solver": "ipopt"}
-SLSQP = {"solver": "slsqp", "engine": "SLSQP"}
 BOTH_ORDERS = {"solver": "ipopt[model=joint]", "formulation": JOINT}
 ONE_GUESS = {"solver": "one", "guess": "one", "guesses": "one"}
 BLIND = {"solver": "blind", "guess": "straight", "guesses": "blind"}
@@ -175,12 +175,6 @@ CASES = [
         2.0,
     ),
     Case(
-        found.slowest_engine,
-        of_two(IPOPT, SLSQP, partial(slower, 4.0)),
-        ("2 engines", "SLSQP takes 4.00 (4.00 to 4.00) times the median time of Ipopt"),
-        4.0,
-    ),
-    Case(
         found.presolve,
         of_two(
             {"solver": "ipopt[presolve=True]"},
@@ -189,16 +183,6 @@ CASES = [
         ),
         ("Drop the words", "6.10 ("),
         6.1,
-    ),
-    Case(
-        found.derivative_free_search,
-        of_two(
-            IPOPT,
-            {"solver": "penalty", "engine": "CMA-ES", "formulation": PENALTY, "guess": "none"},
-            lambda q: {"wall_s": 0.02, "right": q % 3 != 0},
-        ),
-        ("CMA-ES on penalty", "66.7 % (", "20.0 ("),
-        20.0,
     ),
     Case(
         found.price_of_proof,
@@ -236,7 +220,7 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     value, low, high, questions = finding.estimate
     assert value == pytest.approx(case.value, rel=0.03, abs=1e-12)
     assert low <= value <= high
-    some = (found.near_circles, found.derivative_free_search, found.where_engines_stop)
+    some = (found.near_circles, found.where_engines_stop)
     assert questions == MANY or case.find in some
     ratio = finding.unit == found.TIMES and case.find is not found.presolve
     assert ratio == ("that both answer, medians" in finding.question)
@@ -322,20 +306,9 @@ def test_the_worst_of_many_has_the_interval_of_all():
 def test_no_sentence_compares_times_that_are_mostly_floor(floor_s, runs, said):
     """Four calls of 0.2 ms each for a trivial problem are most of 1 ms, two are not."""
     floor = {"floor_s": floor_s, "subproblem_runs": runs}
-    rows = of_two(IPOPT | floor, SLSQP, partial(slower, 4.0))(MANY, True)
     proof = of_two(IPOPT | floor, SCIP | PROOF, partial(slower, 50.0))(MANY, True)
 
-    assert (found.slowest_engine(evidence(rows)) is not None) is said
     assert (found.price_of_proof(evidence(proof)) is not None) is said
-
-
-def test_an_engine_is_not_slow_for_want_of_the_presolve():
-    """Ipopt with the presolve and SLSQP without it are not alike, and say nothing of engines."""
-    presolved = {"solver": "ipopt[presolve=True]"}
-    plain = {"solver": "slsqp", "engine": "SLSQP"}
-    rows = of_two(IPOPT | presolved, plain, partial(slower, 4.0))(MANY, True)
-
-    assert found.slowest_engine(evidence(rows)) is None
 
 
 def test_an_exponent_is_that_of_the_times():
@@ -353,12 +326,12 @@ def test_an_exponent_is_that_of_the_times():
 
 def test_the_section_has_five_sentences_first(load_rows):
     """Of real rows; and none where no row carries a finding."""
-    rows = []
+    rows, local = [], {"claim": Claim.LOCAL, "best_run_s": 1e-3}
     for number in range(12):
         scenario = paper_scenarios()[0]
         moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)
-        rows += [attempt(moved, "ipopt", engine="Ipopt", wall_s=1e-3, best_run_s=1e-3)]
-        rows += [attempt(moved, "slsqp", engine="SLSQP", wall_s=3e-3)]
+        rows += [attempt(moved, "ipopt", engine="Ipopt", wall_s=1e-3, **local)]
+        rows += [attempt(moved, "disjunctive", engine="SCIP", wall_s=3e-3)]
     loaded = load_rows("benchmark", rows)
     section = findings_section(loaded)
     made = compared(loaded)
@@ -371,7 +344,9 @@ def test_the_section_has_five_sentences_first(load_rows):
     shown = {section.title for topic in topics for section in sections_of(topic, loaded)}
     named = {case.find(evidence(case.made(MANY, True))).shown_in for case in CASES}
     assert {name.split(":")[0] for name in named} <= shown | {TITLE}
-    assert "SLSQP takes 3.00" in " ".join(section.blocks[0].frame["sentence"])
+    assert "SCIP (bearing) on one NLP a word takes 3.00" in " ".join(
+        section.blocks[0].frame["sentence"]
+    )
     assert "medians 3.00 ms and 1.00 ms" in " ".join(section.blocks[0].frame["question"])
     assert "that of two medians" in section.blocks[0].caption
     assert findings_section(load_rows("few", rows[:6])) is None

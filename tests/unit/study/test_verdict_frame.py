@@ -46,7 +46,7 @@ def test_empty_frames_and_wrong_shapes():
     assert judge_frame(FRAME[:0], empty).verdict.shape == (0,)
     with pytest.raises(ValueError, match="0 paths for 1200 scenarios"):
         judge_frame(FRAME, empty)
-    with pytest.raises(ValueError, match=r"length has shape \(2, 3\); expected \(2, 4\)"):
+    with pytest.raises(ValueError, match=r"lengths has shape \(2, 3\); expected \(2, 4\)"):
         Paths(np.zeros((2, 4)), np.zeros((2, 3)))
 
 

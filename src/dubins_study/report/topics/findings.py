@@ -17,7 +17,7 @@ from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
 from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
-from dubins_study.report.topics.comparison import evaluations, times
+from dubins_study.report.topics.comparison import evaluations
 from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
@@ -38,7 +38,6 @@ TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 STRATA = "Formulation by engine: strata"
-STOCHASTIC = "penalty"
 # Strata lie at 1e-4 radii from a circle, at 0.01, at 0.1, and farther.
 _NEAR, _AWAY = 2e-4, 0.05
 
@@ -158,38 +157,6 @@ def near_circles(evidence: Evidence) -> Finding | None:
     )
 
 
-_RELIABLE = 0.99  # right on so many of the questions, a method may be advised
-
-
-def slowest_engine(evidence: Evidence) -> Finding | None:
-    """Within one formulation, the slowest against the fastest engine that is right everywhere."""
-    reliable = evidence.ranked[evidence.ranked["right"] >= _RELIABLE]
-    reliable = reliable[~reliable.index.isin(evidence.at_floor)]
-    alike = ["formulation", "guess", "settings"]  # else the presolve would count as an engine's
-    groups = [
-        (name, group.drop_duplicates("engine")) for (name, *_), group in reliable.groupby(alike)
-    ]
-    groups = [(name, group) for name, group in groups if len(group) > 1]
-    if not groups:
-        return None
-    name, group = max(groups, key=lambda pair: len(pair[1]))
-    medians = times(evidence.compared)[list(group.index)].median()
-    fastest, slowest = str(medians.idxmin()), str(medians.idxmax())
-    ratio = evidence.time_ratio(slowest, fastest, len(group) * (len(group) - 1))
-    if ratio is None or not ratio.low > 1:
-        return None
-    return Finding(
-        f"Choose the engine for its speed once the formulation is good: of {len(group)} engines "
-        f"that are right on at least 99 % of the questions with {name}, "
-        f"{group['engine'][slowest]} takes {ratio.text()} times the median time of "
-        f"{group['engine'][fastest]}.",
-        ratio,
-        TIMES,
-        f"{evidence.medians_of(slowest, fastest)}; {name}, one guess, the same settings",
-        RANKS,
-    )
-
-
 def presolve(evidence: Evidence) -> Finding | None:
     """What dropping words by geometry divides the evaluations by, in all and method by method."""
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
@@ -213,30 +180,6 @@ def presolve(evidence: Evidence) -> Finding | None:
         f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
         "without it",
         "Cost where it arises: the presolve",
-    )
-
-
-def derivative_free_search(evidence: Evidence) -> Finding | None:
-    """The most reliable search without derivatives against the best of other formulations."""
-    ranked = evidence.ranked
-    on_penalty = ranked["formulation"] == STOCHASTIC
-    if on_penalty.all() or not on_penalty.any():
-        return None
-    solver, rival = str(ranked["right"][on_penalty].idxmax()), str(ranked.index[~on_penalty][0])
-    ratio = evidence.time_ratio(solver, rival)
-    right = evidence.share_of(evidence.rates[solver], int(on_penalty.sum()))
-    if ratio is None or right is None or not ratio.low > 1:
-        return None
-    return Finding(
-        "Keep search without derivatives for problems that have none: the most reliable of it, "
-        f"{evidence.name(solver)}, is right on "
-        f"{right.percent_text()} of the questions, and takes {ratio.text()} times the median time "
-        f"of {evidence.name(rival)} where both are right.",
-        ratio,
-        TIMES,
-        f"{some(right.questions, 'question')} with a path; {evidence.medians_of(solver, rival)}; "
-        f"{some(int(on_penalty.sum()), 'method')} on the penalty",
-        RANKS,
     )
 
 
@@ -330,13 +273,11 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     growth,
     words_against_joint,
     blind_start,
-    slowest_engine,
     presolve,
     price_of_proof,
     false_proof,
     infeasible_claims,
     near_circles,
-    derivative_free_search,
     coarse_transcription,
 )
 
@@ -387,7 +328,7 @@ def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> 
         finding = None if attempts is None else find(_evidence(attempts))
         if finding is not None:
             suite = f"{name}: " if len(names) > 1 else ""
-            yield finding._replace(question=suite + finding.question)
+            yield finding._replace(sentence=suite + finding.sentence)
 
 
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:

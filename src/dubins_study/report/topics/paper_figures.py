@@ -79,7 +79,7 @@ def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
         colour, line = _BY_RADIUS[place % 3], LINES[place % len(LINES)]
         text = f"R = {radius:g}: {_word_and_length(row)}"
         ax.plot(*shown[-1].T, color=colour, linestyle=line, label=text, zorder=3)
-        _turning_circle(ax, path, radius * math.copysign(1.0, path.curvature[0]), colour)
+        _turning_circle(ax, path, radius * math.copysign(1.0, path.curvatures[0]), colour)
     low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
     pad = 0.08 * float(np.max(high - low))
     first = paths.iloc[0]
