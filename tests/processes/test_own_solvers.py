@@ -33,7 +33,7 @@ def test_every_solver_passes_every_check(name):
     report = check_solver(name, checks=asked)
 
     assert report.passed, report
-    assert {result.name for result in report} == set(asked)
+    assert {result.name for result in report} >= set(asked)
     # `route-nlp` has one guess, which leads past the words of the discs
     coarse = load(name).guarantee in (Guarantee.DISCRETISED, Guarantee.STOCHASTIC)
     if not coarse and name not in ("route-nlp", *SLOW):
