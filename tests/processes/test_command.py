@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 from contextlib import chdir
@@ -117,6 +118,7 @@ def test_scenarios_of_a_file(tmp_path):
 PLUGIN = """
 import os
 import sys
+import time
 from pathlib import Path
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Solution
@@ -134,6 +136,15 @@ class Liar(Analytic):
 class Absent(Analytic):
     def unavailable(self):
         return "no licence"
+class Full(Analytic):
+    def solve(self, model, limit):
+        raise MemoryError
+class Gone(Analytic):
+    def solve(self, model, limit):
+        os._exit(3)
+class Stuck(Analytic):
+    def solve(self, model, limit):
+        time.sleep(1e4)
 """
 
 
@@ -184,6 +195,24 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
     assert done.returncode == 2
     assert json.loads(done.stdout)["outcome"] == "unavailable"
     assert "is unavailable: no licence" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "outcome", "message"),
+    [
+        ("Full", "out_of_memory", "MemoryError: no message"),
+        *(("Gone", "crashed", "."), ("Stuck", "timeout", ".")),
+    ],
+)
+def test_a_solver_that_failed_ends_with_1(plugin, name, outcome, message):
+    """Nobody who calls it from a script takes a defect for an answer."""
+    asked = ("solve", "1", "2", "--solver", f"{plugin}:{name}", "--time-limit", "1", "--json")
+    done = finished(*asked)
+
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["outcome"] == outcome
+    assert re.match(message, json.loads(done.stdout)["message"])
 
 
 def test_brackets_in_names_are_no_markup(tmp_path):

@@ -100,7 +100,8 @@ def solve(
         raise arguments.CommandError(message)
     drawn = plot is None or _draw(answer, plot)
     written = geojson is None or _write(answer, geojson)
-    if not (drawn and written) or (strict and answer.verdict != "optimal"):
+    ended = answer.outcome == Outcome.RETURNED
+    if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
 
 

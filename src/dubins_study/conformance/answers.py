@@ -117,6 +117,12 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
         else:
             advice = _advice(interview, answer, path)
             yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
+            yield (
+                Kind.CLAIM,
+                Status.FAIL,
+                f"it claims {claim} of a path that does not arrive",
+                advice,
+            )
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:
@@ -154,7 +160,7 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
         if (
             known is not None
             and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-            and path.lengths.size
+            and path.length > 0
             and known == replace(path, start=known.start)
         ):
             name = earlier.question.scenario.label or "another one"

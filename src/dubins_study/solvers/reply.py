@@ -103,4 +103,4 @@ def exception_text(error: BaseException) -> str:
         text = str(error)
     except BaseException:  # whatever a plug-in's exception raises
         return name
-    return f"{name}: {text}"[:_MAX_MESSAGE_CHARS]
+    return f"{name}: {text or 'no message'}"[:_MAX_MESSAGE_CHARS]

@@ -153,15 +153,34 @@ class Path:
         x, y, heading = self.at(s).T
         return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
 
-    def to_geojson(self, chord_error: float = 1e-3, **properties: Any) -> dict[str, Any]:
+    def to_csv(self, file: Any = None, *, step: float) -> str | None:
+        """Write `sample(step=step)` as CSV to a file or its path; without one, return the text.
+
+        Raises:
+            ValueError: as `sample`.
+            OSError: if the file cannot be written.
+        """
+        text: str | None = self.sample(step=step).to_csv(file, index=False)
+        return text
+
+    def to_geojson(
+        self,
+        chord_error: float = 1e-3,
+        *,
+        origin: tuple[float, float] | None = None,
+        **properties: Any,
+    ) -> dict[str, Any]:
         """The path as a GeoJSON Feature for `json.dump`: a LineString; a Point if it has no length.
 
-        The coordinates are the path's own x and y in its length unit: not longitude and latitude,
-        which RFC 7946 takes for granted where nothing else is agreed.
+        Without an origin the coordinates are the path's own x and y in its length unit: not
+        longitude and latitude, which RFC 7946 takes for granted where nothing else is agreed.
 
         Args:
             chord_error: largest distance between an arc and its chords, as a share of the smallest
                 radius of the path's arcs.
+            origin: latitude and longitude (degrees, WGS 84) of the point (0, 0), for a path in
+                metres whose x points east and whose y points north. The plane is the ellipsoid's
+                tangent plane there: at 45 degrees, points 1 km away are 0.1 m off, 10 km 8 m.
             properties: further properties of the feature, each a value that JSON has.
 
         Returns:
@@ -170,8 +189,8 @@ class Path:
             unit), and those given.
 
         Raises:
-            ValueError: if the path cannot be driven, the chord error is not between 0 and 1, or it
-                needs more than ten million points.
+            ValueError: if the path cannot be driven, the chord error is not between 0 and 1, it
+                needs more than ten million points, or the origin is no place on Earth.
         """
         share = real_number(chord_error)
         if not 0 < share <= 1:
@@ -194,7 +213,8 @@ class Path:
         s = np.repeat(np.cumsum(lengths) - lengths, counts) + place * np.repeat(
             lengths / counts, counts
         )
-        line = self.at(np.append(s, self._ends[-1]))[:, :2].tolist()
+        points = self.at(np.append(s, self._ends[-1]))[:, :2]
+        line = (points if origin is None else _on_earth(points, origin)).tolist()
         kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
         return {
             "type": "Feature",
@@ -308,6 +328,24 @@ def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
     half[half == 0] = 1e-20  # sin(x) / x is 1 there
     chord: FloatArray = length * (np.sin(half) / half)
     return chord
+
+
+# WGS 84: the equator's radius (m) and the square of the eccentricity
+_EQUATOR, _SQUARED_ECCENTRICITY = 6378137.0, 6.69437999014e-3
+
+
+def _on_earth(points: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """Longitude and latitude (degrees) of points east and north (m) of one; shape (n, 2)."""
+    latitude, longitude = map(real_number, origin)
+    if not (abs(latitude) < 90 and abs(longitude) <= 180):
+        wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
+        raise ValueError(f"origin is {short(origin)}; expected {wanted}")
+    phi = math.radians(latitude)
+    w = 1 - _SQUARED_ECCENTRICITY * math.sin(phi) ** 2
+    east = _EQUATOR * math.cos(phi) / math.sqrt(w)  # metres a radian of longitude
+    north = _EQUATOR * (1 - _SQUARED_ECCENTRICITY) / w**1.5
+    turned: FloatArray = np.array([longitude, latitude]) + np.degrees(points / (east, north))
+    return turned
 
 
 def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:

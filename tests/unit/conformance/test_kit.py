@@ -236,6 +236,32 @@ def test_the_papers_claim_is_false_in_the_discs():
     assert "claim LOCAL unless the method proves" in text(report, "discs")
 
 
+class Elsewhere(Right):
+    """Claims an optimum and drives to another point."""
+
+    def solve(self, question, limit):
+        return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [1.0]))
+
+
+class Still(Elsewhere):
+    """The same, and does not move."""
+
+    def solve(self, question, limit):
+        return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [0.0]))
+
+
+def test_a_false_claim_fails_the_check_of_claims():
+    """Asked alone too; what is told once is not referred to at each question."""
+    assert "claims" in failed(checked(Elsewhere, ["claims"]))
+    report = checked(Elsewhere, ["controls", "claims"])
+    assert failed(report) >= {"controls", "claims"}
+    assert str(report).count("→ as in") <= len(failed(report))
+
+
+def test_a_path_that_does_not_move_is_no_kept_answer():
+    assert "does it keep answers" not in str(checked(Still))
+
+
 def test_a_longer_path_is_a_note_of_an_honest_solver():
     report = checked(Modest)
 

@@ -6,6 +6,7 @@ import json
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from brute_force import integrated
 from hypothesis import given
@@ -187,3 +188,28 @@ def test_a_path_cannot_be_changed():
 
     with pytest.raises(ValueError, match="read-only"):
         path.lengths[0] = 2
+
+
+def test_an_origin_turns_metres_into_degrees():
+    """Against the length of a minute of latitude (a sea mile within 1 %) and known metres a degree
+    at 45 degrees: 111 131.75 and 78 846.8 (WGS 84, the usual series)."""
+    path = Path(Pose(0, 0, math.pi / 2), [0.0], [111_131.75])
+    (lon, lat), (end_lon, end_lat) = path.to_geojson(origin=(45, 8))["geometry"]["coordinates"]
+
+    assert (lon, lat) == (8, 45)
+    assert end_lon == pytest.approx(8, abs=1e-12)
+    assert end_lat == pytest.approx(46, abs=1e-5)
+    east = Path(Pose(0, 0, 0), [0.0], [78_846.8]).to_geojson(origin=(45, 8))
+    assert east["geometry"]["coordinates"][1] == pytest.approx([9, 45], abs=1e-5)
+    for origin in ((91, 0), (90, 0), (0, 181), (math.nan, 0)):
+        with pytest.raises(ValueError, match="expected latitude between"):
+            path.to_geojson(origin=origin)
+
+
+def test_csv_is_the_sample(tmp_path):
+    path = Path(Pose(1, 2, 0.3), [1.0, 0.0], [1.0, 2.0])
+    path.to_csv(tmp_path / "path.csv", step=0.25)
+
+    written = pd.read_csv(tmp_path / "path.csv", float_precision="round_trip")
+    pd.testing.assert_frame_equal(written, path.sample(step=0.25), check_exact=True)
+    assert path.to_csv(step=0.25) == (tmp_path / "path.csv").read_text()

@@ -64,12 +64,28 @@ def convex_section(results: Results) -> Section | None:
         f"{some(false, 'claim')} of {count(len(rows))} answers {'is' if false == 1 else 'are'} "
         "false: of an optimum, by the proof and by a residual beyond the tolerance; or that no "
         "point is feasible.",
+        _advice(sizes),
         f"{some(hidden, 'answer')} {'keeps' if hidden == 1 else 'keep'} all three residuals within "
         f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
     )
     lead = "Read from left to right what more digits cost, and in the table which engine to take."
     blocks = _picture(sizes, results), _quickest(sizes), _engines(rows)
     return Section("convex", "The convex problems of a sequence", text, blocks, lead)
+
+
+def _advice(sizes: pd.DataFrame) -> str:
+    """The quickest engines that are right at every tolerance, kind by kind and size by size."""
+    own = sizes[sizes["interface"] == _OWN]
+    keys = ["kind", "rates", "engine"]
+    both = own.groupby(keys).agg(right=("right", "all"), wall_s=("wall_s", "max")).reset_index()
+    best = both[both["right"]].sort_values("wall_s").drop_duplicates(["kind", "rates"])
+    parts = [
+        f"{row['engine']} for {row['kind']}s of {count(row['rates'])} turn rates"
+        for row in best.sort_values(["kind", "rates"]).to_dict("records")
+    ]
+    if not parts:
+        return "No engine is right at every tolerance."
+    return f"The quickest that is right at every tolerance: {', '.join(parts)}."
 
 
 def _picture(sizes: pd.DataFrame, results: Results) -> Picture:

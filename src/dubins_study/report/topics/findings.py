@@ -31,6 +31,7 @@ from dubins_study.report.topics.findings_evidence import (
     chosen_share,
 )
 from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
+from dubins_study.study.words import FROZEN
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
 JOINTS = (JOINT, "joint NLP, LRSLR a leg")  # of one leg, and of routes
@@ -320,8 +321,12 @@ _evidence = once(Evidence)  # its tables serve all findings
 
 
 def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> Iterator[Finding]:
-    """A finding of each experiment apart, which it names where there are several."""
-    asked = set(results.attempts["experiment"])
+    """A finding of each experiment apart, which it names where there are several.
+
+    Not of frozen problems: a few of each size, which have a section of their own.
+    """
+    paths = results.attempts[results.attempts["branch"] != FROZEN]
+    asked = set(paths["experiment"])
     names = dict.fromkeys(run.name for run in results.folders if run.name in asked)
     for name in names:
         attempts = compared(results.only({name}))
