@@ -146,7 +146,7 @@ class Gambles(Habit):
         first, *rest = answer.path.lengths
         curvature = np.insert(answer.path.curvatures, 0, answer.path.curvatures[0])
         length = np.array([share * first, (1 - share) * first, *rest])
-        return replace(answer, path=replace(answer.path, curvature=curvature, length=length))
+        return replace(answer, path=replace(answer.path, curvatures=curvature, lengths=length))
 
 
 class Unsure(Habit):
