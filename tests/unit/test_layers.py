@@ -48,14 +48,14 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(9_490, 54),
+    "study": Size(9_520, 54),
     "solvers": Size(10_500, 68),
     "experiments": Size(5_910, 40),
     "conformance": Size(1_830, 9),
     "report": Size(13_190, 71),
     "cli": Size(1_950, 18),
-    "package": Size(42_950, 262),
-    "tests": Size(33_350, 216),
+    "package": Size(42_960, 262),
+    "tests": Size(33_370, 216),
 }
 
 _LEAVES = (

@@ -230,6 +230,25 @@ class Path:
             },
         }
 
+    def _repr_svg_(self) -> str | None:
+        """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""
+        if not drivable(self) or not self.length > 0:
+            return None
+        points = self.sample(400)[:, :2] * (1, -1)  # SVG's y points down
+        low, high = points.min(axis=0), points.max(axis=0)
+        size = float((high - low).max())
+        scale, margin = 300 / size, 10.0
+        width, height = (high - low) * scale + 2 * margin
+        drawn = (points - low) * scale + margin
+        line = " ".join(f"{x:.1f},{y:.1f}" for x, y in drawn.tolist())
+        x, y = drawn[0]
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'
+            f"<title>{self.word()}, length {self.length:.6g}</title>"
+            f'<polyline points="{line}" fill="none" stroke="#0072b2" stroke-width="2"/>'
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="#0072b2"/></svg>'
+        )
+
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
 

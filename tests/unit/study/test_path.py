@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pandas as pd
@@ -213,3 +214,18 @@ def test_csv_is_the_sample(tmp_path):
     written = pd.read_csv(tmp_path / "path.csv", float_precision="round_trip")
     pd.testing.assert_frame_equal(written, path.sample(step=0.25), check_exact=True)
     assert path.to_csv(step=0.25) == (tmp_path / "path.csv").read_text()
+
+
+def test_a_notebook_shows_a_drawing():
+    """A half circle: as wide as the radius, twice as high, begun at the bottom; y points up."""
+    path = Path(Pose(0, 0, 0), [1.0], [math.pi])
+    tree = fromstring(path._repr_svg_())
+    line, dot = tree[1], tree[2]
+    points = np.array([pair.split(",") for pair in line.get("points").split()], float)
+
+    assert tree[0].text == "L, length 3.14159"
+    assert np.ptp(points, axis=0) == pytest.approx([150, 300], abs=0.2)
+    assert points[0].tolist() == [float(dot.get("cx")), float(dot.get("cy"))]
+    assert points[0, 1] == points[:, 1].max()
+    assert Path(Pose(0, 0, 0), [], [])._repr_svg_() is None
+    assert Path(Pose(0, 0, 0), [math.nan], [1])._repr_svg_() is None
