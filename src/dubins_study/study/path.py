@@ -130,11 +130,13 @@ class Path:
             and `curvature` (1 / length unit); where two arcs meet, the later one's curvature.
 
         Raises:
-            ValueError: if the step is no positive number or gives more than ten million poses.
+            ValueError: if the step is no positive number, or for more than ten million poses.
         """
         if (n is None) == (step is None):
             raise ValueError(f"n is {short(n)} and step is {short(step)}; expected one of them")
         if n is not None:
+            if n > _MOST_POINTS:
+                raise ValueError(f"n is {short(n)}; expected at most {_MOST_POINTS} poses")
             return self.at(np.linspace(0.0, self.length, n))
         import pandas as pd
 

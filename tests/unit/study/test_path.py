@@ -82,6 +82,8 @@ def test_a_step_that_divides_the_path_adds_no_pose():
 def test_a_step_that_is_none(step):
     with pytest.raises(ValueError, match=r"step is .*; expected"):
         Path(Pose(0, 0, 0), [1], [1]).sample(step=step)
+    with pytest.raises(ValueError, match="at most 10000000 poses"):
+        Path(Pose(0, 0, 0), [1], [1]).sample(10**9)
 
 
 @given(arcs, st.floats(1e-3, 1))

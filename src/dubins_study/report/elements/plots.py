@@ -126,7 +126,7 @@ def stacked_shares(table: pd.DataFrame, marks: Sequence[Mark], label: str) -> Fi
             shown = width > _THIN
             ax.barh(places[shown], width[shown], left=left[shown], height=0.68, **mark.bar())
             left += width
-        ax.set(xlim=(0, 1), xticks=(0, 0.5, 1))
+        ax.set(xlim=(0, 1), xticks=(0, 1))
         percent_axis(ax.xaxis)
     handles = [Patch(label=mark.label or mark.key, **mark.bar()) for mark in present]
     _legend(figure, "upper", handles)
