@@ -106,6 +106,21 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
     assert "it does not load" in " ".join(ended.stdout.split())
 
 
+def test_a_syntax_error_is_shown_where_it_is(tmp_path):
+    """File, line and caret, by both commands; what to do names the author's own file."""
+    (tmp_path / "mine.py").write_text("class Mine:\n    n = 1 +\n")
+    checked, solved = (
+        called("check-solver", "mine.py:Mine"),
+        called("solve", "1", "2", "--solver", "mine.py:Mine"),
+    )
+
+    assert checked.exit_code == 1
+    for shown in (checked.stdout, f"{solved.exception}\n"):
+        assert re.search(r'mine\.py", line 2\n +n = 1 \+\n +\^\n', shown), shown
+        assert "\\n" not in shown
+    assert "python mine.py must not raise" in " ".join(checked.stdout.split())
+
+
 SOLVER = """
 from dataclasses import dataclass
 from dubins_study import Claim, Solution, Solver

@@ -55,7 +55,7 @@ BUDGETS |= {
     "report": Size(13_190, 71),
     "cli": Size(1_950, 18),
     "package": Size(42_960, 262),
-    "tests": Size(33_370, 216),
+    "tests": Size(33_380, 216),
 }
 
 _LEAVES = (

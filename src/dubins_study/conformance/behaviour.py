@@ -23,15 +23,17 @@ Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few word
 _BROKEN = {
     "required positional argument": "give each setting a default, such as `n: int = 10`",
     "cannot be made": "its class is called with no arguments, and with settings; it must not raise",
-    "": "the file has to load by itself: python my_solver.py must not raise",
+    "": "the file has to load by itself: python {file} must not raise",
 }
 
 
 def broken(message: str, traceback: str, spec: str) -> Finding:
     """The finding about a solver that does not load."""
-    advice = next(text for part, text in _BROKEN.items() if part in message)
+    file = spec.rpartition(":")[0] or "my_solver.py"
+    advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
     shown = check_command(spec, "loading")
-    return Finding(Status.FAIL, message, advice, command=shown, traceback=traceback)
+    said, _, place = message.partition("\n")  # of a syntax error
+    return Finding(Status.FAIL, said, advice, command=shown, traceback=place or traceback)
 
 
 def loading(interview: Interview) -> Checked:

@@ -10,6 +10,7 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path as FilePath
+from traceback import format_exception_only
 from typing import Any, NamedTuple, TypeGuard
 
 from dubins_study.errors import DubinsStudyError
@@ -224,6 +225,14 @@ def _kind(name: str) -> type[Solver]:
     return _checked(name, kind)
 
 
+def _told(error: BaseException) -> str:
+    """An exception in a line; of a syntax error the file, the line and the caret below it."""
+    if not isinstance(error, SyntaxError):
+        return repr(error)
+    place = format_exception_only(error)[:-1]
+    return f"SyntaxError: {error.msg}\n{''.join(place).rstrip()}"
+
+
 @cache
 def _from_file(name: str) -> type[Solver]:
     file, _, class_name = name.rpartition(":")
@@ -242,7 +251,7 @@ def _from_file(name: str) -> type[Solver]:
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
         hint = _hint_of_a_neighbour(path, error)
-        raise SolverError(f"solver {name!r}: {file} fails: {error!r}{hint}") from error
+        raise SolverError(f"solver {name!r}: {file} fails: {_told(error)}{hint}") from error
     if not hasattr(module, class_name):
         solvers = [key for key, value in vars(module).items() if _is_solver(value)]
         has = f"it has: {', '.join(solvers)}" if solvers else "no class of it extends Solver"
