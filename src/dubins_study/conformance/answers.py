@@ -117,12 +117,8 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
         else:
             advice = _advice(interview, answer, path)
             yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
-            yield (
-                Kind.CLAIM,
-                Status.FAIL,
-                f"it claims {claim} of a path that does not arrive",
-                advice,
-            )
+            observed = f"it claims {claim} of a path that does not arrive"
+            yield Kind.CLAIM, Status.FAIL, observed, advice
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:

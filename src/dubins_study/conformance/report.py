@@ -171,7 +171,6 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
     """
     width = max(min(width or _WIDTH, _WIDTH), _LEAST_WIDTH)
     shown: dict[str, str] = {}  # advice -> the check that gave it first
-    referred: set[tuple[str, str]] = set()  # checks and the advice that they have told
     blocks = []
     for (status, _), group in groupby(report, key=_together):
         result, *others = group
@@ -187,12 +186,12 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
             later = [one for one in result.findings[place:] if one.status is Status.FAIL]
             if found.command in [one.command for one in later]:
                 found = replace(found, command="")  # one command repeats them all: below the last
+            told = [one.advice for one in result.findings[: place - 1]]
+            if found.advice and found.advice in told:
+                found = replace(found, advice="", traceback="")  # the line above says it
             earlier = shown.get(found.advice) if found.status is Status.FAIL else None
-            if (result.name, found.advice) in referred:
-                earlier = ""
             blocks.append(indent(_finding(found, earlier, width - len(_MARGIN)), _MARGIN))
             shown.setdefault(found.advice or found.observed, result.name)
-            referred.add((result.name, found.advice))
     last = [_wrapped(line, width, "  ") for line in _verdict(report)]
     return "\n".join([plain(report.solver), "", *blocks, "", *last])
 
@@ -207,9 +206,9 @@ def _finding(found: Finding, earlier: str | None, width: int) -> str:
     more = f" (and {found.count - 1} more)" if found.count > 1 else ""
     where = f"{plain(found.question)}: " if found.question else ""
     lines = [_wrapped(f"{where}{plain(found.observed)}{more}", width)]
-    if earlier:
+    if earlier is not None:
         lines.append(f"→ as in {earlier}")
-    elif found.advice and earlier is None:
+    elif found.advice:
         lines.append(_wrapped(f"→ {plain(found.advice)}", width, "  "))
     if found.traceback and earlier is None:
         lines.append(indent(printable_text(found.traceback.rstrip()), "  "))

@@ -199,6 +199,28 @@ class Path:
             raise ValueError(f"chord_error is {short(chord_error)}; expected a share up to 1")
         if not drivable(self):
             raise ValueError("the path has a number that is not finite, or a negative length")
+        points, radius = self._chords(share)
+        line = (points if origin is None else _on_earth(points, origin)).tolist()
+        kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
+        return {
+            "type": "Feature",
+            "geometry": {"type": kind, "coordinates": coordinates},
+            "properties": {
+                "length": self.length,
+                "word": self.word(),
+                "radius": radius,
+                "start_heading": self.start.heading,
+                "end_heading": self.end.heading,
+                "chord_error": share * radius if radius else 0.0,
+                **properties,
+            },
+        }
+
+    def _chords(self, share: float) -> tuple[FloatArray, float | None]:
+        """Ends of chords within a share of the smallest radius, shape (m, 2), and that radius.
+
+        The radius is None for a straight path.
+        """
         driven = self.lengths > 0
         bend, lengths = np.abs(self.curvatures[driven]), self.lengths[driven]
         sharpest = float(bend.max(initial=0.0))
@@ -215,22 +237,7 @@ class Path:
         s = np.repeat(np.cumsum(lengths) - lengths, counts) + place * np.repeat(
             lengths / counts, counts
         )
-        points = self.at(np.append(s, self._ends[-1]))[:, :2]
-        line = (points if origin is None else _on_earth(points, origin)).tolist()
-        kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
-        return {
-            "type": "Feature",
-            "geometry": {"type": kind, "coordinates": coordinates},
-            "properties": {
-                "length": self.length,
-                "word": self.word(),
-                "radius": radius,
-                "start_heading": self.start.heading,
-                "end_heading": self.end.heading,
-                "chord_error": share * radius if radius else 0.0,
-                **properties,
-            },
-        }
+        return self.at(np.append(s, self._ends[-1]))[:, :2], radius
 
     def _repr_svg_(self) -> str | None:
         """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""

@@ -185,7 +185,8 @@ def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
     qp.c[:], qp.penalty[:], qp.reach[:], qp.stretch[:] = 0.02, 10.0, 0.5, 0.4
     ours = qp.solve(TABLE[engine].options.of("tuned"), 10.0)
 
-    value = qp.stated({name: getattr(qp, name) for name in qp.names}).solve(solver="CLARABEL")
+    problem, _ = qp.stated({name: getattr(qp, name) for name in qp.names})
+    value = problem.solve(solver="CLARABEL")
 
     tolerance = 1e-3 if engine == "osqp" else 1e-6  # what they are asked for, times the penalty
     assert ours.value == pytest.approx(value, abs=tolerance)

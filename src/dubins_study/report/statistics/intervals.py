@@ -70,7 +70,7 @@ def wilson_interval(successes: float, trials: float, of: int = 1) -> tuple[float
     return float(low), float(high)
 
 
-def _tail(of: int) -> float:
+def _tail(of: int = 1) -> float:
     """The probability beyond each end of the interval of one that was chosen among several."""
     return (1 - LEVEL) / (2 * of)
 
@@ -112,7 +112,6 @@ def bootstrap(
     base: str | None = None,
     *,
     resamples: int | None = None,
-    of: int = 1,
 ) -> pd.DataFrame:
     """A statistic of each column with its percentile interval, by the cluster bootstrap.
 
@@ -133,7 +132,7 @@ def bootstrap(
         base: a column to divide by, without failures. Both statistics are then over the rows that
             have a value in both columns.
         resamples: number of resamples; None: `RESAMPLES`, or fewer of very many scenarios.
-        of: how many the columns were chosen among (`wilson_intervals`).
+
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the statistic. NaN for a
         column without values.
@@ -154,7 +153,7 @@ def bootstrap(
             statistic(np.where(missing, np.nan, side), weights) for side in (values, rival)
         )
         statistics = above / below
-    return _with_ends(statistics, table.columns.rename("solver"), of)
+    return _with_ends(statistics, table.columns.rename("solver"))
 
 
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str]) -> pd.DataFrame:
@@ -181,12 +180,12 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str]) -> pd.DataFra
     return _with_ends(means[:, np.newaxis], pd.Index(["all"]))
 
 
-def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
+def _with_ends(statistics: FloatArray, names: pd.Index[Any]) -> pd.DataFrame:
     """The first line of statistics (1 + resamples, columns), and the ends of the others."""
     frame = pd.DataFrame(index=names)
     frame["estimate"] = statistics[0]
-    frame["low"] = _quantiles(statistics[1:], _tail(of), np.floor)
-    frame["high"] = _quantiles(statistics[1:], 1 - _tail(of), np.ceil)
+    frame["low"] = _quantiles(statistics[1:], _tail(), np.floor)
+    frame["high"] = _quantiles(statistics[1:], 1 - _tail(), np.ceil)
     return frame
 
 

@@ -210,13 +210,12 @@ class Compared:
         statistic: Statistic,
         name: str,
         base: str | None = None,
-        of: int = 1,
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
 
         Indexed by solver; columns `name`, `name`_low and `name`_high.
         """
-        frame = bootstrap(self.by_scenario(table), statistic, base, of=of)
+        frame = bootstrap(self.by_scenario(table), statistic, base)
         return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
 
     def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:

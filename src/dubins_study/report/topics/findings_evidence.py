@@ -188,11 +188,10 @@ class Evidence:
             return None
         return chosen_share(float(known.mean()), len(known), of)
 
-    def time_ratio(self, solver: str, base: str, of: int = 1) -> Estimate | None:
+    def time_ratio(self, solver: str, base: str) -> Estimate | None:
         """Median time of a solver over that of another, where both are right.
 
-        Of each question the median over its repeats counts. If the two are the most extreme of
-        several pairs, the interval is that of all at once.
+        Of each question the median over its repeats counts.
         """
         timed = set(times(self.compared).columns) - set(self.at_floor)
         if not {solver, base} <= timed:
@@ -200,7 +199,7 @@ class Evidence:
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        interval = self.compared.bootstrap(both, medians, "value", base, of).loc[[solver]]
+        interval = self.compared.bootstrap(both, medians, "value", base).loc[[solver]]
         return estimate_of(interval, "value", len(both))
 
     def medians_of(self, solver: str, base: str) -> str:

@@ -78,10 +78,9 @@ class Template:
 
         self.names = tuple(shapes)
         first, second = 1 + np.random.default_rng(1).random((2, sum(sizes)))
-        old, *_ = self.stated(parts(first)).get_problem_data(engine.upper(), solver_opts={})
-        new, self.chain, self.inverse = self.stated(parts(second)).get_problem_data(
-            engine.upper(), solver_opts={}
-        )
+        (earlier, _), (problem, self.ends) = (self.stated(parts(v)) for v in (first, second))
+        old, *_ = earlier.get_problem_data(engine.upper(), solver_opts={})
+        new, self.chain, self.inverse = problem.get_problem_data(engine.upper(), solver_opts={})
         # the engines' interfaces compare the arrays with the last ones: two sets take turns
         self.frames = [deepcopy(new), new]
         self.places = {}
@@ -94,8 +93,8 @@ class Template:
         for name, part in parts(self.values).items():
             setattr(self, name, part)
 
-    def stated(self, p: dict[str, FloatArray]) -> Any:
-        """The problem in cvxpy for these numbers."""
+    def stated(self, p: dict[str, FloatArray]) -> tuple[Any, list[Any]]:
+        """The problem in cvxpy for these numbers, and its first two equations."""
         import cvxpy as cp
 
         n, legs = self.n, self.legs
@@ -105,7 +104,7 @@ class Template:
         before = diags_array([np.ones(legs - 1)], offsets=[-1], shape=(legs, legs)) @ (
             kron(eye_array(legs), np.eye(1, n, n - 1), format="csr")
         )
-        self.ends = [
+        ends = [
             a_leg @ cp.multiply(p["G"][i], self.z)
             + cp.multiply(p["P"][i], before @ self.z)
             + cp.multiply(p["q"][i], self.t)
@@ -130,7 +129,7 @@ class Template:
         bend = 0.5 * (p["c"] @ cp.square(self.z))
         slack = cp.sum(self.s) + cp.sum(self.s_h)
         objective = p["w"] @ self.t + bend + p["penalty"] @ cp.reshape(slack, (1,), order="C")
-        return cp.Problem(cp.Minimize(objective), [*self.ends, *bounds])
+        return cp.Problem(cp.Minimize(objective), [*ends, *bounds]), ends
 
     def forget(self) -> None:
         """Let the engine start cold, so that no answer depends on an earlier question."""
