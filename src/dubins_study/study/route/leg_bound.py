@@ -158,6 +158,38 @@ def slopes_across(
     return across, kinds
 
 
+_STEEPEST = 2.5  # slope of the potential; a word with a straight asks for 2 at most
+
+
+@compiled
+def potential_slopes(
+    interval: Ends,
+    before: tuple[FloatArray, WordArray],
+    after: tuple[FloatArray, WordArray],
+    heading: float,
+    best: float,
+    everywhere: bool,
+) -> FloatArray:
+    """Slopes of the potential at a point: what both legs ask for, by `slopes_across`.
+
+    Near the best route's heading, or `everywhere`, the slope is the best route's (NaN: unknown).
+    """
+    middle, half, slope = interval
+    (rise, by_left), (fall, by_right) = before, after
+    chosen = np.empty(middle.size)
+    for j in range(middle.size):
+        asked = fall[j] if by_right[j] > by_left[j] else rise[j]
+        if by_left[j] == BY_WORD and by_right[j] == BY_WORD:
+            asked = 0.5 * (rise[j] + fall[j])
+        if not math.isnan(best) and (
+            everywhere or abs(principal(middle[j] - heading)) <= 4.0 * half[j]
+        ):
+            asked = best
+        asked = slope[j] if math.isnan(asked) else asked
+        chosen[j] = min(max(asked, -_STEEPEST), _STEEPEST)
+    return chosen
+
+
 @separate
 def _part_bound(box: Box, side1: float, side2: float) -> float:
     """The bound of a part of a box: side -0.5 or 0.5 is a half of an interval, 0 all of it."""

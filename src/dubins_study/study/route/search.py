@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.descent import descents, route_length, route_words
@@ -34,6 +35,7 @@ from dubins_study.study.route.leg_bound import (
     WordArray,
     add_gains,
     bound_leg,
+    potential_slopes,
     slopes_across,
 )
 
@@ -42,7 +44,6 @@ _LOG = logging.getLogger(__name__)
 _TWO_PI = 2 * math.pi
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
 _BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
-_STEEPEST = 2.5  # slope of the potential; a word with a straight asks for 2 at most
 _EAGER = 6  # rounds
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
@@ -94,6 +95,22 @@ def compile_loops() -> None:
     _Search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, None, Effort(), 1e-6).run()
 
 
+@compiled
+def _extended(
+    chains: FloatArray, costs: FloatArray, forward: bool
+) -> tuple[FloatArray, IndexArray]:
+    """The least cost of chains that go on over a leg, or back, and the intervals they come from."""
+    size = costs.shape[1 if forward else 0]
+    least, mates = np.full(size, math.inf), np.zeros(size, np.intp)
+    for i in range(costs.shape[0]):
+        for j in range(costs.shape[1]):
+            mate, k = (i, j) if forward else (j, i)
+            cost = chains[mate] + costs[i, j]
+            if cost < least[k]:
+                least[k], mates[k] = cost, mate
+    return least, mates
+
+
 class _Chains:
     """The least cost of a chain through each interval, and its neighbours there."""
 
@@ -104,13 +121,13 @@ class _Chains:
         self.before: list[IndexArray] = []
         self.after: list[IndexArray] = []
         for cost in costs:
-            total = self.ahead[-1][:, None] + cost
-            self.before.append(np.argmin(total, axis=0))
-            self.ahead.append(total.min(axis=0))
+            least, mates = _extended(self.ahead[-1], cost, True)
+            self.ahead.append(least)
+            self.before.append(mates)
         for cost in reversed(costs):
-            total = cost + self.behind[0]
-            self.after.insert(0, np.argmin(total, axis=1))
-            self.behind.insert(0, total.min(axis=1))
+            least, mates = _extended(self.behind[0], cost, False)
+            self.behind.insert(0, least)
+            self.after.insert(0, mates)
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
         """The intervals and the words of the cheapest chain."""
@@ -174,11 +191,13 @@ class _Search:
             open_part = 1.0 - self.low / self.high
             _LOG.info("round %d: proven to within %.2g of the length", self.rounds, open_part)
             # a chain of other words, but not in every round of a long search
-            if not self.closed and (self.rounds <= _EAGER or self.rounds % _EAGER == 0):
+            eager = self.rounds <= _EAGER or self.rounds % _EAGER == 0
+            if eager and not self.closed:
                 self._improve(bounded)
-                self._improve(self._middles())
             if self.closed or not self._split(bounded):
                 break
+            if eager:
+                self._improve(self._middles())
         return self._route()
 
     @property
@@ -289,19 +308,12 @@ class _Search:
         before, after = self._asked(chains, True), self._asked(chains, False)
         aimed = []
         for i, interval in enumerate(self.intervals):
-            (rise, by_left), (fall, by_right) = before[i], after[i]
-            both = (by_left == BY_WORD) & (by_right == BY_WORD)
-            slope = np.where(by_right > by_left, fall, rise)
-            slope = np.where(both, 0.5 * (rise + fall), slope)
-            slope = np.where(np.isnan(slope), interval.slope, slope)
-            if not math.isnan(self.slopes[i]):
-                away = interval.middle - self.headings[i]
-                away -= _TWO_PI * np.round(away / _TWO_PI)
-                near = (np.abs(away) <= 4.0 * interval.half) | (self.rounds == 0)
-                slope = np.where(near, self.slopes[i], slope)
-            if i in (0, self.n):
-                slope = np.zeros(slope.size)  # no other leg takes back what one leg is given
-            aimed.append(interval._replace(slope=np.clip(slope, -_STEEPEST, _STEEPEST)))
+            if i in (0, self.n):  # no other leg takes back what one leg is given
+                slope = np.zeros(interval.slope.size)
+            else:
+                best = self.headings[i], self.slopes[i], self.rounds == 0
+                slope = potential_slopes(interval, before[i], after[i], *best)
+            aimed.append(interval._replace(slope=slope))
         return aimed
 
     def _asked(self, chains: _Chains, forward: bool) -> list[tuple[FloatArray, WordArray]]:
