@@ -9,11 +9,11 @@ from functools import lru_cache
 from itertools import groupby
 from typing import NamedTuple
 
-from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import Enclosure, enclose
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.closed_form.pose import pose_path
-from dubins_study.study.closed_form.shortest import Shortest, margin, shortest, shortest_path
+from dubins_study.study.closed_form.shortest import shortest, shortest_local, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import SEARCH_S
@@ -67,109 +67,46 @@ def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose
     Points that are one for a path are one point of that scenario.
     """
     way = [point for point, _ in groupby([scenario.start[:2], *points, end[:2]])]
-    x, y = end[:2]
-    return Scenario(
-        *(*scenario.start, x, y, scenario.radius, scenario.speed),
-        via=way[1:-1],
-        final_heading=None if scenario.final_heading is None else end.heading,
-    )
+    final = None if scenario.final_heading is None else end.heading
+    there = copy(scenario)  # the end may lie beyond what a scenario may ask for
+    moved = {"target_x": end.x, "target_y": end.y, "via": tuple(way[1:-1]), "final_heading": final}
+    for name, value in moved.items():
+        object.__setattr__(there, name, value)
+    return there
 
 
 def free_leg_reference(
     scenario: Scenario,
     branch: str,
-    optimum: Shortest | None,
+    shortest_length: float | None,
     length: float,
-    miss: float,
     end: Pose,
     gap: float,
 ) -> float | None:
     """The length that a path of one leg with a free final heading is compared with.
 
-    None if no target within delta, or within its miss, has a path of the branch.
+    That is the scenario's shortest length. Only a miss makes a shorter path possible: it is
+    compared with the shortest to where it ends, so that missing buys nothing. That is no longer
+    than the path itself, whatever side of a circle its end is rounded to. Where neither has a path
+    of the branch, a point of a turning circle within the miss may. None if that is not so either.
 
     Args:
         scenario, branch: the question.
-        optimum: the shortest path of the branch, if there is one.
-        length, miss: of the path, which arrives (length unit).
-        end: of the path.
+        shortest_length: of the branch, if it has a path (length unit).
+        length, end: of the path, which arrives.
         gap: tolerance of the verdict.
     """
-    reference = _relaxed_reference(scenario, branch, length, miss, (end.x, end.y), optimum)
-    if reference is None:  # none where no target within delta has a path of the branch
-        reference = enclose(scenario, branch).nearest(length)
+    radius, reference = scenario.radius, shortest_length
+    if reference is None or length < reference * (1.0 - ROUNDED):
+        there = shortest(visited(scenario, (), end), branch)
+        if there is not None:
+            reference = min(there.total * radius, length)
     if reference is None:
-        return None
-    return _known_to_delta(scenario, branch, length, reference, gap)
-
-
-def _relaxed_reference(
-    scenario: Scenario,
-    branch: str,
-    length: float,
-    miss: float,
-    end: tuple[float, float],
-    optimum: Shortest | None,
-) -> float | None:
-    """The length that an answer is compared with.
-
-    That is the scenario's shortest length. Only a miss makes a shorter answer possible: such an
-    answer is compared with the least shortest length over the targets within its miss. The length
-    jumps only across the front half of a turning circle (docs/derivation.md, section 6), so that
-    least length is met, up to the miss itself, at the path's end or at the nearest point of the
-    circle. An answer that is shorter by no more than its miss explains has not used the jump.
-    """
-    bare = None if optimum is None else optimum.total * scenario.radius
-    if bare is not None and length >= bare * (1.0 - ROUNDED):
-        return bare
-    at_end = _shortest_length(_moved(scenario, *end), branch)
-    if optimum is not None and bare is not None:
-        explained = bare - _steepness(optimum) * miss
-        if length >= explained:
-            jumps = at_end is None or at_end < explained
-            return length if jumps or at_end is None else min(bare, at_end)
-    lengths = [at_end]
-    if margin(scenario) * scenario.radius <= miss:
-        lengths.append(_shortest_length(_moved(scenario, *_onto_circle(scenario)), branch))
-    return min((value for value in (bare, *lengths) if value is not None), default=None)
-
-
-def _moved(scenario: Scenario, x: float, y: float) -> Scenario:
-    """The scenario with another target, which may be beyond what a scenario may ask for."""
-    moved = copy(scenario)
-    object.__setattr__(moved, "target_x", x)
-    object.__setattr__(moved, "target_y", y)
-    return moved
-
-
-def _steepness(optimum: Shortest) -> float:
-    """How much a shortest length changes per shift of its target, with room for a small shift.
-
-    The gradient's norm is 1 for words that end straight and 1 / |cos(a2 / 2)| for RL and LR
-    (docs/derivation.md, section 9), which grows without bound toward the rear of a circle.
-    """
-    if optimum.word not in ("LR", "RL"):
-        return STEEP
-    return max(STEEP, 2.0 / max(abs(math.cos(optimum.segments.second / 2)), EPS))
-
-
-def _shortest_length(scenario: Scenario, branch: str) -> float | None:
-    optimum = shortest(scenario, branch)
-    return None if optimum is None else optimum.total * scenario.radius
-
-
-def _onto_circle(scenario: Scenario) -> tuple[float, float]:
-    """The point of the nearer turning circle that is nearest to the target.
-
-    Rounding moves it outwards only: next to the start delta is finer than this point's rounding.
-    """
-    _, Y = scenario.local()
-    side = math.copysign(scenario.radius, Y)
-    x = scenario.x - side * math.sin(scenario.heading)
-    y = scenario.y + side * math.cos(scenario.heading)
-    dx, dy = scenario.target_x - x, scenario.target_y - y
-    stretch = scenario.radius * (1.0 + ROUNDED) / math.hypot(dx, dy)
-    return x + dx * stretch, y + dy * stretch
+        target = local(scenario)
+        off = 2.0 * math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+        there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
+        reference = None if there is None else there.total * radius
+    return None if reference is None else _known_to_delta(scenario, branch, length, reference, gap)
 
 
 def _known_to_delta(

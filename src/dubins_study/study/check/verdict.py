@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.enclosure import Enclosure, enclose
+from dubins_study.study.check.enclosure import Enclosure
 from dubins_study.study.check.reference import (
     ROUNDED,
     STEEP,
@@ -54,16 +54,39 @@ def judge(
     Nothing that the solver reports enters but its controls and, for `false_claim` and the
     verdict `none exists`, its claim.
     """
-    if not scenario.one_free_leg:
-        return judge_visits(scenario, path, claim, branch, tolerances)
-    optimum, known = _closed_form(scenario, branch)
-    if path is not None and drivable(path):
-        return _judge_path(scenario, path, claim, branch, tolerances, optimum, known)
+    free_leg = scenario.one_free_leg
+    optimum, known = _closed_form(scenario, branch) if free_leg else (None, _NO_REGION)
+    if path is None or not drivable(path):
+        verdict = Verdict.NONE if path is None else Verdict.MISSES
+        # a route and the best path always exist, and nothing has to be searched for
+        denied = path is None and claim is Claim.INFEASIBLE and branch != "best"
+        if denied and reference_of(scenario, branch).enclosure.absent:
+            verdict = Verdict.NONE_EXISTS
+        return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
+    seen = _seen(scenario, path, branch, tolerances)
+    length, at = path.length, seen.visits.at
+    word = path_word_of(path) if free_leg else words_of(path, at, scenario.radius)
     verdict = Verdict.MISSES
-    if path is None:
-        agrees = claim is Claim.INFEASIBLE and (optimum is None or enclose(scenario, branch).absent)
-        verdict = Verdict.NONE_EXISTS if agrees else Verdict.NONE
-    return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
+    if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
+        if free_leg:
+            verdict, found = _of_free_leg(scenario, path, branch, seen, word, tolerances, optimum)
+        else:
+            verdict, found = _of_visits(scenario, path, branch, seen, word, tolerances)
+        known = known | found
+    return Judgement(
+        verdict=verdict,
+        false_claim=is_false(claim, verdict),
+        word=word,
+        length=length,
+        travel_time=length / scenario.speed,
+        miss=seen.miss,
+        visits=list(at) or None,
+        curvature_excess=seen.excess,
+        **known,
+    )
+
+
+_NO_REGION: dict[str, Any] = {"region": None, "margin": None}  # but of a leg to a free heading
 
 
 @lru_cache(maxsize=16384)
@@ -82,56 +105,29 @@ def _closed_form(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict
     }
 
 
-def _judge_path(
+def _of_free_leg(
     scenario: Scenario,
     path: Path,
-    claim: Claim,
     branch: str,
+    seen: _Seen,
+    word: str,
     tolerances: Tolerances,
     optimum: Shortest | None,
-    known: dict[str, Any],
-) -> Judgement:
-    """Judge a path that can be driven."""
-    end, miss, excess = _measured(scenario, path, branch)
-    radius, length = scenario.radius, path.length
-    reference = None
-    if (
-        arrives(miss, radius, scenario.extent, length, tolerances.miss)
-        and excess <= tolerances.curvature
-        and path.start == scenario.start
-    ):
-        reference = free_leg_reference(
-            *(scenario, branch, optimum, length, miss, end, tolerances.gap)
-        )
-    word = path_word_of(path)
-    gap, verdict, wrong_basin = None, Verdict.MISSES, False
-    if reference is not None:
-        known = known | {"reference": reference}
-        gap = (length - reference) / max(reference, radius)
-        verdict = Verdict.OPTIMAL
-        if gap > tolerances.gap:
-            verdict = Verdict.LONGER
-            wrong_basin = _is_wrong_basin(path.turn, word, gap, optimum)
-    return Judgement(
-        verdict=verdict,
-        false_claim=is_false(claim, verdict),
-        word=word,
-        length=length,
-        travel_time=length / scenario.speed,
-        gap=gap,
-        miss=miss,
-        curvature_excess=excess,
-        wrong_basin=wrong_basin,
-        **known,
-    )
-
-
-def _measured(scenario: Scenario, path: Path, branch: str) -> tuple[Pose, float, float]:
-    """A path's end, its distance from the target, and `curvature_excess`."""
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
-    return end, miss, curvature_excess([k * scenario.radius for k, s in pieces if s > 0], branch)
+) -> tuple[Verdict, dict[str, Any]]:
+    """The verdict on a path of one leg that arrives with any heading, and its columns."""
+    length, radius = path.length, scenario.radius
+    shortest = None if optimum is None else optimum.total * radius
+    asked = scenario, branch, shortest, length, seen.end, tolerances.gap
+    reference = free_leg_reference(*asked)
+    if reference is None:
+        return Verdict.MISSES, {}
+    gap = (length - reference) / max(reference, radius)
+    longer = gap > tolerances.gap
+    return Verdict.LONGER if longer else Verdict.OPTIMAL, {
+        "reference": reference,
+        "gap": gap,
+        "wrong_basin": longer and _is_wrong_basin(path.turn, word, gap, optimum),
+    }
 
 
 def path_word_of(path: Path) -> str:
@@ -200,9 +196,11 @@ class _Seen(NamedTuple):
 
 def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
     radius, length = scenario.radius, path.length
-    end, miss, excess = _measured(scenario, path, branch)
+    end = path.end
+    pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
+    excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
     seen = visits_of(scenario, path, tolerances.miss)
-    miss = max(miss, seen.miss)
+    miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
     turned, blur = 0.0, 0.0
     if scenario.final_heading is not None:
         turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
@@ -211,53 +209,29 @@ def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -
     return _Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
 
 
-def judge_visits(
-    scenario: Scenario, path: Path | None, claim: Claim, branch: str, tolerances: Tolerances
-) -> Judgement:
-    """Judge an answer to a scenario with via points or a final heading.
+def _of_visits(
+    scenario: Scenario, path: Path, branch: str, seen: _Seen, word: str, tolerances: Tolerances
+) -> tuple[Verdict, dict[str, Any]]:
+    """The verdict on an arriving path of a route, or to a final heading, and its columns.
 
     It is compared with the scenario's reference. Only if it is shorter by more than what it misses
     its points by explains, it is compared with that of the points that it visits.
     """
-    if path is None or not drivable(path):
-        verdict = Verdict.NONE if path is None else Verdict.MISSES
-        # a route and the best path always exist, and nothing has to be searched for
-        denied = path is None and claim is Claim.INFEASIBLE and branch != "best"
-        if denied and reference_of(scenario, branch).enclosure.absent:
-            verdict = Verdict.NONE_EXISTS
-        false = is_false(claim, verdict)
-        return Judgement(region=None, margin=None, verdict=verdict, false_claim=false)
-    seen = _seen(scenario, path, branch, tolerances)
     radius, length = scenario.radius, path.length
-    word = words_of(path, seen.visits.at, radius)
-    known: dict[str, Any] = {}
-    verdict = Verdict.MISSES
-    if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
-        best = reference_of(scenario, branch, tolerances.search_s)
-        moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
-        if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
-            there = visited(scenario, seen.visits.points, seen.end)
-            best = reference_of(there, branch, tolerances.search_s)
-        if best.path is not None and best.enclosure.exists:
-            verdict, known = _compared(scenario, length, best.enclosure, tolerances.gap)
-            known["reference_word"] = words_of(best.path, best.at, radius)
-            if verdict is Verdict.LONGER:
-                another = known["gap"] > COARSE and word != known["reference_word"]
-                turn = abs(path.turn - best.path.turn)
-                known["wrong_basin"] = another or turn > _ANOTHER_TURN
-    return Judgement(
-        region=None,
-        margin=None,
-        verdict=verdict,
-        false_claim=is_false(claim, verdict),
-        word=word,
-        length=length,
-        travel_time=length / scenario.speed,
-        miss=seen.miss,
-        visits=list(seen.visits.at) or None,
-        curvature_excess=seen.excess,
-        **known,
-    )
+    best = reference_of(scenario, branch, tolerances.search_s)
+    moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
+    if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
+        there = visited(scenario, seen.visits.points, seen.end)
+        best = reference_of(there, branch, tolerances.search_s)
+    if best.path is None or not best.enclosure.exists:
+        return Verdict.MISSES, {}
+    verdict, known = _compared(scenario, length, best.enclosure, tolerances.gap)
+    known["reference_word"] = words_of(best.path, best.at, radius)
+    if verdict is Verdict.LONGER:
+        another = known["gap"] > COARSE and word != known["reference_word"]
+        turn = abs(path.turn - best.path.turn)
+        known["wrong_basin"] = another or turn > _ANOTHER_TURN
+    return verdict, known
 
 
 def _compared(

@@ -1,8 +1,8 @@
 """The check over frames: what `verdict.judge` finds, for paths of two or three arcs as arrays.
 
 Compiled loops judge ordinary rows. A row that is out of the ordinary is marked `ODD`, and `judge`
-itself judges it: no path or a broken one, shorter than the reference (which then has to be relaxed)
-or longer where the rounding of the data leaves the reference undecided, no path exists, or an angle
+itself judges it: no path or a broken one, shorter than the reference (its own end's then counts) or
+longer where the rounding of the data leaves the reference undecided, no path exists, or an angle
 too large for the polynomials. With final headings ordinary paths are the shortest ones, and a row
 without a path is if the compiled intervals tell whether one exists.
 """

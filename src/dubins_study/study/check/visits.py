@@ -58,6 +58,8 @@ def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowe
         radius: the unit in which a piece's geometry is computed.
         allowed: how near a path has to come to visit a point (length unit).
     """
+    if not via:
+        return Visits((), (), 0.0)
     pieces = _Pieces(path, radius)
     at, nearest, miss = 0.0, 0.0, 0.0
     found: list[float] = []
@@ -66,7 +68,7 @@ def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowe
         nearest = max(nearest, reached)
         miss = max(miss, distance * radius)
         found.append(min(nearest * radius, path.length))
-    points = path.at(np.array(found))[:, :2].tolist() if found else []
+    points = path.at(np.array(found))[:, :2].tolist()
     return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
 
 
