@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from time import monotonic
 from typing import Any
@@ -201,6 +201,8 @@ def _judged(
             multipliers=solution.multipliers,
             tolerances=allowed,
         )
+    if solution.trace:
+        judgement = _with_trace(judgement, question, solution, allowed)
     answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": outcome}
     answer |= method.columns(question) | vars(times) | vars(judgement) | vars(certificate)
     answer |= {name: getattr(solution, name) for name in _REPORTED}
@@ -208,6 +210,19 @@ def _judged(
     if solution.presolved:  # whatever the check finds, no engine has proved anything
         answer["proof"] = Proof.NONE
     return answer
+
+
+def _with_trace(
+    judgement: Judgement, question: Question, solution: Solution, allowed: Tolerances
+) -> Judgement:
+    """The judgement with the columns of a trace: its paths that arrive, while they get shorter."""
+    evaluations, lengths = [], [math.inf]
+    for count, path in solution.trace:
+        found = judge(question.scenario, path, branch=question.branch, tolerances=allowed)
+        if found.gap is not None and found.length is not None and found.length < lengths[-1]:
+            evaluations.append(float(count))
+            lengths.append(found.length)
+    return replace(judgement, trace_evaluations=evaluations, trace_lengths=lengths[1:])
 
 
 _REPORTED = names(columns(Reported))

@@ -107,6 +107,7 @@ class Solution(Reported):
         presolved: whether the presolve answered (`solvers.presolve`), and no engine was asked.
         efforts: what each subproblem cost, in the order in which they were solved.
         best_run: what the one run cost that the answer comes from.
+        trace: paths on the way to the answer, each with the evaluations that were spent until then.
 
     Raises:
         TypeError: naming the field, its value and what was expected. It is raised inside the
@@ -170,6 +171,10 @@ def _efforts(value: Any) -> tuple[Effort, ...]:
     return tuple(map(_effort, value))
 
 
+def _trace(value: Any) -> tuple[tuple[int, Path], ...]:
+    return tuple((_count(evaluations), _path(path)) for evaluations, path in value)
+
+
 # what makes a plain value of what a solver gives, by the annotation of the field, and how a message
 # names what was expected
 _OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
@@ -183,6 +188,7 @@ _OF_TYPE: dict[str, tuple[Callable[[Any], Any], str]] = {
     "bool": (bool, "a boolean"),
     "tuple[Effort, ...]": (_efforts, "Efforts"),
     "Effort | None": (_effort, "an Effort or None"),
+    "tuple[tuple[int, Path], ...]": (_trace, "pairs of a count and a Path"),
 }
 _PLAIN = {each.name: _OF_TYPE[str(each.type)] for each in fields(Reported)}
 _OPTIONAL = {each.name for each in fields(Reported) if str(each.type).endswith("| None")}

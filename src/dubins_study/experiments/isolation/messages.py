@@ -130,6 +130,7 @@ def encode_reply(sent: WorkerReply) -> list[Any]:
         for name, value in vars(solution).items()
     }
     values["path"] = _encode_path(solution.path)
+    values["trace"] = [(count, _encode_path(path)) for count, path in solution.trace]
     if solution.point is not None:
         values["point"] = b2a_base64(solution.point.tobytes(), newline=False).decode()
     return [outcome, vars(times), values, *sent[1:]]
@@ -139,7 +140,9 @@ def decode_reply(values: list[Any]) -> WorkerReply:
     """The reply that was encoded; raises some exception if the values do not encode one."""
     outcome, times, solution, *sent = values
     point = None if solution["point"] is None else np.frombuffer(a2b_base64(solution["point"]))
-    solution = Solution(**solution | {"path": _decode_path(solution["path"]), "point": point})
+    trace = [(count, _decode_path(path)) for count, path in solution["trace"]]
+    path = _decode_path(solution["path"])
+    solution = Solution(**solution | {"path": path, "trace": trace, "point": point})
     started, versions, digest = map(str, sent[:3])
     memory_mib, floor_s = (None if value is None else float(value) for value in sent[3:])
     reply = Reply(Outcome(outcome), solution, Times(**times))

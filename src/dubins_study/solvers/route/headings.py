@@ -30,7 +30,8 @@ from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
-from dubins_study.study.path import FloatArray
+from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Claim
 
 # The engines of nonlinear programs that call functions. The others differentiate expressions, and
@@ -47,6 +48,7 @@ _ENGINES = (
 _DEFAULT = "differential-evolution"
 _MOST_EVALUATIONS = 10**5  # of one search, if none are given: DIRECT takes memory for all at once
 _HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
+Trace = list[tuple[int, FloatArray]]  # evaluations until then, and the best point (k,)
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,7 @@ class Headings(SearchSolver):
         options, tol, max_iter: as those of `nlp`; searches take no limits but `evaluations`.
         evaluations: of the length, at most, for each search; 0 for the engine's default
             (`solvers.engines`) times the number of unknown headings, at most 100 000.
+        trace: whether the best headings so far are kept, with the evaluations that found them.
     """
 
     engine: str = one_of(_DEFAULT, _ENGINES)
@@ -73,6 +76,7 @@ class Headings(SearchSolver):
     tol: float = tolerance()
     max_iter: int = iterations()
     evaluations: int = whole(0, 0, 10**6)
+    trace: bool = False
 
     name: ClassVar[str] = "headings"
     guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
@@ -102,16 +106,17 @@ class Headings(SearchSolver):
         scenario = question.scenario
         if scenario.one_free_leg and (there := at_start(question)):
             return there
-        runs = list(self._runs(route, question.repeat, perf_counter() + limit))
+        trace: Trace = []
+        runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
         begun = [run for run in runs if np.isfinite(run.length)]
         if not begun:
             messages = [run.message for run in runs]
             return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
         best = min(begun, key=lambda run: run.length)
-        segments, words = route.shortest(route.headings(best.point))
         return Solution(
             Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,
-            path=path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel()),
+            path=_path(scenario, route, best.point),
+            trace=tuple((count, _path(scenario, route, point)) for count, point in _thinned(trace)),
             claimed_length=best.length * scenario.radius,
             native_status=best.status,
             message=best.message,
@@ -119,8 +124,10 @@ class Headings(SearchSolver):
             **costs(runs),
         )
 
-    def _runs(self, route: Route, repeat: int, until: float) -> Iterator[Run[FloatArray]]:
-        """Runs of the engine; a point has the unknown headings, shape (k,)."""
+    def _runs(
+        self, route: Route, repeat: int, until: float, trace: Trace
+    ) -> Iterator[Run[FloatArray]]:
+        """Runs of the engine, which add to the trace; a point has the unknown headings, (k,)."""
         random = np.random.default_rng(self.seed + repeat)
         nothing_unknown = route.unknowns == 0
         drawn = self.initial_guess == "random" and not nothing_unknown
@@ -136,24 +143,44 @@ class Headings(SearchSolver):
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
                 yield Run("headings", perf_counter() - began, guess, *answer, length)
             elif ENGINES[self.engine].kind == NLP:
-                engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
-                result = engine(program(route), guess, until - began)
-                length = route_length(route, result.x)
-                yield Run("headings", perf_counter() - began, *result, length=length)
+                yield self._descend(route, guess, until, trace)
             else:
-                yield self._search(route, guess, random, until)
+                yield self._search(route, guess, random, until, trace)
+
+    def _descend(
+        self, route: Route, guess: FloatArray, until: float, trace: Trace
+    ) -> Run[FloatArray]:
+        """A run of an engine of nonlinear programs."""
+        began = perf_counter()
+        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        functions = _functions(route)
+        if self.trace:
+            whole_plane = LengthInBox(route, np.zeros(route.unknowns))
+            counted = CountedFunction(whole_plane, math.inf, math.inf, traced=True)
+            functions = functions._replace(objective=counted)
+        result = engine(program(route, functions), guess, until - began)
+        if self.trace:
+            _add(trace, counted.trace)
+        length = route_length(route, result.x)
+        return Run("headings", perf_counter() - began, *result, length=length)
 
     def _search(
-        self, route: Route, guess: FloatArray, random: np.random.Generator, until: float
+        self,
+        route: Route,
+        guess: FloatArray,
+        random: np.random.Generator,
+        until: float,
+        trace: Trace,
     ) -> Run[FloatArray]:
         """A search of the box of a full turn a heading, about the guess if the engine takes one."""
         began, k = perf_counter(), route.unknowns
         low = guess - _HALF_TURN if self.guided else np.full(k, route.first)
         budget = self.evaluations or min(ENGINES[self.engine].evaluations * k, _MOST_EVALUATIONS)
-        function = CountedFunction(LengthInBox(route, low), budget, until)
+        function = CountedFunction(LengthInBox(route, low), budget, until, self.trace)
         begin = np.full(k, _HALF_TURN) if self.guided else None
         claim, message = Task(function, begin, random).search(self.engine, self.options)
         seconds, counts = perf_counter() - began, (None, function.evaluations)
+        _add(trace, [(count, low + point) for count, point in function.trace])
         point = low + function.best
         return Run(
             *("headings", seconds, point, claim, None, *counts, claim.value, message),
@@ -185,11 +212,33 @@ def route_length(route: Route, unknown: FloatArray) -> float:
     return float(segments.sum())
 
 
-def program(route: Route) -> Program:
+def _path(scenario: Scenario, route: Route, unknown: FloatArray) -> Path:
+    segments, words = route.shortest(route.headings(unknown))
+    return path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel())
+
+
+def _add(trace: Trace, run: Trace) -> None:
+    """Add the trace of one more run, whose evaluations come after those before it."""
+    before = trace[-1][0] if trace else 0
+    trace += [(before + count, point) for count, point in run]
+
+
+def _thinned(trace: Trace) -> Trace:
+    """The last of all points within each tenth more evaluations, the very last one included."""
+    kept: Trace = []
+    for count, point in trace:
+        if len(kept) > 1 and count < 1.1 * kept[-2][0]:
+            kept.pop()
+        kept.append((count, point))
+    return kept
+
+
+def program(route: Route, functions: Functions | None = None) -> Program:
     """The unknown headings, unbounded, as a program without equations."""
     k = route.unknowns
     free = np.full(k, np.inf)
-    return Program(DeferredExpressions(_no_expressions), free[:0], -free, free, _functions(route))
+    written = functions or _functions(route)
+    return Program(DeferredExpressions(_no_expressions), free[:0], -free, free, written)
 
 
 def _no_expressions() -> Expressions:

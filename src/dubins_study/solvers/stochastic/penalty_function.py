@@ -84,8 +84,13 @@ class CountedFunction:
     has seen.
     """
 
-    def __init__(self, function: BoxFunction, budget: int, until: float) -> None:
+    def __init__(
+        self, function: BoxFunction, budget: float, until: float, traced: bool = False
+    ) -> None:
         self.function, self.budget, self._until = function, budget, until
+        self._traced = traced
+        # if traced: evaluations until then, and the best point
+        self.trace: list[tuple[int, FloatArray]] = []
         self.evaluations = 0
         self.value = math.inf
         self.best: FloatArray = np.full(function.upper.size, math.nan)
@@ -95,7 +100,7 @@ class CountedFunction:
         self._spend(1)
         value = self.function.at(free)
         if value < self.value:
-            self.value, self.best = value, np.array(free)
+            self._improve(value, free)
         return value
 
     def at_each(self, free: FloatArray) -> FloatArray:
@@ -104,8 +109,13 @@ class CountedFunction:
         values = self.function.at_each(free)
         least = int(np.argmin(values))
         if values[least] < self.value:
-            self.value, self.best = float(values[least]), free[:, least].copy()
+            self._improve(float(values[least]), free[:, least])
         return values
+
+    def _improve(self, value: float, point: FloatArray) -> None:
+        self.value, self.best = value, np.array(point)
+        if self._traced:
+            self.trace.append((self.evaluations, self.best))
 
     def _spend(self, evaluations: int) -> None:
         if self.evaluations + evaluations > self.budget:

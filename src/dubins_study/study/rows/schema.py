@@ -76,7 +76,7 @@ class Reported:
     """What a solver says; `solvers.protocol.Solution` has the meaning of every field.
 
     The path, the multipliers and the efforts are stored in columns of other shares, the point of a
-    convex problem by what the check measures of it.
+    convex problem and the trace by what the check measures of them.
     """
 
     claim: Claim = column("what the solver says", default=MISSING, plotted=True)
@@ -96,6 +96,7 @@ class Reported:
     )
     efforts: tuple[Effort, ...] = ()
     best_run: Effort | None = None
+    trace: tuple[tuple[int, Path], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +160,7 @@ class Judgement:
     length: float | None = column("length of the path, from its controls", "length", plotted=True)
     travel_time: float | None = column("length / speed", "time", detail=True)
     reference: float | None = column(
-        "length compared with: relaxed near a circle, proven lower bound of a route", "length"
+        "length compared with; of a route the proven lower bound", "length"
     )
     gap: float | None = column(
         "(length - reference) / max(reference, radius), if it arrives", "1", plotted=True
@@ -172,6 +173,10 @@ class Judgement:
     )
     curvature_excess: float | None = column(
         "curvature beyond what the branch allows", "1/radius", detail=True, plotted=True
+    )
+    trace_evaluations: list[float] | None = column("evaluations after which a solver was better")
+    trace_lengths: list[float] | None = column(
+        "length of its best path then that arrives, by the check", "length"
     )
     dual_residual: float | None = column("of a convex problem: violated stationarity", "1")
     duality_gap: float | None = column("of a convex problem: its two objectives, apart", "1")
