@@ -222,8 +222,8 @@ def _judged(table: Table, answer: Answer) -> None:
     wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
     wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)
     table.note("route verdict", wrong, line)
-    # what misses its points by more may be shorter by a turn that begins there
-    if off < 1e-6:
+    # what misses its points by more than rounding may be shorter by a turn that begins there
+    if off < 1e-7:
         table.note("route bound", (low - length) / scale, f"{line}, low {low!r}")
     for bound, is_false in ((low, False), (high + 2e-9 * scale, True)):
         found = certify(scenario, path, judged, lower_bound=bound, tolerances=TOLERANCES)

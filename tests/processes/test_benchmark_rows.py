@@ -85,8 +85,14 @@ def test_its_verdicts_are_what_the_check_says_today(table, share):
         if not row["presolved"]:
             assert certificate.proof == row["proof"]
         if not np.isnan(row["gap"]):
-            # other libraries' sines and sums: a few ulp
-            np.testing.assert_allclose(judgement.gap, row["gap"], rtol=1e-6, atol=1e-13)
+            # other libraries' sines and sums: a few ulp; of a route a search may end elsewhere in
+            # the proven intervals, then's and today's
+            moved = 0.0
+            if row["via_x"] is not None:
+                moved = row["reference_high"] - row["reference_low"]
+                moved += certificate.reference_high - certificate.reference_low
+            atol = 1e-13 + moved / max(row["reference_low"], row["radius"])
+            np.testing.assert_allclose(judgement.gap, row["gap"], rtol=1e-6, atol=atol)
 
 
 @pytest.mark.slow

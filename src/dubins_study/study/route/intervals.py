@@ -28,7 +28,7 @@ from dubins_study.study.route.box import (
 from dubins_study.study.route.leg_bound import WordArray
 
 _TWO_PI = 2 * math.pi
-COARSE = 10  # intervals at each point to begin with
+COARSE = 16  # intervals at each point to begin with
 OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
 _ON_CIRCLE = 16.0 * EPS  # square radii; what rounding may move a point off a turning circle
 _ONE_HEADING = 2e-15  # rad; more than the rounding of a heading to which an arc leads
