@@ -130,6 +130,10 @@ def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatc
     right = getattr(room, name)
     monkeypatch.setattr(room, name, lambda *args, **options: spoil(right(*args, **options)))
 
-    table = run(SEED, 100, 140)
+    # a route or a leg with a final heading follows one case in 25, and takes as long as all of them
+    table = run(SEED, 101, 125)
+    if room is routes_judged:
+        table = run(SEED, 100, 101)
+        table.add(run(SEED, 125, 126))
 
     assert check in table.first, str(table)
