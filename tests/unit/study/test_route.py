@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from cases import driven, walked
 
 from dubins_study.study.route.search import search
+from dubins_study.study.words import TURN
 
 LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 
@@ -15,23 +17,15 @@ LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 def random_route(seed, legs, least, most):
     rng = np.random.default_rng(seed)
     direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
-    steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+    return walked(length, direction)
 
 
-def driven(route, points):
+def leg_ends(route, points):
     """Where each leg of a route ends that begins at its point with its heading."""
-    ends = []
-    for (x, y), heading, word, lengths in zip(
-        points[:-1], route.headings, route.words, route.segments, strict=False
-    ):
+    ends = [(*point, heading) for point, heading in zip(points, route.headings, strict=True)][:-1]
+    for i, (word, lengths) in enumerate(zip(route.words, route.segments, strict=True)):
         for letter, length in zip(word, lengths, strict=True):
-            turn = {"L": 1.0, "R": -1.0, "S": 0.0}[letter]
-            middle = heading + 0.5 * turn * length
-            chord = length * np.sinc(0.5 * turn * length / math.pi)
-            x, y = x + chord * math.cos(middle), y + chord * math.sin(middle)
-            heading += turn * length
-        ends.append((x, y, heading))
+            ends[i] = driven(ends[i], TURN[letter], length)
     return np.array(ends)
 
 
@@ -44,7 +38,7 @@ def test_a_route_arrives_and_its_length_is_in_its_interval(least, most, last):
 
         route = search(points, 0.3, last, limit=LIMIT, tolerance=1e-7)
 
-        ends = driven(route, points)
+        ends = leg_ends(route, points)
         turned = np.remainder(ends[:, 2] - route.headings[1:] + math.pi, 2 * math.pi) - math.pi
         assert route.closed
         assert np.abs(ends[:, :2] - points[1:]).max() < 1e-6  # the root of the doubles' rounding
@@ -150,7 +144,7 @@ def test_the_limit_ends_a_search_with_its_interval():
     assert not route.closed
     assert 0.0 <= route.low <= route.high
     assert math.isfinite(route.high)
-    assert np.abs(driven(route, points)[:, :2] - points[1:]).max() < 1e-6
+    assert np.abs(leg_ends(route, points)[:, :2] - points[1:]).max() < 1e-6
 
 
 @pytest.mark.parametrize("boxes", [0, 100, 30_000, 60_000])
