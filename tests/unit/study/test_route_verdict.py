@@ -14,7 +14,7 @@ from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.check import reference
 from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.verdict import curvature_excess, judge, miss_reason
+from dubins_study.study.check.verdict import judge, miss_reason
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.path import Path
 from dubins_study.study.route import shortest
@@ -31,13 +31,6 @@ POSE = Scenario(heading="30deg", target_x=1, target_y=0.5, final_heading="90deg"
 
 
 NO_TIME = Tolerances(search_s=1e-9)
-
-
-def shifted(path: Path, legs: int, by: float) -> Path:
-    """The path with its first arc longer by `by` of its own units."""
-    lengths = path.lengths.copy()
-    lengths[legs] += by
-    return Path(path.start, path.curvatures, lengths)
 
 
 @pytest.mark.parametrize("scenario", [ROUTE, FREE, POSE])
@@ -70,23 +63,6 @@ def test_a_word_is_driven_by_its_letters():
     assert judge(POSE, path, branch="LSR").verdict is Verdict.OPTIMAL
     assert judge(POSE, path, branch="LSL").verdict is Verdict.MISSES
     assert "curvature" in miss_reason(POSE, path, "LSL")
-
-
-@pytest.mark.parametrize(
-    ("curvature", "branch", "excess"),
-    [
-        ([1, 0, -1], "LSR", 0),
-        ([1, -1], "LSR", 0),  # its straight has no length
-        ([0, 1, -1], "LSR", 1),
-        ([1, 0.25, -1], "LSR", 0.25),
-        ([-1, 1, -1], "RLR", 0),
-        ([-1, 1, -1, 1], "RLR", 2),
-        ([0.9, 1, -0.75], "LR", 0.25),
-        ([1], "RL", 2 * 0),
-    ],
-)
-def test_the_excess_of_letters(curvature, branch, excess):
-    assert curvature_excess(curvature, branch) == pytest.approx(excess)
 
 
 @pytest.mark.parametrize(("by", "verdict"), [(0.5e-6, Verdict.OPTIMAL), (2e-6, Verdict.MISSES)])
