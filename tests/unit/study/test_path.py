@@ -79,14 +79,6 @@ def test_a_step_that_divides_the_path_adds_no_pose():
     assert len(Path(Pose(0, 0, 0), [], []).sample(step=0.1)) == 1
 
 
-@pytest.mark.parametrize("step", [0, -1, math.nan, math.inf, 1e-9, None, "1", True])
-def test_a_step_that_is_none(step):
-    with pytest.raises(ValueError, match=r"step is .*; expected"):
-        Path(Pose(0, 0, 0), [1], [1]).sample(step=step)
-    with pytest.raises(ValueError, match="at most 10000000 poses"):
-        Path(Pose(0, 0, 0), [1], [1]).sample(10**9)
-
-
 @given(arcs, st.floats(1e-3, 1))
 def test_chords_of_geojson_are_near_their_arcs(pieces, share):
     """No pose of the path is further from the line than the chord error; ends and length agree."""
@@ -124,17 +116,23 @@ def test_a_circle_has_as_few_chords_as_its_error_allows():
         assert path.to_geojson()["geometry"] == {"type": "Point", "coordinates": [1, 2]}
 
 
-@pytest.mark.parametrize("share", [0, -1, 1.5, math.nan])
-def test_a_chord_error_is_a_share(share):
-    with pytest.raises(ValueError, match=r"chord_error is .*; expected a share up to 1"):
-        Path(Pose(0, 0, 0), [1], [1]).to_geojson(share)
+ARC = Path(Pose(0, 0, 0), [1], [1])
+STEPS, SHARES = (0, -1, math.nan, math.inf, 1e-9, None, "1", True), (0, -1, 1.5, math.nan)
 
 
-def test_what_cannot_be_driven_is_not_handed_on():
-    with pytest.raises(ValueError, match="not finite"):
-        Path(Pose(0, 0, 0), [math.nan], [1]).to_geojson()
-    with pytest.raises(ValueError, match=r"the path has .* points; expected at most"):
-        Path(Pose(0, 0, 0), [1], [1e12]).to_geojson()
+@pytest.mark.parametrize(
+    ("path", "asked", "message"),
+    [
+        *((ARC, {"step": step}, r"step is .*; expected") for step in STEPS),
+        (ARC, {"n": 10**9}, "at most 10000000 poses"),
+        *((ARC, share, r"chord_error is .*; expected a share up to 1") for share in SHARES),
+        (Path(Pose(0, 0, 0), [math.nan], [1]), 1e-3, "not finite"),
+        (Path(Pose(0, 0, 0), [1], [1e12]), 1e-3, r"the path has .* points; expected at most"),
+    ],
+)
+def test_what_is_neither_sampled_nor_handed_on(path, asked, message):
+    with pytest.raises(ValueError, match=message):
+        path.sample(**asked) if isinstance(asked, dict) else path.to_geojson(asked)
 
 
 @pytest.mark.parametrize(

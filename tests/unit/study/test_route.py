@@ -99,40 +99,29 @@ def test_a_route_is_found_again_to_the_bit():
     assert (one.low, one.high, one.boxes) == (other.low, other.high, other.boxes)
 
 
-def test_one_leg_with_a_free_final_heading_is_the_closed_form():
-    """The least over final headings, in the discs of the turning circles and outside them."""
-    for x, y, length in ((0.0, 1.0, 5.470430), (-1.0, 0.0, 5.712389), (3.0, 0.0, 3.0)):
-        route = search([(0.0, 0.0), (x, y)], 0.0, limit=LIMIT, tolerance=1e-9)
-
-        assert route.low <= length + 1e-6
-        assert route.high == pytest.approx(length, abs=1e-6)
-
-
 @pytest.mark.parametrize(
-    ("points", "length"),
+    ("points", "first", "length", "within"),
     [
-        # a quarter turn, and then as from that pose to a point
-        ([(0, 0), (1, 1), (3, 3)], math.pi / 2 + 2 * math.atan(0.5) + 2.0),
-        ([(0, 0), (0, 2), (0, 4)], 2 * math.pi),
-        ([(0, 0), (0, -2), (-1, 0)], 1.5 * math.pi + 1.0),
-        ([(0, 0), (1, 1), (2, 2), (4, 2)], math.pi + 2.0),
+        # one leg with a free final heading: in a disc, at the rear of both, ahead
+        ([(0, 0), (0, 1)], 0.0, 5.470430, 2e-7),
+        ([(0, 0), (-1, 0)], 0.0, 5.712389, 2e-7),
+        ([(0, 0), (3, 0)], 0.0, 3.0, 2e-9),
+        # points on turning circles, of round numbers. A heading 1e-7 beside that of the arc makes a
+        # miss of 1e-14 only, and a shorter path. A quarter turn, and then as to a point:
+        ([(0, 0), (1, 1), (3, 3)], 0.0, math.pi / 2 + 2 * math.atan(0.5) + 2.0, 1e-14),
+        ([(0, 0), (0, 2), (0, 4)], 0.0, 2 * math.pi, 1e-14),
+        ([(0, 0), (0, -2), (-1, 0)], 0.0, 1.5 * math.pi + 1.0, 1e-14),
+        ([(0, 0), (1, 1), (2, 2), (4, 2)], 0.0, math.pi + 2.0, 1e-14),
+        ([(0, 0), (1, 0.5), (3, 1.5)], None, math.hypot(3.0, 1.5), 1e-9),  # both headings free
     ],
 )
-def test_points_on_turning_circles_close(points, length):
-    """No heading beside that of the arc has a path nearly as short: round numbers meet it."""
-    route = search(points, 0.0, limit=LIMIT, tolerance=1e-9)
+def test_lengths_known_in_advance(points, first, length, within):
+    route = search(points, first, limit=LIMIT, tolerance=1e-9)
 
     assert route.closed
-    # a heading 1e-7 beside that of the arc makes a miss of 1e-14 only, and a shorter path
-    assert route.length == pytest.approx(length, rel=1e-14)
-
-
-def test_both_headings_free_is_the_way_between_the_points():
-    """Nothing is shorter than straight legs in line."""
-    route = search([(0.0, 0.0), (1.0, 0.5), (3.0, 1.5)], None, limit=LIMIT, tolerance=1e-9)
-
-    assert route.high == pytest.approx(math.hypot(3.0, 1.5), rel=1e-9)
-    assert route.low == pytest.approx(math.hypot(3.0, 1.5), rel=2e-9)
+    assert route.length == pytest.approx(length, rel=within)
+    assert route.low == pytest.approx(length, rel=within + 2e-9)
+    assert route.high == pytest.approx(length, rel=within + 2e-9)
 
 
 def test_the_limit_ends_a_search_with_its_interval():
