@@ -69,8 +69,7 @@ ROUTES ?= 2000
 SEED ?= 0
 adversary: $(READY)  ## attack the package with N hard cases and ROUTES routes; exit 1 if one is wrong
 	$(BIN)/python -m dubins_study.solvers.compile_loops
-	$(BIN)/python -m tests.adversary.campaign $(N) --seed $(SEED) --workers $(JOBS)
-	$(BIN)/python -m tests.adversary.routes $(ROUTES) --seed $(SEED) --workers $(JOBS)
+	$(BIN)/python -m tests.adversary.campaign $(N) $(ROUTES) --seed $(SEED) --workers $(JOBS)
 
 rooms: $(READY)  ## print each room with its promise, what it imports and its size beside its budget
 	$(BIN)/python -m tests.unit.test_layers

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pandas as pd
 from hypothesis import strategies as st
 
 from dubins_study.solvers.registry import load
+from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 from dubins_study.study.words import FROZEN
 
+Triple = tuple[Any, Any, Any]
 PAPER = {
     "problem 1": Scenario(0, 0, 2 * math.pi / 3, 10, 5, 1),
     "problem 2": Scenario(0, 0, 2 * math.pi / 3, -6, 3, 1),
@@ -94,12 +97,14 @@ def scenario_frame(scenarios: Iterable[Scenario]) -> pd.DataFrame:
     return pd.DataFrame(columns).astype(dict.fromkeys(NUMBERS, float))
 
 
-def mirrored(scenario: Scenario) -> Scenario:
-    """The scenario seen in a mirror lying on the x axis: left and right change places."""
-    return replace(scenario, y=-scenario.y, heading=-scenario.heading, target_y=-scenario.target_y)
+def walked(length: FloatArray, direction: FloatArray) -> FloatArray:
+    """Points from the origin on, each a step of this length and direction (rad) from the last."""
+    steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
+    return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
 
 
-def scaled(scenario: Scenario, factor: float) -> Scenario:
-    """Every length times `factor` > 0; the shortest length scales with it."""
-    names = ("x", "y", "target_x", "target_y", "radius")
-    return replace(scenario, **{name: getattr(scenario, name) * factor for name in names})
+def driven(pose: Triple, turn: Any, length: Any) -> Triple:
+    """The pose (x, y, heading) at the end of an arc of curvature `turn`, which may be 0; arrays."""
+    x, y, heading = pose
+    middle, chord = heading + turn * length / 2, length * np.sinc(turn * length / (2 * math.pi))
+    return x + chord * np.cos(middle), y + chord * np.sin(middle), heading + turn * length

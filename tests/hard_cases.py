@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
 
-from dubins_study.study.scenario import Scenario
-from tests.cases import placed, scenario_frame
+from dubins_study.study.scenario import Pose, Scenario
+from tests.cases import driven, placed, scenario_frame
 
 
 def hard_frame(n: int, seed: int = 0) -> pd.DataFrame:
@@ -64,15 +65,13 @@ _TURNS = ((1, 0, 1), (-1, 0, -1), (1, 0, -1), (-1, 0, 1), (-1, 1, -1), (1, -1, 1
 
 
 def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
-    x, y, heading = 0.0, 0.0, 0.0
+    pose = 0.0, 0.0, 0.0
     for turn in _TURNS[row % 6]:
         length = rng.choice(_ARCS) if rng.random() < 0.5 else rng.uniform(0, 2 * math.pi)
         if turn == 0:
             length = rng.choice((0.0, 1e-9, 1.0, 2.0, 4.0, 10 ** rng.uniform(-3, 3)))
-        half = turn * length / 2
-        chord = length * np.sinc(half / math.pi)
-        x, y = x + chord * math.cos(heading + half), y + chord * math.sin(heading + half)
-        heading += turn * length
+        pose = driven(pose, turn, length)
+    x, y, heading = pose
     if row % 7 == 0:  # round numbers
         x, y, heading = (*rng.choice([0.0, 1, 2, -1, -2, 4, 0.5], 2), rng.choice([0, 0.5, 1, -0.5]))
         heading *= math.pi
@@ -82,12 +81,12 @@ def _hard_pose(rng: np.random.Generator, row: int) -> dict[str, float]:
         )
     R, start = 10 ** rng.uniform(-3, 3), rng.uniform(-math.pi, math.pi) * (row % 5 > 0)
     x0, y0 = rng.uniform(-5, 5, 2) * R * (row % 2)
-    return {
-        "x": x0,
-        "y": y0,
-        "heading": start,
-        "target_x": x0 + R * (x * math.cos(start) - y * math.sin(start)),
-        "target_y": y0 + R * (x * math.sin(start) + y * math.cos(start)),
-        "radius": R,
-        "final_heading": start + heading,
-    }
+    leg = placed(x, y, x0, y0, start, R)
+    fields = ("x", "y", "heading", "target_x", "target_y", "radius")
+    return {name: getattr(leg, name) for name in fields} | {"final_heading": start + heading}
+
+
+def poses_of(row: Iterable[float]) -> tuple[Pose, Pose, float]:
+    """Both poses and the radius of a row of `hard_poses`."""
+    x, y, heading, target_x, target_y, radius, final = map(float, row)
+    return Pose(x, y, heading), Pose(target_x, target_y, final), radius

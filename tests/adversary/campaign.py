@@ -1,4 +1,4 @@
-"""Attack the package with hard cases: `python -m tests.adversary.campaign 1000000`.
+"""Attack the package with hard cases: `python -m tests.adversary.campaign 1000000 2000`.
 
 Prints a table of what was tried and the first counterexample of each check as a line to paste
 (`from dubins_study import Scenario as S`, `Path`; `enclose`, `judge` and the others from the room
@@ -18,13 +18,14 @@ import numpy as np
 from flint import ctx
 
 from dubins_study.study.path import CLAIMS
-from tests.adversary import checks, frames, routes_judged
+from tests.adversary import checks, frames, routes, routes_judged
 from tests.adversary.generators import case, wrong_answer
 from tests.adversary.oracle import bits
 from tests.adversary.table import Table
 from tests.adversary.truth import Truth
 
 BLOCK = 500  # cases; what a frame holds, and what a worker does before it reports
+_ROUTES = 20  # routes that a worker attacks before it reports
 _SELF_CHECKED = 50  # one case in so many is sampled densely, and used against the oracle itself
 _WITH_POINTS = 25  # one case in so many is followed by a route or a leg with a final heading
 
@@ -64,20 +65,26 @@ def run(seed: int, low: int, high: int) -> Table:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("cases", type=int)
+    parser.add_argument("routes", type=int)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     asked = parser.parse_args()
     table, began = Table(), perf_counter()
+    work = ((run, asked.cases, BLOCK), (routes.run, asked.routes, _ROUTES))
     with ProcessPoolExecutor(asked.workers) as pool:
-        lows = range(0, asked.cases, BLOCK)
-        blocks = [pool.submit(run, asked.seed, n, min(n + BLOCK, asked.cases)) for n in lows]
+        blocks = [
+            pool.submit(attack, asked.seed, low, min(low + size, n))
+            for attack, n, size in work
+            for low in range(0, n, size)
+        ]
         for done, block in enumerate(as_completed(blocks), 1):
             table.add(block.result())
             if done % 20 == 0:
                 spent = perf_counter() - began
-                message = f"{done * BLOCK:,} cases in {spent:.0f} s, {table.wrong:,} wrong"
+                message = f"{done} of {len(blocks)} blocks in {spent:.0f} s, {table.wrong:,} wrong"
                 print(message, *table.first.items(), sep="\n", file=sys.stderr, flush=True)
-    print(f"{asked.cases:,} cases, seed {asked.seed}, {perf_counter() - began:.0f} s\n{table}")
+    told = f"{asked.cases:,} cases, {asked.routes:,} routes, seed {asked.seed}"
+    print(f"{told}, {perf_counter() - began:.0f} s\n{table}")
     return 1 if table.wrong else 0
 
 

@@ -19,6 +19,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import LARGEST_EXTENT, Scenario, ScenarioError
 from dubins_study.study.words import BRANCHES
+from tests import cases
 from tests.adversary.oracle import drive
 
 Rng = np.random.Generator
@@ -71,12 +72,13 @@ def placed(
     if heading is None:
         heading = float(rng.choice(_ROUND) if rng.random() < 0.15 else rng.uniform(-7, 7))
     x, y = (rng.uniform(-box, box, 2) * radius).tolist()
-    cos, sin = math.cos(heading), math.sin(heading)
-    target = x + radius * (X * cos - Y * sin), y + radius * (X * sin + Y * cos)
+    scenario = cases.placed(X, Y, x, y, heading, radius)
     if rng.random() < ulps:
         steps = (rng.choice((-1, 1), 2) * 10 ** rng.uniform(-0.5, 3, 2)).astype(int).tolist()
-        target = tuple(v + n * math.ulp(v) for v, n in zip(target, steps, strict=True))
-    return S(x, y, heading, *target, radius)
+        target = scenario.target_x, scenario.target_y
+        moved = (v + n * math.ulp(v) for v, n in zip(target, steps, strict=True))
+        scenario = S(x, y, heading, *moved, radius)
+    return scenario
 
 
 def power(rng: Rng, low: float, high: float) -> float:

@@ -87,10 +87,10 @@ def _arrivals(x: float, y: float, a: float, found: Array) -> int:
 
 
 @numba.njit(cache=True)
-def route_length(legs: Array, headings: Array, gap: float) -> float:
+def route_length(legs: Array, headings: Array) -> float:
     total = 0.0
     for i in range(len(legs)):
-        total += leg_length(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], gap)
+        total += leg_length(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], 0.0)
     return total
 
 
@@ -108,7 +108,7 @@ def length_table(x: float, y: float, a: Array, b: Array) -> Array:
 
 @numba.njit(cache=True)
 def downhill(
-    legs: Array, headings: Array, free: Array, rng: np.random.Generator, steps: Array, gap: float
+    legs: Array, headings: Array, free: Array, rng: np.random.Generator, steps: Array
 ) -> float:
     """Go downhill in place: along each heading, at random, and along the edges where legs jump.
 
@@ -116,7 +116,7 @@ def downhill(
     it if its neighbour's heading is changed and its own is then that of an arrival without an arc.
     """
     n = len(headings)
-    best = route_length(legs, headings, gap)
+    best = route_length(legs, headings)
     tried, found = headings.copy(), np.empty(6)
     step, least = steps
     for _ in range(_ROUNDS):
@@ -130,7 +130,7 @@ def downhill(
                 for j in range(n):
                     tried[j] += step * rng.uniform(-1.0, 1.0)
             tried[:] = np.where(free, tried, headings)
-            length = route_length(legs, tried, gap)
+            length = route_length(legs, tried)
             if length < best:
                 best = length
                 headings[:] = tried
@@ -143,7 +143,7 @@ def downhill(
             x, y = way * legs[leg, 0], way * legs[leg, 1]
             for k in range(_arrivals(x, y, tried[i] + back, found)):
                 tried[j] = found[k] + back
-                length = route_length(legs, tried, gap)
+                length = route_length(legs, tried)
                 if length < best:
                     best = length
                     headings[:] = tried

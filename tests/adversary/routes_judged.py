@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.visits import visits
 from dubins_study.study.path import Path
@@ -213,18 +214,21 @@ def _judged(table: Table, answer: Answer) -> None:
         table.note("route arrival", (off > 1.0) != (judged.verdict is Verdict.MISSES), line)
     if judged.verdict is Verdict.MISSES:
         return
-    certificate = certify(scenario, path, judged, tolerances=TOLERANCES)
-    low, high = certificate.reference_low, certificate.reference_high
-    assert low is not None
-    assert high is not None
-    length, scale = path.length, max(low, scenario.radius)
+    interval = reference_of(scenario, search_s=TOLERANCES.search_s).enclosure
+    low, scale = interval.low, max(interval.low, scenario.radius)
+    certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
+    length = path.length
     wrong = judged.verdict is Verdict.OPTIMAL and length - most > 1.01 * TOLERANCES.gap * scale
     wrong |= judged.verdict is Verdict.LONGER and length - least <= 0.99 * TOLERANCES.gap * scale
     wrong |= judged.false_claim != (judged.verdict is Verdict.LONGER)
     table.note("route verdict", wrong, line)
     # what misses its points by more than rounding may be shorter by a turn that begins there
     if off < 1e-7:
-        table.note("route bound", (low - length) / scale, f"{line}, low {low!r}")
-    for bound, is_false in ((low, False), (high + 2e-9 * scale, True)):
-        found = certify(scenario, path, judged, lower_bound=bound, tolerances=TOLERANCES)
-        table.note("route false bound", found.false_bound != is_false, f"{line}, bound {bound!r}")
+        shorter = math.inf if certificate.reference_low is None else certificate.reference_low
+        table.note("route bound", (shorter - length) / scale, f"{line}, low {low!r}")
+    table.note("route false bound", certificate.false_bound, f"{line}, bound {low!r}")
+    bound = interval.high + 2e-9 * scale
+    # of no path, whose costates are not measured
+    nothing = judge(scenario, None)
+    found = certify(scenario, None, nothing, lower_bound=bound, tolerances=TOLERANCES)
+    table.note("route false bound", not found.false_bound, f"{line}, bound {bound!r}")

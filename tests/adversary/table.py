@@ -50,6 +50,7 @@ CHECKS = {
     "route verdict": Check(0, "wrong", "optimal, longer: never against a path that is known"),
     "route bound": Check(1e-11, "relative", "no path that arrives is below it"),
     "route false bound": Check(0, "wrong", "false above the interval, never at its lower end"),
+    "route beaten": Check(1, "tolerated", "no route that is found is shorter than its bound"),
     "leg length": Check(1, "1e-9", "with a final heading: by circles and tangents"),
     "oracle by steps": Check(0, "wrong", "no first step leads to a shorter way"),
     "oracle by scan": Check(1, "1e-9", "no first arc leads to a shorter path of the word"),

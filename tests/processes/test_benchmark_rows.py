@@ -70,19 +70,24 @@ def test_its_verdicts_are_what_the_check_says_today(table, share):
     first = table[table["repeat"] == 0]
     if share < 1:
         first = first[first["via_x"].map(lambda via: via is None or len(via) < FEW_LEGS)]
-    for row in rows_of(first.sample(frac=share, random_state=1)):
+    rows = first.sample(frac=share, random_state=1)
+    # costates take most of the time, and of a scenario many solvers find the same path: they are
+    # measured once for each formulation, verdict and level of proof
+    alike = ["scenario_id", "branch", "formulation", "verdict", "proof"]
+    for row, measured in zip(rows_of(rows), ~rows.duplicated(alike), strict=True):
         scenario = scenario_of(row)
         path = None
         if row["curvatures"] is not None:
             path = Path(scenario.start, row["curvatures"], row["lengths"])
         bound = None if np.isnan(row["lower_bound"]) else row["lower_bound"]
         judgement = judge(scenario, path, Claim(row["claim"]), row["branch"])
-        certificate = certify(scenario, path, judgement, row["branch"], lower_bound=bound)
+        driven = path if measured else None
+        certificate = certify(scenario, driven, judgement, row["branch"], lower_bound=bound)
 
         assert judgement.verdict == row["verdict"]
         assert judgement.false_claim == row["false_claim"]
         assert certificate.false_bound == row["false_bound"]
-        if not row["presolved"]:
+        if measured and not row["presolved"]:
             assert certificate.proof == row["proof"]
         if not np.isnan(row["gap"]):
             # other libraries' sines and sums: a few ulp; of a route a search may end elsewhere in
@@ -103,7 +108,8 @@ def test_easy_cells_solved_anew_end_alike(suite, table):
     busy machine the limit ends them.
     """
     easy = table[(table["label"] == SUITES[suite]) & (table["repeat"] == 0)]
-    ended = easy["claim"].isin(["local", "optimal", "feasible"])  # not at a limit
+    # not at a limit, which a solver that took so long goes to, however far it is
+    ended = easy["claim"].isin(["local", "optimal", "feasible"]) & (easy["wall_s"] < 0.5)
     easy = easy[ended & (easy["verdict"] == "optimal") & easy["curvatures"].notna()]
     for row in rows_of(easy.drop_duplicates("engine")):
         spec, solver = row["solver"], load(row["solver"])

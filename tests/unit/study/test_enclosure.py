@@ -1,88 +1,182 @@
-"""Proven intervals: across a circle in balls, and in the compiled loops of frames.
+"""Proven intervals of one leg in balls, and in the compiled loops of frames with final headings.
 
-The adversary (`tests/adversary`) tests that both hold the truth and are narrow.
+The adversary (`tests/adversary`) tests that those of a free final heading hold the truth.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
+import mpmath as mp
 import numpy as np
 import pandas as pd
 import pytest
-from hard_cases import hard_frame
+from hard_cases import hard_poses, poses_of
 
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.enclosure_kernel import Bounds, bound_rows
+from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.verdict import judge
-from dubins_study.study.closed_form.kernel import ScenarioArrays
-from dubins_study.study.closed_form.kernel_compile import SMALL
-from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
-from dubins_study.study.scenario import Scenario
-from dubins_study.study.scenario_frame import check_frame
-from dubins_study.study.words import BRANCHES
+from dubins_study.study.closed_form.pose import leg, shortest_to_pose
+from dubins_study.study.closed_form.pose_kernel import PoseArrays
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import POSE_BRANCHES
 
-FIELDS = ScenarioArrays._fields
+START = Pose(0, 0, 0)
 
 
-def bounded(frame: pd.DataFrame, branch: str) -> Bounds:
-    return bound_rows(ScenarioArrays(*(frame[name].to_numpy() for name in FIELDS)), branch)
+def textbook(X: mp.mpf, Y: mp.mpf, heading: mp.mpf) -> dict[str, mp.mpf]:
+    """The words' lengths as Shkel and Lumelsky write them, with acos and mod, in 60 digits.
+
+    Robotics and Autonomous Systems 34 (2001) 179-202, eqs. 8 to 13; a word without a path is left
+    out.
+    """
+    turn = 2 * mp.pi
+    d, phi = mp.hypot(X, Y), mp.atan2(Y, X)
+    a, b = -phi % turn, (heading - phi) % turn
+    sa, ca, sb, cb = mp.sin(a), mp.cos(a), mp.sin(b), mp.cos(b)
+    both = 2 * mp.cos(a - b)
+    found = {}
+    for word, k in (("LSL", 1), ("RSR", -1)):
+        to = mp.atan2(k * (cb - ca), d + k * (sa - sb))
+        p = mp.sqrt(max(2 + d * d - both + 2 * k * d * (sa - sb), mp.mpf(0)))
+        found[word] = k * (to - a) % turn + p + k * (b - to) % turn
+    for word, k in (("LSR", 1), ("RSL", -1)):
+        square = d * d - 2 + both + 2 * k * d * (sa + sb)
+        if square >= 0:
+            p = mp.sqrt(square)
+            to = mp.atan2(-k * (ca + cb), d + k * (sa + sb)) - mp.atan2(-2 * k, p)
+            found[word] = k * (to - a) % turn + p + k * (to - b) % turn
+    for word, k in (("LRL", 1), ("RLR", -1)):
+        cosine = (6 - d * d + both - 2 * k * d * (sa - sb)) / 8
+        if abs(cosine) <= 1:
+            p = turn - mp.acos(cosine)
+            t = (k * (mp.atan2(k * (cb - ca), d + k * (sa - sb)) - a) + p / 2) % turn
+            found[word] = t + p + (k * (b - a) - t + p) % turn
+    return found
 
 
-def random_targets(n: int, seed: int) -> pd.DataFrame:
-    """Poses, targets and radii without an edge in mind: a fifth of the targets lie in a disc."""
+def lengths_within_delta(
+    row: pd.Series, rng: np.random.Generator, n: int
+) -> Iterator[dict[str, mp.mpf]]:
+    """The words' lengths, and the least as `best`, of n ends of a leg, in the length unit.
+
+    The ends are anywhere in the cube of half width delta about the exact values of the doubles.
+    """
+    start, end, radius = poses_of(row)
+    delta, R = leg(start, end, radius).delta, mp.mpf(radius)
+    dx, dy = (mp.mpf(end.x) - start.x) / R, (mp.mpf(end.y) - start.y) / R
+    c, s = mp.cos(mp.mpf(start.heading)), mp.sin(mp.mpf(start.heading))
+    heading = mp.mpf(end.heading) - start.heading
+    for shift in (delta * rng.uniform(-1, 1, (n, 3))).tolist():
+        truth = textbook(shift[0] + dx * c + dy * s, shift[1] + dy * c - dx * s, shift[2] + heading)
+        truth["best"] = min(truth.values())
+        yield {branch: length * R for branch, length in truth.items()}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_balls_hold_the_lengths_of_ends_within_delta(seed):
+    """Of 150 hard legs three ends each, in 60 digits; every word, and the shortest of all."""
     rng = np.random.default_rng(seed)
-    columns = [rng.uniform(-4, 4, n) for _ in range(5)]
-    return check_frame(
-        pd.DataFrame(dict(zip(FIELDS, [*columns, rng.uniform(0.2, 5, n)], strict=True)))
-    )
+    with mp.workdps(60):
+        for _, row in hard_poses(150, seed).iterrows():
+            enclosures = {branch: enclose_pose(*poses_of(row), branch) for branch in POSE_BRANCHES}
+            for truth in lengths_within_delta(row, rng, 3):
+                for branch, found in enclosures.items():
+                    if branch in truth:
+                        held = any(a <= truth[branch] <= b for a, b in found.parts)
+                        assert held, (row, branch)
+                    else:
+                        assert found.absent, (row, branch)
 
 
-@pytest.mark.parametrize("branch", BRANCHES)
-def test_random_targets_are_bounded_narrowly(branch):
-    """Of a million rows one in a thousand is left at most; widths in ulp of the length."""
-    bounds = bounded(random_targets(1_000_000, seed=1), branch)
-    found = ~bounds.left & np.isfinite(bounds.high)
-    ulps = (bounds.high[found] - bounds.low[found]) / np.spacing(bounds.high[found])
+def test_balls_hold_the_closed_form_and_are_narrow():
+    """Of 600 hard legs every word: what is taken to be on an edge is within delta of it.
 
-    assert bounds.left.mean() < 1e-3
-    assert np.median(ulps) < (150 if branch in ("LR", "RL") else 110)
-    assert np.quantile(ulps, 0.999) < (5000 if branch in ("LR", "RL") else 500)
-    assert ulps.max() < (20_000 if branch in ("LR", "RL") else 3000)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"x": math.nan},
-        {"target_y": math.inf},
-        {"heading": math.nan},
-        {"heading": 2 * LARGEST_ANGLE},
-        {"radius": math.nan},
-        {"radius": 0.0},
-        {"radius": math.inf},
-        {"target_x": 0.0, "target_y": 0.0},  # the start
-        {"target_x": 5e-324, "target_y": 4.0},  # decided for `best`, whose axis is no edge
-        {"target_x": 1.0, "target_y": 1.0},  # on the circle
-        {"target_x": math.sin(0.3), "target_y": 1 - math.cos(0.3)},
-        {"target_x": 1e300, "radius": 1e-300},
-    ],
-)
-def test_rows_that_the_loops_cannot_decide_are_left(values):
-    row = {**dict(zip(FIELDS, (0.0, 0.0, 0.0, 3.0, 1.0, 1.0), strict=True)), **values}
-    frame = pd.DataFrame([row])
-    left = {branch: bool(bounded(frame, branch).left[0]) for branch in BRANCHES}
-
-    assert left["best"] == (values != {"target_x": 5e-324, "target_y": 4.0})
+    Next to the edge of a word's reach lengths go like a root, and are known to 1e-6 only.
+    """
+    for _, row in hard_poses(600, seed=5).iterrows():
+        start, end, radius = poses_of(row)
+        for branch in POSE_BRANCHES:
+            found = enclose_pose(start, end, radius, branch)
+            closed = shortest_to_pose(start, end, radius, branch)
+            if closed is None:
+                assert found.absent, (row, branch)
+            else:
+                slack = 1e-14 * max(closed.total, 1.0) * radius
+                assert found.holds(closed.total * radius, slack), (row, branch)
+            delta = leg(start, end, radius).delta
+            for low, high in found.parts:
+                assert high - low <= radius * 10 * math.sqrt(delta), (row, branch)
 
 
-def test_threads_do_not_change_a_bit():
-    frame = hard_frame(700)
-    many = pd.concat([frame] * (SMALL // 700 + 2), ignore_index=True)
-    for branch in BRANCHES:
-        alone, threaded = bounded(frame, branch), bounded(many, branch)
-        for a, b in zip(alone, threaded, strict=True):
-            np.testing.assert_array_equal(a, b[700:1400])
+def test_a_straight_leg_has_one_length():
+    """The four words of S jump there one by one, but one of them is short on each side."""
+    for end in (Pose(3, 0, 0), Pose(4, 0, 0), Pose(700, 0, 0)):
+        found = enclose_pose(START, end, 1.0)
+        assert len(found.parts) == 1
+        assert found.high - found.low < 1e-13 * end.x
+
+
+@pytest.mark.parametrize("heading", [1e9, 1e20, -1e28, 1e150])
+def test_a_heading_of_many_turns_is_its_direction(heading):
+    """A double of that size is an exact angle, of which 400 digits tell the direction."""
+    with mp.workdps(400):
+        reduced = float(mp.atan2(mp.sin(mp.mpf(heading)), mp.cos(mp.mpf(heading))))
+    many, few = (enclose_pose(START, Pose(10, 5, angle), 1.0) for angle in (heading, reduced))
+
+    assert many.high - many.low < 1e-12
+    assert abs(many.low - few.low) < 1e-12
+    assert abs(many.high - few.high) < 1e-12
+
+
+def test_an_arc_has_two_lengths():
+    """On the circle the arc; off it the arc and a full turn, and nothing between."""
+    found = enclose_pose(START, Pose(math.sin(1), 1 - math.cos(1), 1), 1.0)
+
+    assert [round(low, 3) for low, _ in found.parts] == [1.0, 7.283]
+    assert all(high - low < 1e-13 for low, high in found.parts)
+
+
+@pytest.mark.parametrize("arc", [math.pi, 3.3, 4.0, 4.6, 1.5 * math.pi, 5.5, 6.2])
+@pytest.mark.parametrize("side", [1, -1])
+def test_an_arc_of_half_a_turn_or_more_has_one_length(arc, side):
+    """Off the circle straights before and after the arc reach every end; at half a turn by a root.
+
+    No path to any of 200 ends within delta is longer, in 60 digits.
+    """
+    row = pd.Series([0.0, 0, 0, math.sin(arc), side * (1 - math.cos(arc)), 1, side * arc])
+    found = enclose_pose(*poses_of(row))
+
+    assert len(found.parts) == 1
+    assert found.high - found.low < (3e-7 if arc == math.pi else 1e-12)
+    with mp.workdps(60):
+        for truth in lengths_within_delta(row, np.random.default_rng(1), 200):
+            assert found.low <= truth["best"] <= found.high
+
+
+def test_edges_of_reach_are_known_to_a_root():
+    """LRL at centres 4 apart: a length from 2 pi on, and maybe none."""
+    found = enclose_pose(START, Pose(4, 0, 0), 1.0, "LRL")
+
+    assert found.absent
+    assert found.low < 2 * math.pi < found.high < 2 * math.pi + 1e-6
+
+
+def test_loops_hold_the_lengths_of_ends_within_delta():
+    """Of the rows of 400 hard legs that they decide, two ends each, in 60 digits."""
+    frame, rng, compared = hard_poses(400, seed=8), np.random.default_rng(8), 0
+    arrays = PoseArrays(*(frame[name].to_numpy() for name in frame))
+    bounds = {branch: bound_pose_rows(arrays, branch) for branch in POSE_BRANCHES}
+    with mp.workdps(60):
+        for i, row in frame.iterrows():
+            for truth in lengths_within_delta(row, rng, 2):
+                for branch, (low, high, left) in bounds.items():
+                    if not left[i]:
+                        assert low[i] <= truth.get(branch, mp.inf) <= high[i], (row, branch)
+                        compared += 1
+    assert compared > 3_000
 
 
 def test_the_jump_across_a_circle_is_not_blurred():

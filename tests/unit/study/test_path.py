@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
+MIRRORED = str.maketrans("LR", "RL")
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
 
 
@@ -78,14 +79,6 @@ def test_a_step_that_divides_the_path_adds_no_pose():
     assert len(Path(Pose(0, 0, 0), [], []).sample(step=0.1)) == 1
 
 
-@pytest.mark.parametrize("step", [0, -1, math.nan, math.inf, 1e-9, None, "1", True])
-def test_a_step_that_is_none(step):
-    with pytest.raises(ValueError, match=r"step is .*; expected"):
-        Path(Pose(0, 0, 0), [1], [1]).sample(step=step)
-    with pytest.raises(ValueError, match="at most 10000000 poses"):
-        Path(Pose(0, 0, 0), [1], [1]).sample(10**9)
-
-
 @given(arcs, st.floats(1e-3, 1))
 def test_chords_of_geojson_are_near_their_arcs(pieces, share):
     """No pose of the path is further from the line than the chord error; ends and length agree."""
@@ -123,44 +116,23 @@ def test_a_circle_has_as_few_chords_as_its_error_allows():
         assert path.to_geojson()["geometry"] == {"type": "Point", "coordinates": [1, 2]}
 
 
-@pytest.mark.parametrize("share", [0, -1, 1.5, math.nan])
-def test_a_chord_error_is_a_share(share):
-    with pytest.raises(ValueError, match=r"chord_error is .*; expected a share up to 1"):
-        Path(Pose(0, 0, 0), [1], [1]).to_geojson(share)
+ARC = Path(Pose(0, 0, 0), [1], [1])
+STEPS, SHARES = (0, -1, math.nan, math.inf, 1e-9, None, "1", True), (0, -1, 1.5, math.nan)
 
 
-def test_what_cannot_be_driven_is_not_handed_on():
-    with pytest.raises(ValueError, match="not finite"):
-        Path(Pose(0, 0, 0), [math.nan], [1]).to_geojson()
-    with pytest.raises(ValueError, match=r"the path has .* points; expected at most"):
-        Path(Pose(0, 0, 0), [1], [1e12]).to_geojson()
-
-
-@given(arcs)
-def test_cutting_a_path_finer_changes_nothing(pieces):
-    """Every arc cut into three ends at the same pose and has the same word."""
-    path = path_of(pieces)
-    finer = path_of([(k, length / 3) for k, length in pieces for _ in range(3)])
-
-    np.testing.assert_allclose(finer.end, path.end, atol=1e-9)
-    assert finer.word() == path.word()
-
-
-@given(arcs, st.floats(0.01, 100))
-def test_mirror_and_scale(pieces, factor):
-    """The mirror image ends mirrored with L and R exchanged; lengths and ends scale."""
-    path = path_of(pieces)
-    x, y, heading = path.end
-
-    start = path.start
-    mirrored = Path(Pose(start.x, -start.y, -start.heading), -path.curvatures, path.lengths)
-    np.testing.assert_allclose(mirrored.end, (x, -y, -heading), atol=1e-9)
-    assert mirrored.word() == path.word().translate(str.maketrans("LR", "RL"))
-    scaled_start = Pose(start.x * factor, start.y * factor, start.heading)
-    scaled = Path(scaled_start, path.curvatures / factor, path.lengths * factor)
-    np.testing.assert_allclose(scaled.end, (x * factor, y * factor, heading), rtol=1e-9, atol=1e-9)
-    assert scaled.length == pytest.approx(path.length * factor)
-    assert scaled.word() == path.word()
+@pytest.mark.parametrize(
+    ("path", "asked", "message"),
+    [
+        *((ARC, {"step": step}, r"step is .*; expected") for step in STEPS),
+        (ARC, {"n": 10**9}, "at most 10000000 poses"),
+        *((ARC, share, r"chord_error is .*; expected a share up to 1") for share in SHARES),
+        (Path(Pose(0, 0, 0), [math.nan], [1]), 1e-3, "not finite"),
+        (Path(Pose(0, 0, 0), [1], [1e12]), 1e-3, r"the path has .* points; expected at most"),
+    ],
+)
+def test_what_is_neither_sampled_nor_handed_on(path, asked, message):
+    with pytest.raises(ValueError, match=message):
+        path.sample(**asked) if isinstance(asked, dict) else path.to_geojson(asked)
 
 
 @pytest.mark.parametrize(
@@ -178,7 +150,11 @@ def test_mirror_and_scale(pieces, factor):
     ],
 )
 def test_words(pieces, word):
+    """The mirror image has L and R exchanged; scale and cuts change nothing."""
     assert path_of(pieces).word() == word
+    assert path_of([(-k, s) for k, s in pieces]).word() == word.translate(MIRRORED)
+    assert path_of([(k / 9, s * 9) for k, s in pieces]).word() == word
+    assert path_of([(k, s / 3) for k, s in pieces for _ in range(3)]).word() == word
 
 
 def test_shapes_must_agree():

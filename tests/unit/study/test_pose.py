@@ -9,14 +9,12 @@ import sys
 import numpy as np
 import pytest
 from brute_force import integrated, pose_words_by_search
-from hard_cases import hard_poses
-from hypothesis import assume, given
+from hard_cases import hard_poses, poses_of
 from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import EPS, Local
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.closed_form.kernel import NO_PATH
-from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.closed_form.pose import (
     WORDS6,
     leg,
@@ -27,9 +25,10 @@ from dubins_study.study.closed_form.pose import (
     pose_shortest,
     shortest_to_pose,
 )
-from dubins_study.study.closed_form.pose_kernel import PoseRows, pose_rows
+from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.closed_form.shortest import shortest_local
 from dubins_study.study.scenario import Pose
+from dubins_study.study.words import POSE_BRANCHES
 
 START = Pose(0, 0, 0)
 angles = st.floats(-math.pi, math.pi)
@@ -48,11 +47,6 @@ def random_arrays(n: int, seed: int) -> list[np.ndarray]:
     x, y = size * rng.uniform(-1, 1, (2, n))
     heading, final = rng.uniform(-math.pi, math.pi, (2, n))
     return [np.zeros(n), np.zeros(n), heading, x, y, np.ones(n), final]
-
-
-def poses_of(row: tuple[float, ...]) -> tuple[Pose, Pose, float]:
-    x, y, heading, tx, ty, radius, final = row
-    return Pose(x, y, heading), Pose(tx, ty, final), radius
 
 
 def test_every_word_against_a_search():
@@ -172,29 +166,6 @@ def test_the_free_final_heading_is_the_least_over_final_headings(target):
     assert length.min() == pytest.approx(shortest_local(Local(*target, 1e-15)).total, rel=1e-8)
 
 
-@given(x=st.floats(-8, 8), y=st.floats(-8, 8), a=angles, b=angles, turn=angles)
-def test_symmetries(x, y, a, b, turn):
-    """Mirror image, turn, shift, scale and reversal in time leave the shortest length.
-
-    Where it does not jump within the data's rounding, which the enclosure says.
-    """
-    start, end = Pose(0, 0, a), Pose(x, y, b)
-    found = enclose_pose(start, end, 1.0)
-    assume(found.high - found.low < 1e-9)
-    expected = shortest_to_pose(start, end, 1.0).total
-    cosine, sine = math.cos(turn), math.sin(turn)
-    turned = Pose(x * cosine - y * sine, x * sine + y * cosine, b + turn)
-    images: list[tuple[Pose, Pose, float]] = [
-        (Pose(0, 0, -a), Pose(x, -y, -b), 1.0),
-        (Pose(0, 0, a + turn), turned, 1.0),
-        (Pose(3, -7, a), Pose(x + 3, y - 7, b), 1.0),
-        (Pose(0, 0, a), Pose(8 * x, 8 * y, b), 8.0),
-        (Pose(x, y, b + math.pi), Pose(0, 0, a + math.pi), 1.0),
-    ]
-    for image in images:
-        assert shortest_to_pose(*image).total == pytest.approx(expected, abs=2e-9)
-
-
 def test_derivatives_by_both_headings():
     """Central differences of every word, where none of its arcs is next to nothing: 1e-6.
 
@@ -220,56 +191,23 @@ def test_derivatives_by_both_headings():
     assert compared > 800
 
 
-def test_rows_are_the_scalar_form():
-    """Of random legs the word, and the length to 20 EPS of it or of R; of hard ones too.
-
-    Where both choose another of two words they are as long as each other.
-    """
-    for columns in (random_arrays(5_000, seed=6), arrays(3_000, seed=6)):
-        rows = pose_rows(*columns)
+@pytest.mark.parametrize("branch", POSE_BRANCHES)
+def test_rows_are_the_scalar_form(branch):
+    """Of random and of hard legs the word, and the length to 20 EPS of it or of R."""
+    n, allowed = (3_000, 20 * EPS) if branch == "best" else (500, 1e-12)
+    for columns in (random_arrays(n, seed=6), arrays(n, seed=6)):
+        rows = pose_rows(*columns, branch=branch)
+        found = np.array([rows.first, rows.middle, rows.last]) / columns[5]
         for i, row in enumerate(zip(*columns, strict=True)):
-            length, word, *segments = pose_shortest(*leg(*poses_of(row)))
-            radius = row[5]
-            assert abs(rows.length[i] / radius - length) <= 20 * EPS * max(length, 1.0), row
-            assert rows.word[i] == word, row
-            found = np.array([rows.first[i], rows.middle[i], rows.last[i]]) / radius
-            np.testing.assert_allclose(found, segments, atol=1e-7)
-
-
-@pytest.mark.parametrize("word", WORDS6)
-def test_rows_of_a_word_are_the_scalar_form(word):
-    columns = arrays(500, seed=7)
-    rows = pose_rows(*columns, branch=word)
-    for i, row in enumerate(zip(*columns, strict=True)):
-        found = shortest_to_pose(*poses_of(row), word)
-        assert (rows.word[i] == NO_PATH) == (found is None)
-        if found is not None:
-            assert rows.length[i] / row[5] == pytest.approx(found.total, abs=1e-12)
-
-
-def test_threads_and_vectors_do_not_change_a_bit():
-    data = arrays(700)
-    threaded = pose_rows(*(np.tile(column, SMALL // 700 + 2) for column in data))
-    alone = pose_rows(*data)
-
-    for a, b in zip(threaded, alone, strict=True):
-        np.testing.assert_array_equal(a[700:1400], b)
-    for i in range(0, 700, 7):
-        single = pose_rows(*(column[i : i + 1] for column in data))
-        assert [a[0] for a in single] == [a[i] for a in alone]
-
-
-def test_bad_rows_yield_nan_and_bad_shapes_are_refused():
-    one = np.ones(4)
-    x, radius = np.array([0.0, np.nan, np.inf, 0.0]), np.array([1.0, 1, 1, -1])
-    rows = pose_rows(x, one, one, 3 * one, one, radius, one)
-
-    np.testing.assert_array_equal(rows.word == NO_PATH, [False, True, True, True])
-    np.testing.assert_array_equal(np.isnan(rows.length), [False, True, True, True])
-    with pytest.raises(ValueError, match=r"shape \(3,\); expected \(4,\)"):
-        pose_rows(x, one, one, one, one, radius, one, out=PoseRows.empty(3))
-    with pytest.raises(ValueError, match="no branch 'LS'"):
-        pose_rows(x, one, one, one, one, radius, one, branch="LS")
+            scalar = shortest_to_pose(*poses_of(row), branch)
+            assert (rows.word[i] == NO_PATH) == (scalar is None)
+            if scalar is None:
+                continue
+            assert abs(rows.length[i] / row[5] - scalar.total) <= allowed * max(scalar.total, 1.0)
+            if branch == "best":
+                _, word, *segments = pose_shortest(*leg(*poses_of(row)))
+                assert rows.word[i] == word, row
+                np.testing.assert_allclose(found[:, i], segments, atol=1e-7)
 
 
 def test_large_headings_keep_their_digits():

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from cases import driven, walked
 
 from dubins_study.study.route.search import search
+from dubins_study.study.words import TURN
 
 LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 
@@ -15,23 +17,15 @@ LIMIT = 60.0  # s; every route here closes long before on a machine of its own
 def random_route(seed, legs, least, most):
     rng = np.random.default_rng(seed)
     direction, length = rng.uniform(-math.pi, math.pi, legs), rng.uniform(least, most, legs)
-    steps = length[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    return np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+    return walked(length, direction)
 
 
-def driven(route, points):
+def leg_ends(route, points):
     """Where each leg of a route ends that begins at its point with its heading."""
-    ends = []
-    for (x, y), heading, word, lengths in zip(
-        points[:-1], route.headings, route.words, route.segments, strict=False
-    ):
+    ends = [(*point, heading) for point, heading in zip(points, route.headings, strict=True)][:-1]
+    for i, (word, lengths) in enumerate(zip(route.words, route.segments, strict=True)):
         for letter, length in zip(word, lengths, strict=True):
-            turn = {"L": 1.0, "R": -1.0, "S": 0.0}[letter]
-            middle = heading + 0.5 * turn * length
-            chord = length * np.sinc(0.5 * turn * length / math.pi)
-            x, y = x + chord * math.cos(middle), y + chord * math.sin(middle)
-            heading += turn * length
-        ends.append((x, y, heading))
+            ends[i] = driven(ends[i], TURN[letter], length)
     return np.array(ends)
 
 
@@ -44,7 +38,7 @@ def test_a_route_arrives_and_its_length_is_in_its_interval(least, most, last):
 
         route = search(points, 0.3, last, limit=LIMIT, tolerance=1e-7)
 
-        ends = driven(route, points)
+        ends = leg_ends(route, points)
         turned = np.remainder(ends[:, 2] - route.headings[1:] + math.pi, 2 * math.pi) - math.pi
         assert route.closed
         assert np.abs(ends[:, :2] - points[1:]).max() < 1e-6  # the root of the doubles' rounding
@@ -105,40 +99,29 @@ def test_a_route_is_found_again_to_the_bit():
     assert (one.low, one.high, one.boxes) == (other.low, other.high, other.boxes)
 
 
-def test_one_leg_with_a_free_final_heading_is_the_closed_form():
-    """The least over final headings, in the discs of the turning circles and outside them."""
-    for x, y, length in ((0.0, 1.0, 5.470430), (-1.0, 0.0, 5.712389), (3.0, 0.0, 3.0)):
-        route = search([(0.0, 0.0), (x, y)], 0.0, limit=LIMIT, tolerance=1e-9)
-
-        assert route.low <= length + 1e-6
-        assert route.high == pytest.approx(length, abs=1e-6)
-
-
 @pytest.mark.parametrize(
-    ("points", "length"),
+    ("points", "first", "length", "within"),
     [
-        # a quarter turn, and then as from that pose to a point
-        ([(0, 0), (1, 1), (3, 3)], math.pi / 2 + 2 * math.atan(0.5) + 2.0),
-        ([(0, 0), (0, 2), (0, 4)], 2 * math.pi),
-        ([(0, 0), (0, -2), (-1, 0)], 1.5 * math.pi + 1.0),
-        ([(0, 0), (1, 1), (2, 2), (4, 2)], math.pi + 2.0),
+        # one leg with a free final heading: in a disc, at the rear of both, ahead
+        ([(0, 0), (0, 1)], 0.0, 5.470430, 2e-7),
+        ([(0, 0), (-1, 0)], 0.0, 5.712389, 2e-7),
+        ([(0, 0), (3, 0)], 0.0, 3.0, 2e-9),
+        # points on turning circles, of round numbers. A heading 1e-7 beside that of the arc makes a
+        # miss of 1e-14 only, and a shorter path. A quarter turn, and then as to a point:
+        ([(0, 0), (1, 1), (3, 3)], 0.0, math.pi / 2 + 2 * math.atan(0.5) + 2.0, 1e-14),
+        ([(0, 0), (0, 2), (0, 4)], 0.0, 2 * math.pi, 1e-14),
+        ([(0, 0), (0, -2), (-1, 0)], 0.0, 1.5 * math.pi + 1.0, 1e-14),
+        ([(0, 0), (1, 1), (2, 2), (4, 2)], 0.0, math.pi + 2.0, 1e-14),
+        ([(0, 0), (1, 0.5), (3, 1.5)], None, math.hypot(3.0, 1.5), 1e-9),  # both headings free
     ],
 )
-def test_points_on_turning_circles_close(points, length):
-    """No heading beside that of the arc has a path nearly as short: round numbers meet it."""
-    route = search(points, 0.0, limit=LIMIT, tolerance=1e-9)
+def test_lengths_known_in_advance(points, first, length, within):
+    route = search(points, first, limit=LIMIT, tolerance=1e-9)
 
     assert route.closed
-    # a heading 1e-7 beside that of the arc makes a miss of 1e-14 only, and a shorter path
-    assert route.length == pytest.approx(length, rel=1e-14)
-
-
-def test_both_headings_free_is_the_way_between_the_points():
-    """Nothing is shorter than straight legs in line."""
-    route = search([(0.0, 0.0), (1.0, 0.5), (3.0, 1.5)], None, limit=LIMIT, tolerance=1e-9)
-
-    assert route.high == pytest.approx(math.hypot(3.0, 1.5), rel=1e-9)
-    assert route.low == pytest.approx(math.hypot(3.0, 1.5), rel=2e-9)
+    assert route.length == pytest.approx(length, rel=within)
+    assert route.low == pytest.approx(length, rel=within + 2e-9)
+    assert route.high == pytest.approx(length, rel=within + 2e-9)
 
 
 def test_the_limit_ends_a_search_with_its_interval():
@@ -150,7 +133,7 @@ def test_the_limit_ends_a_search_with_its_interval():
     assert not route.closed
     assert 0.0 <= route.low <= route.high
     assert math.isfinite(route.high)
-    assert np.abs(driven(route, points)[:, :2] - points[1:]).max() < 1e-6
+    assert np.abs(leg_ends(route, points)[:, :2] - points[1:]).max() < 1e-6
 
 
 @pytest.mark.parametrize("boxes", [0, 100, 30_000, 60_000])

@@ -7,6 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
+from cases import driven
 
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.route import leg_bound
@@ -75,34 +76,21 @@ def at_edges(n, seed):
     """Boxes about paths of which one segment or two have no length: where lengths jump."""
     rng = np.random.default_rng(seed)
     a = rng.uniform(-math.pi, math.pi, n)
-    x, y, heading = np.zeros(n), np.zeros(n), a.copy()
+    pose = np.zeros(n), np.zeros(n), a
     turn = rng.choice([-1.0, 1.0], n)
     missing = rng.integers(0, 3, n)
-    twice = rng.random(n) < 0.3
-    straight = rng.random(n) < 0.7
+    twice, straight, changed = (rng.random(n) < share for share in (0.3, 0.7, 0.5))
+    turns = turn, np.where(straight, 0.0, -turn), np.where(straight & changed, -turn, turn)
     for segment in range(3):
         length = np.where(rng.random(n) < 0.5, rng.uniform(0.0, 1.0, n), rng.uniform(0.0, 6.0, n))
         absent = (missing == segment) | (twice & (missing == (segment + 1) % 3))
-        length = np.where(absent, 0.0, length)
-        if segment == 1:
-            ahead = np.where(straight, length, 0.0)
-            x, y = x + ahead * np.cos(heading), y + ahead * np.sin(heading)
-            side, length = -turn, np.where(straight, 0.0, length)
-        elif segment == 2:
-            side = np.where(straight & (rng.random(n) < 0.5), -turn, turn)
-        else:
-            side = turn
-        after = heading + side * length
-        x, y = (
-            x + side * (np.sin(after) - np.sin(heading)),
-            y - side * (np.cos(after) - np.cos(heading)),
-        )
-        heading = after
+        pose = driven(pose, turns[segment], np.where(absent, 0.0, length))
+    x, y, heading = pose
     return ends(rng, x, y, a, heading, 2.5)
 
 
 @pytest.mark.parametrize("draw", [anywhere, at_edges])
-@pytest.mark.parametrize("n", [2_000, pytest.param(100_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [2_000, pytest.param(30_000, marks=pytest.mark.slow)])
 def test_a_bound_is_below_every_length_in_its_box(draw, n):
     """With slopes of the potential and without, at distances from 0.05 R to 20 R."""
     boxes = draw(n, seed=n)
@@ -138,7 +126,7 @@ def beside_arcs(n, seed):
     return np.stack([x, y, *columns], axis=1), np.where(back, circles[1], circles[0])
 
 
-@pytest.mark.parametrize("n", [2_000, pytest.param(100_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [2_000, pytest.param(30_000, marks=pytest.mark.slow)])
 def test_a_bound_beside_an_arc_is_below_every_length(n):
     """Where a point lies on a turning circle words are left out that no other heading has."""
     boxes, apart = beside_arcs(n, seed=n)

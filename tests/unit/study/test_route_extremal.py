@@ -61,8 +61,6 @@ def test_costates_are_derivatives_of_lengths(seed, free):
     headings = found.path.at([0.0, *found.at, found.path.length])[:, 2]
     measured = route_extremal(found.path, found.at, 1.0, free)
     fitted = route_costates(list(route_legs(found.path, found.at, 1.0)), free)
-    assert measured is not None
-    assert fitted is not None
     c, s = math.cos(scenario.heading), math.sin(scenario.heading)
 
     assert measured.pmp_residual < 1e-12
@@ -84,7 +82,6 @@ def test_shortest_routes_of_short_legs_are_extremals(seed):
     found = shortest_route(scenario, 2.0)
     measured = route_extremal(found.path, found.at, 1.0, scenario.final_heading is None)
 
-    assert measured is not None
     assert measured.pmp_residual < 1e-9
     # cut into small pieces it is the same path
     parts = np.full(found.path.lengths.size, 7)
@@ -94,7 +91,6 @@ def test_shortest_routes_of_short_legs_are_extremals(seed):
         np.repeat(found.path.lengths / parts, parts),
     )
     again = route_extremal(cut, found.at, 1.0, scenario.final_heading is None)
-    assert again is not None
     assert again.pmp_residual < 1e-9
 
 
@@ -119,7 +115,6 @@ def test_a_turned_heading_is_no_extremal(seed, off):
     at = np.cumsum([leg.length for leg in legs])[:-1]
     measured = route_extremal(path, tuple(at), 1.0, True)
 
-    assert measured is not None
     assert 1e-3 * jump < measured.pmp_residual < jump
     judged = judge(scenario, path)
     assert judged.verdict is not Verdict.MISSES
@@ -136,18 +131,15 @@ def test_nu3_may_jump_at_a_point_on_the_turning_circle():
 
     measured = route_extremal(path, (math.pi / 2,), 1.0, True)
 
-    assert measured is not None
     assert measured.pmp_residual < 1e-9
     judged = judge(scenario, path, tolerances=Tolerances(search_s=1e-9))
     assert certify(scenario, path, judged).proof in (Proof.EXTREMAL, Proof.PROVED)
     backwards = Path(Pose(0, 0, 0), [0, 1, -1], [3.0, 1.0, math.pi / 2])
     reversed_in_time = route_extremal(backwards, (4.0,), 1.0, False)
-    assert reversed_in_time is not None
     assert reversed_in_time.pmp_residual < 1e-9
     free = route_extremal(backwards, (4.0,), 1.0, True)
     inside = route_extremal(path, (1.0,), 1.0, True)  # what follows the point is left, right, ahead
     for other in (free, inside):
-        assert other is not None
         assert other.pmp_residual > 1e-2
 
 
@@ -162,8 +154,6 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
         pytest.skip("this word does not reach the end")
     measured = measure_pose(path, 1.0)
     general = extremal(pieces(path, 1.0), free=False)
-    assert measured is not None
-    assert general is not None
 
     assert measured.transversality is None
     assert measured.hamiltonian < 1e-12
@@ -187,7 +177,6 @@ def test_a_middle_arc_of_half_a_turn_is_abnormal(radius):
     lengths = radius * np.array([0.24, math.pi, math.pi / 2])
     found = measure_pose(Path(Pose(0, 0, 0), np.array([1, -1, 1]) / radius, lengths), radius)
 
-    assert found is not None
     assert found.abnormal
     assert found.pmp_residual < 1e-12
 
@@ -219,5 +208,4 @@ def test_a_local_optimum_of_a_leg_is_an_extremal():
 def test_what_is_no_extremal_to_a_pose(curvature, length):
     found = measure_pose(Path(Pose(0, 0, 0), curvature, length), 1.0)
 
-    assert found is not None
     assert found.pmp_residual > 1e-3

@@ -163,36 +163,25 @@ def test_frames_and_scenarios_go_round():
         assert list(scenarios(check_frame(checked))) == expected
 
 
-@pytest.mark.parametrize(
-    "cells",
-    [
-        ("4 6", "1 -2"),
-        ([4, 6], (1, -2)),
-        (np.array([4, 6]), " 1  -2.0 "),
-        (["4 6", None][0], [1, -2]),
-    ],
-)
-def test_cells_of_via_points(cells):
-    frame = pd.DataFrame([ROW_OF | {"via_x": cells[0], "via_y": cells[1]}, ROW_OF])
+TWO, ONE = ((4, 1), (6, -2)), ((4, 1),)
+CELLS = [
+    *(("4 6", "1 -2", TWO), ([4, 6], (1, -2), TWO), (np.array([4, 6]), " 1  -2.0 ", TWO)),
+    (4.0, 1.0, ONE),  # a column of numbers, as pandas reads it
+    *((empty, empty, ()) for empty in (None, math.nan, pd.NA, "", [], ())),
+]
+
+
+@pytest.mark.parametrize(("via_x", "via_y", "via"), CELLS)
+def test_cells_of_via_points(via_x, via_y, via):
+    """Beside a row without any, whose final heading is missing too."""
+    frame = pd.DataFrame([ROW_OF] * 2)
+    for name, cell in (("via_x", via_x), ("via_y", via_y)):
+        frame[name] = pd.Series([cell, math.nan], dtype=float if via == ONE else object)
+    frame["final_heading"] = pd.Series([pd.NA if via_x is pd.NA else None] * 2, dtype=object)
     route, plain = scenarios(check_frame(frame))
 
-    assert route.via == ((4, 1), (6, -2))
+    assert route == replace(PLAIN, via=via)
     assert plain == PLAIN
-
-
-@pytest.mark.parametrize("empty", [None, math.nan, pd.NA, "", [], ()])
-def test_cells_without_via_points(empty):
-    frame = pd.DataFrame({name: [value] for name, value in ROW_OF.items()})
-    frame["via_x"] = frame["via_y"] = pd.Series([empty], dtype=object)
-    frame["final_heading"] = pd.Series([empty if empty is pd.NA else None], dtype=object)
-
-    assert list(scenarios(check_frame(frame))) == [PLAIN]
-
-
-def test_one_via_point_may_be_a_number_as_pandas_reads_it():
-    frame = pd.DataFrame([ROW_OF] * 2).assign(via_x=[4.0, math.nan], via_y=[1.0, math.nan])
-
-    assert [s.via for s in scenarios(check_frame(frame))] == [((4, 1),), ()]
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,13 @@
-"""The closed form against a peer library and numbers known in advance.
+"""The closed form against numbers known in advance.
 
-The adversary (`tests/adversary`) compares it with an oracle of 60 digits.
+The adversary (`tests/adversary`) compares it with an oracle of 60 digits, `test_pose` with the
+least over final headings.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 from dubins_study.study.body_coordinates import Local
@@ -23,36 +23,6 @@ from dubins_study.study.words import BRANCHES
 def unit(X: float, Y: float) -> Scenario:
     """Target (X, Y) in the vehicle's frame, R = 1."""
     return Scenario(0, 0, 0, X, Y, 1)
-
-
-@pytest.mark.parametrize("target", [(3, 1), (-2, 0.5), (0.3, 1.2), (-0.5, -1.2), (0, 1), (-5, -4)])
-def test_best_against_ompl_minimised_over_the_final_heading(target):
-    """OMPL's shortest path to a pose, least over 100 001 headings: 1e-7 relative.
-
-    The length is smooth about the best heading, so a grid of step h is off by about h^2 / 2 times
-    the curvature of the length there: 2e-9 at h = 6e-5, times 10 to be safe, more where the best
-    heading is next to a jump: never less than ours by more than OMPL's own 1e-6 of slack.
-    """
-    base = pytest.importorskip("ompl.base")
-    space = base.DubinsStateSpace(1.0)
-    start, end = space.allocState(), space.allocState()
-    for state in (start, end):
-        state.setX(0.0)
-        state.setY(0.0)
-        state.setYaw(0.0)
-    end.setX(float(target[0]))
-    end.setY(float(target[1]))
-
-    def length(heading: float) -> float:
-        end.setYaw(heading)
-        return space.distance(start, end)
-
-    headings = np.linspace(-math.pi, math.pi, 20_001)
-    coarse = headings[np.argmin([length(float(h)) for h in headings])]
-    fine = coarse + np.linspace(-1, 1, 20_001) * (headings[1] - headings[0])
-    least = min(length(float(h)) for h in fine)
-
-    assert least == pytest.approx(shortest(unit(*target)).total, rel=1e-7)
 
 
 def test_the_length_jumps_across_the_front_of_a_circle():

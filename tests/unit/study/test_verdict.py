@@ -7,24 +7,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenarios
+from cases import EDGES, PAPER, scenario_frame, scenarios
+from hard_cases import hard_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.verdict import judge
+from dubins_study.study.check.verdict import curvature_excess, judge
+from dubins_study.study.check.verdict_frame import VERDICTS, judge_frame
+from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
     Segments,
     as_path,
     right_left_pair,
     shortest_path,
 )
-from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.path import Path, Paths
+from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Verdict
 
 PROBLEM = PAPER["problem 1"]
+N = 1200
+HARD = hard_frame(N, seed=11)
 
 
 def on_left_circle(angle: float, inside: float = 0.0) -> Scenario:
@@ -81,25 +87,25 @@ def test_what_does_not_arrive(path, verdict):
 
 
 @pytest.mark.parametrize(
-    ("branch", "curvature", "length", "excess"),
+    ("branch", "curvature", "excess"),
     [
-        ("LS", [1, 0], [1, 1], 0),
-        ("LS", [-0.25, 1], [1, 1], 0.25),
-        ("RS", [0.25, -1], [1, 1], 0.25),
-        ("LR", [1, -1], [1, 1], 0),
-        ("LR", [-1, 1], [1, 1], 2),
-        ("LR", [1, 0, -1], [1, 1, 1], 1),
-        ("RL", [-1, 1], [1, 1], 0),
-        ("RL", [-1], [1], 0),
-        ("best", [1.5], [1], 0.5),
-        ("LS", [-1, 1], [0, 1], 0),
+        *(("LS", [1, 0], 0), ("LS", [-0.25, 1], 0.25), ("RS", [0.25, -1], 0.25)),
+        *(("LR", [1, -1], 0), ("LR", [-1, 1], 2), ("LR", [1, 0, -1], 1)),
+        *(("RL", [-1, 1], 0), ("RL", [-1], 0), ("RL", [1], 0), ("best", [1.5], 0.5)),
+        *(("LSR", [1, 0, -1], 0), ("LSR", [0, 1, -1], 1), ("LSR", [1, 0.25, -1], 0.25)),
+        ("LSR", [1, -1], 0),  # its straight has no length
+        *(("RLR", [-1, 1, -1], 0), ("RLR", [-1, 1, -1, 1], 2), ("LR", [0.9, 1, -0.75], 0.25)),
     ],
 )
-def test_curvature_that_a_branch_allows(branch, curvature, length, excess):
-    """Arcs of no length count for nothing."""
-    path = Path(EDGES["ahead"].start, curvature, length)
+def test_curvature_that_a_branch_allows(branch, curvature, excess):
+    assert curvature_excess(curvature, branch) == pytest.approx(excess)
 
-    assert judge(EDGES["ahead"], path, branch=branch).curvature_excess == pytest.approx(excess)
+
+def test_arcs_of_no_length_exceed_nothing():
+    for lengths, excess in (([0, 1], 0), ([1, 1], 1)):
+        path = Path(EDGES["ahead"].start, [-1, 1], lengths)
+        found = judge(EDGES["ahead"], path, branch="LS")
+        assert found.curvature_excess == pytest.approx(excess)
 
 
 def test_the_reference_is_relaxed_over_the_miss_near_a_circle():
@@ -248,3 +254,46 @@ def test_next_to_the_start_a_miss_reaches_the_circle_for_all_its_rounding():
 
     assert 1e-12 < found.miss / scenario.radius < 1e-11
     assert (found.verdict, found.false_claim) == (Verdict.OPTIMAL, False)
+
+
+# frames against the scalar check; the adversary compares them row by row
+
+
+def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch):
+    """Ordinary rows take the quick way: the tolerance for what is not is one row in a hundred."""
+    calls = []
+    monkeypatch.setattr(
+        "dubins_study.study.check.verdict_frame.judge",
+        lambda *args: calls.append(1) or judge(*args),
+    )
+    rows = shortest_rows(*(HARD[name].to_numpy() for name in NUMBERS[:6]))
+    k = np.empty((2, N))
+    curvatures(rows.word, HARD["radius"].to_numpy(), k)
+    found = judge_frame(HARD, Paths(k, np.array([rows.first, rows.second])), Claim.OPTIMAL)
+
+    assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
+    assert not found.false_claim.any()
+    ordinary = (HARD["heading"].abs() < LARGEST_ANGLE).sum()
+    assert len(calls) < N - ordinary + N / 100
+
+
+def test_empty_frames_and_wrong_shapes():
+    empty = Paths(np.zeros((2, 0)), np.zeros((2, 0)))
+
+    assert judge_frame(HARD[:0], empty).verdict.shape == (0,)
+    with pytest.raises(ValueError, match="0 paths for 1200 scenarios"):
+        judge_frame(HARD, empty)
+    with pytest.raises(ValueError, match=r"lengths has shape \(2, 3\); expected \(2, 4\)"):
+        Paths(np.zeros((2, 4)), np.zeros((2, 3)))
+
+
+def test_a_longer_path_of_a_tie_is_in_the_right_basin():
+    """Straight behind, LS and RS tie: either word, coarsely driven, turns the right way."""
+    behind = Scenario(0, 0, 0, -1, 0, 1)
+    paths = [shortest_path(replace(behind, radius=1.1), word) for word in ("LS", "RS")]
+    controls = (np.array([getattr(p, name) for p in paths]).T for name in ("curvatures", "lengths"))
+    found = judge_frame(scenario_frame([behind, behind]), Paths(*controls))
+
+    assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
+    assert not found.wrong_basin.any()
+    assert not any(judge(behind, path).wrong_basin for path in paths)

@@ -1,0 +1,88 @@
+"""What leaves the shortest length: of legs and routes, the final heading free or given.
+
+Compared are the proven intervals, which have to overlap, and the lengths of the paths where both
+intervals are narrow: a length may jump within the rounding of the data.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases import walked
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from dubins_study.study.check.reference import reference_of
+from dubins_study.study.check.visits import visits
+from dubins_study.study.scenario import Scenario
+
+SEARCH_S = 0.1  # in which nine of ten of these routes close
+NARROW = 2e-9  # relative; what a search asks for, twice
+ANGLES = st.floats(-3, 3)
+
+
+@st.composite
+def routes(draw: st.DrawFn) -> Scenario:
+    """One leg to four, of 0.5 R to 6 R."""
+    steps = draw(st.lists(st.tuples(st.floats(0.5, 6), ANGLES), min_size=1, max_size=4))
+    _, *via, (x, y) = walked(*np.array(steps).T)
+    final = draw(st.none() | ANGLES)
+    return Scenario(heading=draw(ANGLES), target_x=x, target_y=y, via=via, final_heading=final)
+
+
+@st.composite
+def images(draw: st.DrawFn) -> tuple[Scenario, Scenario]:
+    """A scenario, and its mirror image or itself, turned, scaled and shifted."""
+    scenario, turn, scale = draw(routes()), draw(ANGLES), draw(st.sampled_from([1, 17.0, 1e-3]))
+    side, by = draw(st.sampled_from([1, -1])), draw(st.sampled_from([(0, 0), (30.0, -70.0)]))
+    c, s = scale * math.cos(turn), scale * math.sin(turn)
+    points = scenario.points * (1, side) @ np.array([[c, s], [-s, c]]) + np.multiply(by, scale)
+    first, last = scenario.heading, scenario.final_heading
+    last = None if last is None else side * last + turn
+    return scenario, through(points, side * first + turn, last, scale)
+
+
+def through(points: np.ndarray, first: float, last: float | None, radius: float = 1) -> Scenario:
+    start, *via, target = points.tolist()
+    return Scenario(*start, first, *target, radius, via=via, final_heading=last)
+
+
+def compared(one: Scenario, other: Scenario) -> None:
+    scale = other.radius / one.radius
+    (low, high, *_), path, _ = reference_of(one, search_s=SEARCH_S)
+    (other_low, other_high, *_), other_path, _ = reference_of(other, search_s=SEARCH_S)
+
+    assert other_low <= scale * high * (1 + 1e-12)
+    assert scale * low <= other_high * (1 + 1e-12)
+    if max(scale * (high - low), other_high - other_low) < NARROW * other_high:
+        assert other_path.length == pytest.approx(scale * path.length, rel=NARROW)
+
+
+@given(images())
+def test_mirror_turn_scale_and_shift_leave_the_length(pair):
+    compared(*pair)
+
+
+@given(routes(), ANGLES)
+def test_reversal_in_time_leaves_the_length(scenario, last):
+    """With both headings given."""
+    first = scenario.heading
+    back = through(scenario.points[::-1], last + math.pi, first + math.pi)
+    compared(replace(scenario, final_heading=last), back)
+
+
+@given(routes())
+def test_a_via_point_on_the_shortest_path_leaves_the_length(scenario):
+    """In the middle of its longest straight: on an arc, rounding may put it inside the circle."""
+    path = reference_of(scenario, search_s=SEARCH_S).path
+    straights = np.where(path.curvatures == 0, path.lengths, 0)
+    longest = int(np.argmax(straights))
+    assume(straights[longest] > 1e-3)
+    at = path.lengths[:longest].sum() + path.lengths[longest] / 2
+    before = sum(at > s for s in visits(path, scenario.via, 1, 1e-6).at)
+    via = [*scenario.via[:before], path.at(at)[0, :2], *scenario.via[before:]]
+
+    compared(scenario, replace(scenario, via=via))
