@@ -19,7 +19,6 @@ from live_run import wait_for
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.executors import dask_worker
-from dubins_study.experiments.executors.dask_cluster import local_cluster
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import chains
@@ -48,10 +47,11 @@ def experiment(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def address():
-    """Two workers that several runs use one after another, as they would a cluster of their own."""
-    with local_cluster(2) as host:
-        yield host.address
+def address(tmp_path_factory):
+    """Two workers that several runs use one after another."""
+    two = ("--nworkers", "2", "--nthreads", "1")
+    with here.scheduler(tmp_path_factory.mktemp("dask")) as at, here.worker(at, *two):
+        yield at
 
 
 def plugin(folder: Path, solve: str) -> str:
