@@ -56,9 +56,7 @@ def solve(
     profile: arguments.Profile = "default",
     time_limit: Annotated[
         float,
-        typer.Option(
-            metavar="SECONDS", parser=arguments.number, help="seconds that the solve may take"
-        ),
+        typer.Option(metavar="SECONDS", help="seconds that the solve may take"),
     ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[
@@ -90,7 +88,7 @@ def solve(
     if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
         raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
-    with output.solvers_to_stderr(), output.search_to_stderr():
+    with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
@@ -98,8 +96,8 @@ def solve(
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
-    drawn = plot is None or _draw(answer, plot)
-    written = geojson is None or _write(answer, geojson)
+    drawn = plot is None or _save(answer, plot, "drawn")
+    written = geojson is None or _save(answer, geojson, "written")
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -124,19 +122,17 @@ def _points(
     return arguments.Point(x, y), points
 
 
-def _has_path(answer: Answer, file: FilePath, done: str) -> bool:
-    """Whether there is a path to draw or write; if not, the reason is printed on stderr."""
-    if answer.length is None or answer.curvatures is None:
+def _save(answer: Answer, file: FilePath, done: str) -> bool:
+    """Draw the path of an answer, or write it as GeoJSON; False, and why, if there is none."""
+    if answer.length is None or answer.path is None:
         reason = "there is no path" if answer.path is None else "the path is not finite"
         print(f"dubins-study: {file} is not {done}: {reason}", file=sys.stderr)
         return False
-    return True
+    if done == "drawn":
+        from dubins_study.report.path_plot import plot_path
 
-
-def _write(answer: Answer, file: FilePath) -> bool:
-    """Write the path of an answer as GeoJSON; False if there is none."""
-    if not _has_path(answer, file, "written") or answer.path is None:
-        return False
+        plot_path(answer, file)
+        return True
     properties = {name: getattr(answer, name) for name in _GEOJSON}
     feature = answer.path.to_geojson(radius=answer.scenario.radius, **properties)
     try:
@@ -144,16 +140,6 @@ def _write(answer: Answer, file: FilePath) -> bool:
     except OSError as error:
         message = f"--geojson: cannot write {file}: {error.strerror}"
         raise arguments.CommandError(message) from None
-    return True
-
-
-def _draw(answer: Answer, file: FilePath) -> bool:
-    """Draw the path of an answer into a file; False if there is none."""
-    if not _has_path(answer, file, "drawn"):
-        return False
-    from dubins_study.report.path_plot import plot_path
-
-    plot_path(answer, file)
     return True
 
 

@@ -110,27 +110,6 @@ def test_the_version():
     assert asked("--version").stdout == f"dubins-study {version('dubins-study')}\n"
 
 
-TOML = """
-title = "t"
-question = "q"
-section = "nonesuch"
-solvers = ["analytic"]
-[[scenarios]]
-target_x = 3
-target_y = 2
-"""
-
-
-def test_an_unknown_section_is_named_and_the_run_goes_on(tmp_path):
-    file = tmp_path / "mine.toml"
-    file.write_text(TOML)
-    done = asked("run", str(file), "--out", str(tmp_path / "rows"))
-
-    refusal = "no section of the report is called 'nonesuch'; choose one of: routes, benchmark,"
-    assert refusal in done.stderr
-    assert "1 of 1 cells done" in done.stdout
-
-
 @pytest.mark.parametrize("drawn", [3, None, "path", Scenario(target_x=1, target_y=0), type])
 def test_only_answers_and_paths_are_drawn(drawn):
     with pytest.raises(PlotError, match=r"drawn is .*; expected an answer of solve, or a Path"):
