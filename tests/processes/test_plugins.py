@@ -127,7 +127,7 @@ def test_every_lie_is_in_the_tables(beside):
     classes = {name for name, kind in vars(habits).items() if isinstance(kind, type)}
     habit_classes = {name for name in classes if issubclass(getattr(habits, name), habits.Habit)}
     assert set(lying_dubins.LIES) - {"claimed time"} == set(LIES)
-    assert habit_classes - {"Habit", "Seeds"} == set(HABITS)
+    assert habit_classes - {"Habit"} == set(HABITS)
 
 
 @pytest.mark.slow
@@ -135,7 +135,6 @@ def test_every_lie_is_in_the_tables(beside):
     ("spec", "check", "words"),
     [
         ("lies.py:Lying[lie=claimed time]", "claims", "is a length, not a travel time"),
-        ("habits.py:Seeds", "state", "a generator of your own"),
     ],
 )
 def test_what_does_no_harm_is_a_note(beside, spec, check, words):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import math
+import shlex
 import sys
 import textwrap
 from pathlib import Path as FilePath
@@ -40,6 +41,7 @@ _GEOJSON = (
 _LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 _ANY_WIDTH = 1_000_000  # without a terminal, a value is one line
+_LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
 def solve(
@@ -96,11 +98,29 @@ def solve(
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
+    if not as_json and (faster := _faster(answer, profile)):
+        print(f"dubins-study: a faster setting: --solver {shlex.quote(faster)}", file=sys.stderr)
     drawn = plot is None or _save(answer, plot, "drawn")
     written = geojson is None or _save(answer, geojson, "written")
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
+
+
+def _faster(answer: Answer, profile: str) -> str | None:
+    """The spec that leaves out words which cannot exist, of a solver that took long over all."""
+    from dubins_study.solvers.registry import load, ours, settings, stated_method
+
+    spec = answer.solver
+    if not (ours(spec) and answer.scenario.one_free_leg and (answer.solve_s or 0.0) > _LONG_S):
+        return None
+    solver = load(spec, profile)
+    tries_words = "words" in stated_method(solver).columns()["knows"]
+    if settings(solver).get("presolve") is not False or not tries_words:
+        return None
+    name, _, rest = spec.removesuffix("]").partition("[")
+    given = [setting for setting in rest.split(",") if setting and "presolve" not in setting]
+    return f"{name}[{','.join([*given, 'presolve=true'])}]"
 
 
 def _points(
@@ -172,8 +192,9 @@ def answer_text(answer: Answer) -> str:
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.reference_word]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
+        none = "none" if answer.gap is None else "none: the target is the start"
         lines = [
-            _line("word", f"{answer.word or 'none: the target is the start'}{tied}"),
+            _line("word", f"{answer.word or none}{tied}"),
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),
