@@ -30,8 +30,7 @@ from dubins_study.solvers.registry import SolverError, load, settings, stated_me
 from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import EVERY_BRANCH, FORMULATIONS, FROZEN, Outcome
+from dubins_study.study.words import EVERY_BRANCH, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -68,7 +67,6 @@ class Observer:
         self._spec, self._profile = spec, profile
         self._state = ProcessState(MEMORY_BYTES)
         self.solver = load(spec, profile)
-        self._changed_at_loading = [name for name in self._state.changes() if name == "clock"]
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state.accept()
         self._children = _children()
@@ -80,8 +78,7 @@ class Observer:
         modules = len(sys.modules)
         reply = ask(self.solver, question, limit, raised.append)
         loaded = len(sys.modules) != modules
-        changes = [*self._changed_at_loading]
-        changes += [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
+        changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
         if _children() > self._children:
             changes.append("child processes")
         self._state.accept()
@@ -146,13 +143,6 @@ def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
     if (formulation, engine) == NOT_STATED[:2]:
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         yield "note", "it does not state its method", advice
-    elif formulation not in FORMULATIONS and kind.branches != (FROZEN,):  # of paths
-        hint = did_you_mean(formulation, FORMULATIONS)
-        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
-        observed = f"its formulation, {formulation!r}, is not one of this package's"
-        yield "note", observed, advice
-    if not kind.summary:
-        yield "note", "it has no summary", "add a line: summary = ..."
 
 
 _DEFAULT = "give each setting a default of type int, float, bool or str"

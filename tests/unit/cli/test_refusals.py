@@ -25,7 +25,7 @@ REFUSALS = {
     "solve 1 2 --via 3 a": "Invalid value for '--via': 'a'; expected a number",
     "solve 1 2 --via --json 3": "Invalid value for '--via': '--json'; expected a number",
     "solve 1 2 --via 0 0": "via point 1 is (0.0, 0.0), the same point as the start; expected a poi",
-    "solve 1 2 --final-heading 90": "--final-heading: 90 is more than a full turn; write 90deg",
+    "solve 1 2 --final-heading 90": "final_heading: 90 is more than a full turn; write 90deg",
     "solve 1 2 --via 3 4 --branch LS": "branch 'LS' is none of a route; choose one of: best",
     "solve 1 2 --branch LSL": "branch 'LSL' is none of one leg with a free final heading; choose",
     "solve 1 2 --solver slsqp --via 3 4": "slsqp does not take: via points; it takes: free final",

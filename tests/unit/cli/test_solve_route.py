@@ -30,7 +30,7 @@ def line_of(name, text):
 def points(tmp_path):
     """A file whose last point is the target, with a column and a line that are passed over."""
     file = tmp_path / "points.csv"
-    file.write_text("name,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
+    file.write_text("more,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
     return file
 
 

@@ -447,20 +447,6 @@ def test_a_change_that_every_solve_makes_alike_is_seen(kind, changed):
     assert f"not as it was before: {changed}" in text(report, "state")
 
 
-def test_a_clock_that_is_replaced_at_loading_is_seen(tmp_path):
-    file = tmp_path / "timeless.py"
-    file.write_text(
-        "import time\n"
-        "from dubins_study.solvers.analytic import Analytic\n"
-        "time.monotonic = lambda: 0.0\n"
-        "class Timeless(Analytic):\n"
-        "    pass\n"
-    )
-    report = check_solver(f"{file}:Timeless", checks=["state"])
-
-    assert "not as it was before: clock" in text(report, "state")
-
-
 def test_checks_that_are_asked_for_alone_ask_what_they_look_at():
     report = checked(Right, ["state"])
 

@@ -86,7 +86,6 @@ def scenario_of(
     final_heading: str | None = None,
 ) -> Scenario:
     """A scenario from the words of the command line; every refusal names the field."""
-    from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario
 
     try:
@@ -94,12 +93,5 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    angles: list[float | None] = []
-    for name, text in (("heading", start[2]), ("--final-heading", final_heading)):
-        try:
-            angles.append(None if text is None else parse_angle(text))
-        except AngleError as error:
-            raise AngleError(f"{name}: {error}") from None
-    heading, final = angles
-    assert heading is not None
-    return Scenario(start_x, start_y, heading, x, y, radius, speed, via=via, final_heading=final)
+    pose = start_x, start_y, start[2]
+    return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)

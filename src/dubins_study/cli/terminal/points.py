@@ -18,14 +18,14 @@ def read_points(file: FilePath) -> list[Point]:
     points = []
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
-            reader = csv.DictReader(text, skipinitialspace=True, restval="", restkey="more")
+            reader = csv.DictReader(text, skipinitialspace=True, restval="")
             head = list(reader.fieldnames or ())
             if head.count("x") != 1 or head.count("y") != 1:
                 found = f"{','.join(head)!r:.60}; expected column names such as x,y, with a comma"
                 raise CommandError(f"{file}: line 1 is {found} between them")
             for row in reader:
                 place = f"{file}: line {reader.line_num}"
-                if "more" in row:  # as of numbers with a decimal comma
+                if None in row:  # as of numbers with a decimal comma
                     raise CommandError(f"{place} has more cells than the first line")
                 if any(cell.strip() for cell in row.values()):
                     x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
