@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 EXPERIMENT = """
 title = "machines"
 question = "who is asked?"
-solvers = ["slsqp"]
+solvers = ["slsqp[presolve=true]"]
 [[scenarios]]
 target_x = { linear = [1, 9, 30] }
 target_y = 3
@@ -88,7 +88,9 @@ def test_other_code_is_refused(experiment, tmp_path):
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(copy)),
-        pytest.raises(RunError, match=r"the code of slsqp is not what was asked: .* and is"),
+        pytest.raises(
+            RunError, match=r"the code of slsqp\[presolve=True\] is not what was asked: .* and is"
+        ),
     ):
         here.asked_of(address, experiment, tmp_path / "out")
     assert done(tmp_path / "out") == set()
