@@ -141,9 +141,6 @@ LOADING = {
     "no dataclass": ({"head": "", "setting": "n: int = 4"}, "note", "no dataclass: n cannot be"),
     "a tuple": ({"setting": "a: tuple = ()"}, "note", "a: its default () is a tuple give each"),
     "nothing": ({"setting": "a: object = None"}, "note", "a: its default None is a NoneType give"),
-    "a comma": ({"setting": "a: str = 'b,c'"}, "note", "no room for a comma, a bracket"),
-    "an end": ({"setting": "a: str = ' b'"}, "note", "no room for a comma, a bracket or spaces"),
-    "a row": ({"method": '("my row", "mine")'}, "note", "joint NLP, LRS; joint NLP, RLS; joint"),
     "raising": (
         {"setting": "def __post_init__(self): raise OSError"},
         "fail",

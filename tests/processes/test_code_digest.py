@@ -177,22 +177,3 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     output(finished("report", out))
     for page in ("index.html", "report.md"):
         assert "2 rows of earlier code of their solvers" in (out / "report" / page).read_text()
-
-
-def test_what_lies_beside_a_plugin_file_counts(tmp_path):
-    """As it would be imported if the plug-in puts its own folder on the path."""
-    (tmp_path / "beside.py").write_text("SCALE = 1.0\n")
-    (tmp_path / "mine.py").write_text(
-        "import sys\nfrom pathlib import Path\nsys.path.insert(0, str(Path(__file__).parent))\n"
-        "import beside\nfrom dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
-        "class Mine(Slsqp):\n    pass\n"
-    )
-    spec = f"{tmp_path}/mine.py:Mine"
-
-    def digest():
-        return printed(f"print(code_digest({spec!r}))")
-
-    before = digest()
-    assert digest() == before
-    (tmp_path / "beside.py").write_text("SCALE = 2.0\n")
-    assert digest() != before

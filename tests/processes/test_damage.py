@@ -220,7 +220,7 @@ def test_a_full_disk(tmp_path):
     if mount is None or subprocess.run([mount, *options], capture_output=True).returncode:
         pytest.skip("mounting a small tmpfs is not permitted here")
     try:
-        experiment = quick_experiment(tmp_path, 500)
+        experiment = quick_experiment(tmp_path, 800, "slsqp[presolve=true]")
         out = disk_of / "out"
         failed = finished("run", experiment, "--out", out)
         assert failed.returncode == 2, failed.stderr
@@ -231,14 +231,14 @@ def test_a_full_disk(tmp_path):
         assert "rows not written yet are lost, all others are kept" in said[0]
         assert not list(disk_of.rglob("*.tmp"))
         kept = done(out)
-        assert 0 < len(kept) < 500
+        assert 0 < len(kept) < 800
         assert finished("status", out).returncode == 0
 
         subprocess.run([mount, "-o", "remount,size=50m", str(disk_of)], check=True)
         again = finished("run", experiment, "--out", out)
 
         assert again.returncode == 0, again.stderr
-        assert len(read_rows(out)) == 500
+        assert len(read_rows(out)) == 800
         assert kept <= done(out)
     finally:
         subprocess.run(["umount", "-l", str(disk_of)], check=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 import socket
 from pathlib import Path
 
@@ -19,7 +20,6 @@ from live_run import wait_for
 from dubins_study import run
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.executors import dask_worker
-from dubins_study.experiments.executors.dask_cluster import local_cluster
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import chains
@@ -30,7 +30,7 @@ EXPERIMENT = """
 title = "dask"
 question = "are the rows the same?"
 time_limit_s = 60.0
-solvers = ["analytic", "slsqp", "ipopt"]
+solvers = ["analytic", "slsqp[presolve=true]", "ipopt[presolve=true]"]
 branches = ["best", "LS"]
 initial_guesses = ["cold", "warm"]
 [[scenarios]]
@@ -48,10 +48,11 @@ def experiment(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def address():
-    """Two workers that several runs use one after another, as they would a cluster of their own."""
-    with local_cluster(2) as host:
-        yield host.address
+def address(tmp_path_factory):
+    """Two workers that several runs use one after another."""
+    two = ("--nworkers", "2", "--nthreads", "1")
+    with here.scheduler(tmp_path_factory.mktemp("dask")) as at, here.worker(at, *two):
+        yield at
 
 
 def plugin(folder: Path, solve: str) -> str:
@@ -176,7 +177,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
 @pytest.mark.slow
 def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address):
     """A sweep cut in the middle goes on from its last path, elsewhere."""
-    one = run(experiment, tmp_path / "one", solvers=["slsqp"])
+    one = run(experiment, tmp_path / "one", solvers=["slsqp[presolve=true]"])
 
     def enough(done, total):
         if done > 5:
@@ -184,9 +185,9 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
 
     out = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
-        run(experiment, out, solvers=["slsqp"], progress=enough)
+        run(experiment, out, solvers=["slsqp[presolve=true]"], progress=enough)
     assert 0 < len(read_rows(out)) < len(read_rows(one))
-    here.asked_of(address, experiment, out, solvers=["slsqp"])
+    here.asked_of(address, experiment, out, solvers=["slsqp[presolve=true]"])
 
     here.assert_same(one, out)
     engines = set(read_rows(out, ["executor"])["executor"].to_pylist())
@@ -196,7 +197,7 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
 def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
     """Units of a run are solved in the same process; then it is gone."""
     spec = plugin(tmp_path, "(HERE / 'pids').open('a').write(f'{os.getpid()}\\n')")
-    text = Path(experiment).read_text().replace('"analytic", "slsqp", "ipopt"', f'"{spec}"')
+    text = re.sub("(?m)^solvers = .*", f'solvers = ["{spec}"]', Path(experiment).read_text())
     Path(experiment).write_text(text)
     settings, units = (
         RunSettings("kept", 60.0, executor="dask"),

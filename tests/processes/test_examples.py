@@ -25,6 +25,7 @@ def commands(group, words=()):
         yield from commands(command, (*words, name))
 
 
+FEW = "--solver analytic --solver ipopt --solver 'slsqp[presolve=true]'"
 ALL = sorted(commands(typer.main.get_command(app)))
 
 
@@ -50,14 +51,16 @@ def test_no_example_is_of_a_command_that_does_not_exist():
 def test_the_examples_run(tmp_path, monkeypatch):
     """In their order, in one folder; only a comparison may find something to say.
 
-    The paper's experiment is run with one repeat of five.
+    The paper's experiment is run with one repeat of five, and three solvers of all.
     """
     monkeypatch.chdir(tmp_path)
     Path("drive.csv").write_text(DRIVE)
     for line in EXAMPLES:
         program, *words = shlex.split(line)
-        once = ["--repeats", "1"] if words[:2] == ["run", "paper"] else []
-        done = CliRunner().invoke(app, [*words, *once], catch_exceptions=False)
+        if words[:2] == ["run", "paper"]:
+            words += ["--repeats", "1"]
+            words += [] if "--solver" in words else shlex.split(FEW)
+        done = CliRunner().invoke(app, words, catch_exceptions=False)
         allowed = (0, 1) if words[0] in ("compare", "check-solver") else (0,)
         assert program == "dubins-study"
         assert done.exit_code in allowed, f"{line}: {done.stderr}"

@@ -175,16 +175,14 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         ({"jobs": 0}, "jobs is 0"),
         ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
         ({"experiment": None}, "experiment is None; expected a name or the path"),
-        ({"out": 3}, "out is 3; expected the path of a folder"),
         ({"time_limit": "long"}, "^time_limit is 'long': expected a valid number"),
         ({"solvers": "slsqp"}, "^solvers is 'slsqp': expected a valid list"),
         ({"experiment": None, "scenarios": "a.csv"}, r"without solvers; expected solvers \(--sol"),
-        ({"scenarios": 3, "solvers": ["nlp"]}, "scenarios is 3; expected the path"),
         ({"engine": "ray"}, "engine is 'ray'; expected one of: local, dask"),
         ({"engine": None}, "engine is None; expected one of"),
-        ({"engine": "dask", "scheduler": 8786}, "scheduler is 8786; expected an address"),
-        ({"engine": "dask", "scheduler": ""}, "scheduler is ''; expected an address"),
-        ({"scheduler": "tcp://x:1"}, "only engine 'dask' has a scheduler"),
+        ({"engine": "dask"}, "scheduler is None and engine 'dask'; expected engine 'dask' and the"),
+        ({"engine": "dask", "scheduler": ""}, "scheduler is '' and engine 'dask'; expected"),
+        ({"scheduler": "tcp://x:1"}, "scheduler is 'tcp://x:1' and engine 'local'; expected"),
         ({"engine": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
     ],
 )
@@ -301,12 +299,12 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
 def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
     """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
 
-    Without a limit of iterations SLEQP may not end on a word that has no path.
+    SLEQP takes a minute where a word has no path.
     """
     experiment = tmp_path / "clash.toml"
     experiment.write_text(
         'title = "t"\nquestion = "?"\nseed = 1\nrepeats = 2\n'
-        'solvers = ["nlp[engine=sleqp,max_iter=50]", "heading-milp",'
+        'solvers = ["nlp[engine=sleqp,presolve=true]", "heading-milp",'
         '"turn-rate-qp[engine=highs,n=10]"]\n'
         "[[scenarios]]\ntarget_x = [3, 4]\ntarget_y = 2\n"
     )

@@ -62,7 +62,7 @@ dubins-study experiments --json
 dubins-study new solver my_solver.py
 dubins-study new experiment my.toml
 dubins-study run paper
-dubins-study run paper --solver ipopt --solver nlp --out mine
+dubins-study run paper --solver ipopt --solver slsqp --out mine
 dubins-study run my.toml --jobs 2
 dubins-study run --scenarios drive.csv --solver ipopt --solver slsqp
 dubins-study status results/paper

@@ -13,8 +13,6 @@ from dubins_study.cli.terminal.arguments import CommandError, Json
 from dubins_study.cli.terminal.output import table
 
 Record = dict[str, Any]
-
-
 _SOURCE = "paper: its tables; kaya: four published routes"
 
 

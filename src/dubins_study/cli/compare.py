@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import Json, number
+from dubins_study.cli.terminal.arguments import Json
 from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def compare(
     ] = None,
     slower: Annotated[
         float,
-        typer.Option(metavar="RATIO", parser=number, help="times as long that count as slower"),
+        typer.Option(metavar="RATIO", help="times as long that count as slower"),
     ] = 1.1,
     fail_on_regression: Annotated[
         bool, typer.Option("--fail-on-regression", help="exit code 1 if anything became worse")

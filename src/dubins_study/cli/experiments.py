@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from dubins_study.cli.terminal.arguments import complete_experiments
 from dubins_study.cli.terminal.output import listing, plain, table
 
 _HELP = "one of them, or a .toml file: what it asks; default: a list of all"
@@ -21,7 +20,7 @@ scenarios of a file:  dubins-study run --scenarios my.csv --solver ipopt"""
 def experiments(
     experiment: Annotated[
         str | None,
-        typer.Argument(metavar="EXPERIMENT", help=_HELP, autocompletion=complete_experiments),
+        typer.Argument(metavar="EXPERIMENT", help=_HELP),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:

@@ -16,10 +16,6 @@ from dubins_study.cli.status import status_text
 from dubins_study.cli.terminal import output
 from dubins_study.cli.terminal.arguments import (
     CommandError,
-    complete_experiments,
-    complete_solvers,
-    number,
-    whole_number,
 )
 from dubins_study.cli.terminal.output import plain
 
@@ -31,14 +27,14 @@ _SCENARIOS = "ask about these: .csv or .parquet, a row a scenario"
 _SOLVERS = "instead of the experiment's own; may be given several times"
 _LIMIT = "seconds after which a solve is ended"
 _TRUST = "the experiment may name plug-ins and programs"
-_SCHEDULER = "of Dask's; default: one on this machine"
+_SCHEDULER = "of Dask's, with --engine dask"
 _JSON = "print the folder's status as one JSON object"
 
 
 def run(
     experiment: Annotated[
         str | None,
-        typer.Argument(metavar="EXPERIMENT", help=_EXPERIMENT, autocompletion=complete_experiments),
+        typer.Argument(metavar="EXPERIMENT", help=_EXPERIMENT),
     ] = None,
     scenarios: Annotated[FilePath | None, typer.Option(metavar="FILE", help=_SCENARIOS)] = None,
     out: Annotated[
@@ -46,22 +42,18 @@ def run(
     ] = None,
     solver: Annotated[
         list[str] | None,
-        typer.Option(metavar="SPEC", help=_SOLVERS, autocompletion=complete_solvers),
+        typer.Option(metavar="SPEC", help=_SOLVERS),
     ] = None,
     jobs: Annotated[
         int,
-        typer.Option(metavar="N", parser=whole_number, help="processes; 1 where times are quoted"),
+        typer.Option(metavar="N", help="processes; 1 where times are quoted"),
     ] = 1,
-    time_limit: Annotated[
-        float | None, typer.Option(metavar="SECONDS", parser=number, help=_LIMIT)
-    ] = None,
+    time_limit: Annotated[float | None, typer.Option(metavar="SECONDS", help=_LIMIT)] = None,
     memory_limit: Annotated[
         float | None,
-        typer.Option(metavar="GIB", parser=number, help="GiB that a solve may hold"),
+        typer.Option(metavar="GIB", help="GiB that a solve may hold"),
     ] = None,
-    repeats: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="attempts per cell")
-    ] = None,
+    repeats: Annotated[int | None, typer.Option(metavar="N", help="attempts per cell")] = None,
     restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
     trust_plugins: Annotated[bool, typer.Option("--trust-plugins", help=_TRUST)] = False,
     engine: Annotated[str, typer.Option(metavar="NAME", help="local, or dask")] = "local",
@@ -83,8 +75,6 @@ def run(
                 "run: no experiment; expected a name (dubins-study experiments lists them), a "
                 ".toml file, or --scenarios FILE with --solver SPEC"
             )
-        if experiment is not None and scenarios is None:
-            _check_section(experiment)
         with (
             output.solvers_to_stderr(),
             output.progress(experiment or str(scenarios), counts) as progress,
@@ -127,26 +117,3 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
         cells = " ({} of {} cells done)".format(*counts) if counts else ""
         print(f"interrupted; what was done is kept, {next_step} to go on{cells}", file=sys.stderr)
         raise typer.Exit(130) from None
-
-
-def _check_section(experiment: str) -> None:
-    """Say so where an experiment's file names a section that the report does not have.
-
-    Rows are rows whatever the report makes of them, so that the run goes on.
-    """
-    from dubins_study.experiments.definition.experiment import fields_of, packaged, text_of
-
-    path, text = ("", "") if experiment in packaged() else text_of(experiment)[1:]
-    section = fields_of(path, text).get("section")
-    if not isinstance(section, str):
-        return
-    from dubins_study.report.page.sections import KEYS
-    from dubins_study.study.values import did_you_mean
-
-    if section not in KEYS:
-        near = did_you_mean(section, KEYS)
-        print(
-            f"dubins-study: no section of the report is called {section!r}; {near}"
-            f"choose one of: {', '.join(KEYS)}",
-            file=sys.stderr,
-        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import math
+import shlex
 import sys
 import textwrap
 from pathlib import Path as FilePath
@@ -40,6 +41,7 @@ _GEOJSON = (
 _LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 _ANY_WIDTH = 1_000_000  # without a terminal, a value is one line
+_LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
 def solve(
@@ -56,9 +58,7 @@ def solve(
     profile: arguments.Profile = "default",
     time_limit: Annotated[
         float,
-        typer.Option(
-            metavar="SECONDS", parser=arguments.number, help="seconds that the solve may take"
-        ),
+        typer.Option(metavar="SECONDS", help="seconds that the solve may take"),
     ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[
@@ -90,7 +90,7 @@ def solve(
     if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
         raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
-    with output.solvers_to_stderr(), output.search_to_stderr():
+    with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
@@ -98,11 +98,29 @@ def solve(
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
-    drawn = plot is None or _draw(answer, plot)
-    written = geojson is None or _write(answer, geojson)
+    if not as_json and (faster := _faster(answer, profile)):
+        print(f"dubins-study: a faster setting: --solver {shlex.quote(faster)}", file=sys.stderr)
+    drawn = plot is None or _save(answer, plot, "drawn")
+    written = geojson is None or _save(answer, geojson, "written")
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
+
+
+def _faster(answer: Answer, profile: str) -> str | None:
+    """The spec that leaves out words which cannot exist, of a solver that took long over all."""
+    from dubins_study.solvers.registry import load, ours, settings, stated_method
+
+    spec = answer.solver
+    if not (ours(spec) and answer.scenario.one_free_leg and (answer.solve_s or 0.0) > _LONG_S):
+        return None
+    solver = load(spec, profile)
+    tries_words = "words" in stated_method(solver).columns()["knows"]
+    if settings(solver).get("presolve") is not False or not tries_words:
+        return None
+    name, _, rest = spec.removesuffix("]").partition("[")
+    given = [setting for setting in rest.split(",") if setting and "presolve" not in setting]
+    return f"{name}[{','.join([*given, 'presolve=true'])}]"
 
 
 def _points(
@@ -124,19 +142,17 @@ def _points(
     return arguments.Point(x, y), points
 
 
-def _has_path(answer: Answer, file: FilePath, done: str) -> bool:
-    """Whether there is a path to draw or write; if not, the reason is printed on stderr."""
-    if answer.length is None or answer.curvatures is None:
+def _save(answer: Answer, file: FilePath, done: str) -> bool:
+    """Draw the path of an answer, or write it as GeoJSON; False, and why, if there is none."""
+    if answer.length is None or answer.path is None:
         reason = "there is no path" if answer.path is None else "the path is not finite"
         print(f"dubins-study: {file} is not {done}: {reason}", file=sys.stderr)
         return False
-    return True
+    if done == "drawn":
+        from dubins_study.report.path_plot import plot_path
 
-
-def _write(answer: Answer, file: FilePath) -> bool:
-    """Write the path of an answer as GeoJSON; False if there is none."""
-    if not _has_path(answer, file, "written") or answer.path is None:
-        return False
+        plot_path(answer, file)
+        return True
     properties = {name: getattr(answer, name) for name in _GEOJSON}
     feature = answer.path.to_geojson(radius=answer.scenario.radius, **properties)
     try:
@@ -144,16 +160,6 @@ def _write(answer: Answer, file: FilePath) -> bool:
     except OSError as error:
         message = f"--geojson: cannot write {file}: {error.strerror}"
         raise arguments.CommandError(message) from None
-    return True
-
-
-def _draw(answer: Answer, file: FilePath) -> bool:
-    """Draw the path of an answer into a file; False if there is none."""
-    if not _has_path(answer, file, "drawn"):
-        return False
-    from dubins_study.report.path_plot import plot_path
-
-    plot_path(answer, file)
     return True
 
 
@@ -186,8 +192,9 @@ def answer_text(answer: Answer) -> str:
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.reference_word]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
+        none = "none" if answer.gap is None else "none: the target is the start"
         lines = [
-            _line("word", f"{answer.word or 'none: the target is the start'}{tied}"),
+            _line("word", f"{answer.word or none}{tied}"),
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),

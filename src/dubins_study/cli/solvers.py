@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.terminal.arguments import complete_solvers
 from dubins_study.cli.terminal.output import listing, plain, table
 from dubins_study.study.words import FREE_FINAL_HEADING
 
@@ -20,7 +19,7 @@ _HELP = "one solver, with its settings; default: a list of all"
 def solvers(
     solver: Annotated[
         str | None,
-        typer.Argument(metavar="SPEC", help=_HELP, autocompletion=complete_solvers),
+        typer.Argument(metavar="SPEC", help=_HELP),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:

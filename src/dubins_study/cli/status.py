@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -68,10 +68,7 @@ def _state(progress: Status) -> str:
 def _listed(counts: Mapping[str, int]) -> str:
     """The names with the largest counts, and how many more there are."""
     largest = sorted(counts.items(), key=lambda item: -item[1])
-    return _few([f"{plain(name)} {number}" for name, number in largest])
-
-
-def _few(texts: Sequence[str]) -> str:
+    texts = [f"{plain(name)} {number}" for name, number in largest]
     more = len(texts) - _MOST_NAMES
     return ", ".join(texts[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
@@ -84,11 +81,7 @@ def _time_left(progress: Status) -> str:
     jobs = f"with {progress.jobs} job{'' if progress.jobs == 1 else 's'}"
     if progress.seconds_left is None:
         return "unknown: no row is done yet to judge by"
-    text = f"about {duration(progress.seconds_left)} {jobs}"
-    if progress.unknown:
-        names = _few([plain(name) for name in progress.unknown])
-        text += f", without {names}: no row is done yet to judge by"
-    return text
+    return f"about {duration(progress.seconds_left)} {jobs}"
 
 
 def _noise(run: RunEntry) -> str:

@@ -45,10 +45,6 @@ _RAISED = {
     "solve() missing": "write `def solve(self, question, limit)`, with no other argument",
     "build() takes": "write `def build(self, question)`, and `def solve(self, model, limit)`",
     "build() missing": "write `def build(self, question)`, with no other argument",
-    "expected a Solution": "solve returns a Solution: return Solution(Claim.LOCAL, path)",
-    "expected one of: optimal": "a claim is one of dubins_study.Claim",
-    "curvature has shape": "give one curvature and one length for each arc",
-    "expected a Path or None": "make a Path(question.scenario.start, curvatures, lengths)",
 }
 _SAID = {
     Outcome.RAISED: "it raised {}",
@@ -238,7 +234,7 @@ def united(found: Iterable[Finding]) -> tuple[Finding, ...]:
         where = one.traceback.splitlines()[-2:-1]
         groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
     listed = [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
-    return tuple(sorted(listed, key=lambda one: one.status is not Status.FAIL))
+    return tuple(listed)
 
 
 # A path fits a guess if it ends within this many radii of the target, and is no more than this

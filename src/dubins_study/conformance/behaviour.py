@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 
 from dubins_study.conformance import questions
 from dubins_study.conformance.interview import GRACE_S, Interview, NotApplicableError, Seen
-from dubins_study.conformance.observer import RANDOM, TEMPORARY
+from dubins_study.conformance.observer import TEMPORARY
 from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
-from dubins_study.solvers.protocol import Guarantee, Question
+from dubins_study.solvers.protocol import Question
 from dubins_study.study.words import BRANCHES, FROZEN, Outcome
 
 Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
@@ -117,12 +116,11 @@ def determinism(interview: Interview) -> Checked:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
     found = [_changed(*pair) for pair in pairs if _difference(*pair[:2])]
     worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    listed = [*worst, *_repeat(interview, first[0])]
-    if not listed and all(one.answer.path is None for one, *_ in pairs):
+    if not worst and all(one.answer.path is None for one, *_ in pairs):
         raise NotApplicableError("it returned no path")
     cut = 2 * len(known) - len(pairs)
     left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
-    return listed, f"{len(pairs)} pairs of answers the same{left_out}"
+    return worst, f"{len(pairs)} pairs of answers the same{left_out}"
 
 
 def _is_cut(seen: Seen) -> bool:
@@ -148,17 +146,6 @@ def _changed(first: Seen, again: Seen, when: str, place: str) -> Finding:
     return Finding(status, observed, advice, place)
 
 
-def _repeat(interview: Interview, first: Seen) -> list[Finding]:
-    """What another repeat of a question shows, of a solver that says it is stochastic."""
-    if interview.declared["guarantee"] != Guarantee.STOCHASTIC:
-        return []
-    if _difference(first, interview.ask(replace(first.question, repeat=1))):
-        return []
-    observed = "it is stochastic, and its second repeat is the same as its first"
-    advice = "add question.repeat to the seed: repeats then tell how much is luck"
-    return [Finding(Status.NOTE, observed, advice)]
-
-
 def _difference(first: Seen, second: Seen) -> float:
     """How far two answers differ (share of the length); infinite if not only in numbers."""
     answers = first.answer, second.answer
@@ -182,13 +169,7 @@ def _difference(first: Seen, second: Seen) -> float:
 _ADVICE = {
     "working directory": "give other programs a folder by their own option, or `cwd=`",
     "environment variables": "give a program its own `env=`",
-    "sys.path": "import what you need as a package",
-    "warnings filters": "use `with warnings.catch_warnings():`",
     "numpy's error handling": "use `with np.errstate(...):`",
-    "decimal context": "use `with decimal.localcontext():`",
-    "signal handlers": "restore the handlers that were there",
-    "clock": "leave the functions of the module `time` as they are",
-    "timers": "switch your timer off before you return",
     "threads": "end your threads before you return",
     "child processes": "wait for your processes before you return",
     "standard streams": "use `contextlib.redirect_stdout` with a file of your own",
@@ -207,16 +188,12 @@ def state(interview: Interview) -> Checked:
     found = []
     changed = Counter(change for one in seen for change in one.observed.changes)
     for change, count in changed.items():
-        status, advice = Status.FAIL, _ADVICE.get(change, "restore it before you return")
         advice = (
-            f"{advice}; a run then replaces the worker after every question, which takes longer "
-            "than most solves"
+            f"{_ADVICE.get(change, 'restore it before you return')}; a run then replaces the "
+            "worker after every question, which takes longer than most solves"
         )
-        if change == RANDOM:
-            status = Status.NOTE
-            advice = "draw from a generator of your own: np.random.default_rng(seed)"
         observed = f"after a solve this is not as it was before: {change}"
-        found.append(Finding(status, observed, advice, count=count))
+        found.append(Finding(Status.FAIL, observed, advice, count=count))
     found += _files(seen)
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     loud = list(filter(None, outputs))
@@ -233,15 +210,11 @@ def _files(seen: list[Seen]) -> list[Finding]:
     # after any other outcome a solver could not have removed its files
     ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
     files = sorted({file for one in ended for file in one.files})
-    temporary = [file for file in files if file.startswith(TEMPORARY)]
-    found = []
-    for status, place, left in (
-        (Status.FAIL, "the working directory", sorted({*files} - {*temporary})),
-        (Status.NOTE, "the folder for temporary files", temporary),
-    ):
-        if left:
-            names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in left[:3])
-            observed = f"it leaves files in {place}: {names}"
-            advice = "write into a tempfile.TemporaryDirectory()"
-            found.append(Finding(status, observed, advice, count=len(left)))
-    return found
+    if not files:
+        return []
+    kept = [file for file in files if not file.startswith(TEMPORARY)]
+    place = "the working directory" if kept else "the folder for temporary files"
+    names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in (kept or files)[:3])
+    advice = "write into a tempfile.TemporaryDirectory()"
+    status = Status.FAIL if kept else Status.NOTE
+    return [Finding(status, f"it leaves files in {place}: {names}", advice, count=len(files))]

@@ -106,15 +106,6 @@ def _warm(interview: Interview) -> Checked:
     return _wrong(interview, map(interview.ask, asked)), f"{len(guesses)} initial guesses"
 
 
-def _frames(interview: Interview) -> Checked:
-    """The general questions as one frame: as right as one by one."""
-    if not (interview.declared["whole_frames"] and interview.answers("best")):
-        raise NotApplicableError("the solver has no solve_frame")
-    scenarios = questions.GENERAL | questions.AXIS | questions.DISCS
-    rows = interview.ask_frame([Question(scenario) for scenario in scenarios.values()])
-    return _wrong(interview, rows, tuple(Kind)), f"{len(rows)} rows"
-
-
 # name -> what is looked at, and the function that does; simple questions first
 _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
@@ -137,7 +128,6 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
     "branches": ("the words that it declares", _branches),
     "warm": ("initial guesses, good and bad", _warm),
-    "frames": ("whole frames of scenarios", _frames),
     "limits": ("returns by its time limit", behaviour.limits),
     "determinism": ("the same question has the same answer", behaviour.determinism),
     "state": ("leaves its process as it was", behaviour.state),

@@ -61,7 +61,7 @@ class InProcess:
     def __init__(self, spec: str, profile: str):
         observer = Observer(spec, profile)
         self.ask = observer.ask
-        self.declared = declaration(observer.solver, spec)
+        self.declared = declaration(observer.solver)
 
     def restart(self) -> None:
         """There is only one process to ask in."""
@@ -85,22 +85,22 @@ class Worker:
             self.close()
             raise
 
-    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
+    def ask(self, question: Question, limit: float) -> Observation:
         """As `Observer.ask`; a process that ends meanwhile is replaced at the next question."""
         try:
             process = self._load()[0]
         except (LoadError, SolverError) as error:  # it did load before
             crash = no_answer(Outcome.CRASHED, f"loaded once more, it fails: {error}")
-            return [Observation(crash)] * len(questions)
-        task = ["ask", [encode_question(question) for question in questions], limit, as_frame]
-        # what answers whole frames may be compiled for them first
-        allowance = Allowance(limit, GRACE_S + (LOAD_LIMIT_S if as_frame else self._extra_s))
-        event = process.request(task, allowance, _observations)
+            return Observation(crash)
+        task = ["ask", encode_question(question), limit]
+        allowance = Allowance(limit, GRACE_S + self._extra_s)
+        event = process.request(task, allowance, _observation)
         self._extra_s = 0.0  # what did not answer once is not waited for longer again
         output = process.last_output()
         if isinstance(event, Ended):
-            return [Observation(event.reply, output=output)] * len(questions)
-        return [one._replace(output=output) for one in event.value]
+            return Observation(event.reply, output=output)
+        observation: Observation = event.value._replace(output=output)
+        return observation
 
     def _load(self) -> tuple[WorkerProcess, dict[str, Any]]:
         """The process, with what the solver says of itself; a new process if there is none."""
@@ -131,11 +131,9 @@ class Worker:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def _observations(values: list[list[Any]]) -> list[Observation]:
-    return [
-        Observation(decode_reply(reply).reply, text, tuple(changes), loaded)
-        for reply, text, changes, loaded in values
-    ]
+def _observation(values: list[Any]) -> Observation:
+    reply, text, changes, loaded = values
+    return Observation(decode_reply(reply).reply, text, tuple(changes), loaded)
 
 
 class Seen(NamedTuple):
@@ -212,7 +210,7 @@ class Interview:
             )
         if self._timeouts >= MAX_TIMEOUTS:
             raise UnfinishedError(f"{MAX_TIMEOUTS} questions in a row were not answered in time")
-        [seen] = self._ask([question], self.limit if limit is None else limit)
+        seen = self._ask(question, self.limit if limit is None else limit)
         timed_out = seen.answer.outcome is Outcome.TIMEOUT
         self._timeouts = self._timeouts + 1 if timed_out else 0
         self.seen.append(seen)
@@ -220,25 +218,16 @@ class Interview:
             self._answers.setdefault(key, seen)
         return seen
 
-    def ask_frame(self, questions: list[Question]) -> list[Seen]:
-        """The judged answers to questions that are put as one frame."""
-        return self._ask(questions, self.limit, as_frame=True)
-
     def restart(self) -> None:
         """Ask the next question in a new process."""
         self._source.restart()
 
-    def _ask(self, questions: list[Question], limit: float, as_frame: bool = False) -> list[Seen]:
+    def _ask(self, question: Question, limit: float) -> Seen:
         began = monotonic()
-        observations = self._source.ask(questions, limit, as_frame)
-        seconds, files = monotonic() - began, self._new_files()
-        return [
-            Seen(
-                judged(self.spec, question, one.reply, self.tolerances, self._method),
-                *(question, one, files, seconds, limit),
-            )
-            for question, one in zip(questions, observations, strict=True)
-        ]
+        observed = self._source.ask(question, limit)
+        answer = judged(self.spec, question, observed.reply, self.tolerances, self._method)
+        files = self._new_files()
+        return Seen(answer, question, observed, files, monotonic() - began, limit)
 
     def _new_files(self) -> tuple[str, ...]:
         """Files that have appeared in the worker's folder since the last question."""

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import os
-import random
 import sys
 import tempfile
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import asdict, is_dataclass
+from dataclasses import is_dataclass
 from inspect import get_annotations
 from itertools import dropwhile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
-import numpy as np
 import psutil
 
 from dubins_study.experiments.isolation.messages import (
@@ -27,20 +25,15 @@ from dubins_study.experiments.isolation.messages import (
 )
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
-from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solution, Solver
+from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solver
 from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
 from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
-from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import EVERY_BRANCH, FORMULATIONS, FROZEN, Claim, Outcome
+from dubins_study.study.words import EVERY_BRANCH, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
-# name of the state of `random` and of `numpy.random`, which a run seeds before every solve
-RANDOM = "global random generators"
 # state that no import changes: what has changed while modules were imported is the solver's doing
 _NO_IMPORTS = {
     *("working directory", "numpy's error handling", "decimal context", "timers"),
@@ -74,60 +67,24 @@ class Observer:
         self._spec, self._profile = spec, profile
         self._state = ProcessState(MEMORY_BYTES)
         self.solver = load(spec, profile)
-        self._changed_at_loading = [name for name in self._state.changes() if name == "clock"]
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state.accept()
         self._children = _children()
 
-    def ask(self, questions: list[Question], limit: float, as_frame: bool) -> list[Observation]:
-        """The replies to one question, or to several of one branch that are put as one frame."""
-        return self._ask_frame(questions) if as_frame else [self._ask(questions[0], limit)]
-
-    def _ask(self, question: Question, limit: float) -> Observation:
+    def ask(self, question: Question, limit: float) -> Observation:
         """The reply to a question, the exception's traceback, and the state that changed."""
         seed()
         raised: list[BaseException] = []
-        generators, modules = _generators(), len(sys.modules)
+        modules = len(sys.modules)
         reply = ask(self.solver, question, limit, raised.append)
         loaded = len(sys.modules) != modules
-        changes = [*self._changed_at_loading]
-        changes += [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
-        if _generators() != generators:
-            changes.append(RANDOM)
+        changes = [name for name in self._state.changes() if not loaded or name in _NO_IMPORTS]
         if _children() > self._children:
             changes.append("child processes")
         self._state.accept()
         self._children = _children()
         text = own_frames(raised[-1]) if raised else ""
         return Observation(reply, text, tuple(changes), loaded)
-
-    def _ask_frame(self, questions: list[Question]) -> list[Observation]:
-        import pandas as pd
-
-        from dubins_study.solvers.frame import solve_frame
-
-        frame = pd.DataFrame([asdict(question.scenario) for question in questions])
-        rows = solve_frame(frame, self._spec, questions[0].branch, profile=self._profile)
-        return [
-            Observation(_row_reply(question, row))
-            for question, (_, row) in zip(questions, rows.iterrows(), strict=True)
-        ]
-
-
-def _row_reply(question: Question, row: Any) -> Reply:
-    """The reply that a row of a solved frame stands for; its path has at most two arcs."""
-    path = None
-    if row["curvatures"] is not None:
-        path = Path(question.scenario.start, row["curvatures"], row["lengths"])
-    bound = float(row["lower_bound"]) if row["lower_bound"] == row["lower_bound"] else None
-    message = str(row["message"] or "")
-    solution = Solution(Claim(row["claim"]), path, lower_bound=bound, message=message)
-    return Reply(Outcome(row["outcome"]), solution, Times())
-
-
-def _generators() -> tuple[Any, ...]:
-    name, keys, place, *rest = np.random.get_state()  # noqa: NPY002
-    return random.getstate(), name, bytes(np.asarray(keys)), place, rest
 
 
 def _children() -> int:
@@ -147,7 +104,7 @@ def own_frames(error: BaseException) -> str:
     return (text + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
 
 
-def declaration(solver: Solver, spec: str) -> dict[str, Any]:
+def declaration(solver: Solver) -> dict[str, Any]:
     """What a solver says of itself, as plain values, and what is wrong with that."""
     kind = type(solver)
     return {
@@ -157,9 +114,8 @@ def declaration(solver: Solver, spec: str) -> dict[str, Any]:
         "warm": bool(kind.warm),
         "method": list(stated_method(solver)),
         "keeps_limit": bool(solver.keeps_limit),
-        "whole_frames": kind.solve_frame is not None,
         "unavailable": unavailable(solver),
-        "problems": [*_wrong_declaration(solver), *_wrong_settings(solver, spec)],
+        "problems": [*_wrong_declaration(solver), *_wrong_settings(solver)],
     }
 
 
@@ -187,44 +143,18 @@ def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
     if (formulation, engine) == NOT_STATED[:2]:
         advice = 'add method = ("penalty", "my engine", "random"): formulation, engine, guess'
         yield "note", "it does not state its method", advice
-    elif formulation not in FORMULATIONS and kind.branches != (FROZEN,):  # of paths
-        hint = did_you_mean(formulation, FORMULATIONS)
-        advice = f"{hint}A row of its own is fine; the others are: {'; '.join(FORMULATIONS)}"
-        observed = f"its formulation, {formulation!r}, is not one of this package's"
-        yield "note", observed, advice
-    if not kind.summary:
-        yield "note", "it has no summary", "add a line: summary = ..."
 
 
 _DEFAULT = "give each setting a default of type int, float, bool or str"
-_TEXT = "a spec has no room for a comma, a bracket or spaces at the ends; use a word as the default"
 
 
-def _wrong_settings(solver: Solver, spec: str) -> Iterator[_Problem]:
-    """Settings that a spec cannot set to the value that they have, and what is no setting."""
-    name, kind = spec.partition("[")[0], type(solver)
-    for profile in PROFILES:
-        try:
-            load(spec, profile)
-        except SolverError as error:
-            advice = "a profile is a dict of settings that the class accepts"
-            yield "note", f"a spec cannot set the profile {profile}: {error}", advice
+def _wrong_settings(solver: Solver) -> Iterator[_Problem]:
+    """Settings that a spec cannot set, and what is no setting."""
+    kind = type(solver)
     for key, value in settings(solver).items():
-        if value == "":  # nothing that a spec could write
-            continue
         if not isinstance(value, int | float | str):
             problem = f"{key}: its default {value!r:.40} is a {type(value).__name__}"
             yield "note", f"a spec cannot set {problem}", _DEFAULT
-            continue
-        try:
-            again = settings(load(f"{name}[{key}={value}]"))[key]
-            problem = f"{key}={value!r}: it comes back as {again!r}"
-            right = again == value and type(again) is type(value)
-        except Exception as error:
-            problem, right = f"{key}={value}: {exception_text(error)}", False
-        if not right:
-            advice = _TEXT if isinstance(value, str) else "the class must accept its own default"
-            yield "note", f"a spec cannot set {problem}", advice
     fields = getattr(kind, "__dataclass_fields__", {})
     names = [
         name
@@ -245,8 +175,8 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     """Answer the tasks of an `interview.Worker`, in a process of its own.
 
     The first task is ["load"]; its answer is ["loaded", declaration], ["refused", message] or
-    ["broken", message, traceback]. Any other task is ["ask", questions, limit, whether as one
-    frame]; its answer has an observation for each question.
+    ["broken", message, traceback]. Any other task is ["ask", question, limit]; its answer is an
+    observation.
     """
     bound_process(MEMORY_BYTES)
     os.chdir(folder)
@@ -256,7 +186,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     def load_solver() -> list[Any]:
         try:
             loaded.append(Observer(spec, profile))
-            return ["loaded", declaration(loaded[0].solver, spec)]
+            return ["loaded", declaration(loaded[0].solver)]
         except SolverError as error:
             text = own_frames(error.__cause__) if error.__cause__ else ""
             return ["broken", str(error), text] if text else ["refused", str(error)]
@@ -266,16 +196,14 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     def handle(task: list[Any]) -> tuple[list[Any], bool]:
         if task[0] == "load":
             return load_solver(), False
-        _, encoded, limit, as_frame = task
-        questions = [decode_question(values) for values in encoded]
+        _, encoded, limit = task
         [observer] = loaded
         try:
-            seen = observer.ask(questions, limit, as_frame)
+            seen = observer.ask(decode_question(encoded), limit)
         except KeyboardInterrupt as error:  # the solver's own: Ctrl-C does not reach this process
-            reply = no_answer(Outcome.RAISED, exception_text(error))
-            seen = [Observation(reply, own_frames(error))] * len(questions)
+            seen = Observation(no_answer(Outcome.RAISED, exception_text(error)), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
-        return [[encode_reply(WorkerReply(one.reply)), *one[1:4]] for one in seen], False
+        return [encode_reply(WorkerReply(seen.reply)), *seen[1:4]], False
 
     answer_tasks(channel, handle)

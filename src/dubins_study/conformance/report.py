@@ -170,7 +170,7 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
     Lines fit the terminal's `width` and 100 characters; commands and tracebacks are never broken.
     """
     width = max(min(width or _WIDTH, _WIDTH), _LEAST_WIDTH)
-    shown: dict[str, str] = {}  # advice -> the check that gave it first
+    told: set[str] = set()  # advice, which is given once
     blocks = []
     for (status, _), group in groupby(report, key=_together):
         result, *others = group
@@ -186,12 +186,10 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
             later = [one for one in result.findings[place:] if one.status is Status.FAIL]
             if found.command in [one.command for one in later]:
                 found = replace(found, command="")  # one command repeats them all: below the last
-            told = [one.advice for one in result.findings[: place - 1]]
             if found.advice and found.advice in told:
-                found = replace(found, advice="", traceback="")  # the line above says it
-            earlier = shown.get(found.advice) if found.status is Status.FAIL else None
-            blocks.append(indent(_finding(found, earlier, width - len(_MARGIN)), _MARGIN))
-            shown.setdefault(found.advice or found.observed, result.name)
+                found = replace(found, advice="", traceback="")
+            blocks.append(indent(_finding(found, width - len(_MARGIN)), _MARGIN))
+            told.add(found.advice)
     last = [_wrapped(line, width, "  ") for line in _verdict(report)]
     return "\n".join([plain(report.solver), "", *blocks, "", *last])
 
@@ -202,15 +200,13 @@ def _together(result: CheckResult) -> tuple[Status, object]:
     return result.status, result.summary if same else result
 
 
-def _finding(found: Finding, earlier: str | None, width: int) -> str:
+def _finding(found: Finding, width: int) -> str:
     more = f" (and {found.count - 1} more)" if found.count > 1 else ""
     where = f"{plain(found.question)}: " if found.question else ""
     lines = [_wrapped(f"{where}{plain(found.observed)}{more}", width)]
-    if earlier is not None:
-        lines.append(f"→ as in {earlier}")
-    elif found.advice:
+    if found.advice:
         lines.append(_wrapped(f"→ {plain(found.advice)}", width, "  "))
-    if found.traceback and earlier is None:
+    if found.traceback:
         lines.append(indent(printable_text(found.traceback.rstrip()), "  "))
     if found.command and found.status is Status.FAIL:
         lines.append(f"$ {plain(found.command)}")

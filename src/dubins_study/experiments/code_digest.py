@@ -26,7 +26,6 @@ from dubins_study.solvers.registry import canonical, load, settings
 _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
 _ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
-_WORD = re.compile(rb"\w+")
 # The rooms that judge the answers of all solvers.
 _JUDGES = ("attempt", "profiles")
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
@@ -71,13 +70,13 @@ def _is_plain(value: object) -> bool:
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     """The source files on which a solver's rows depend.
 
-    For a plug-in these are its file and the modules in the same folder that the file names, or its
-    whole package, and in both cases the rooms of `solvers` that these sources name.
+    For a plug-in these are its file or its whole package, and the rooms of `solvers` that these
+    sources name.
     """
     module = solver_class.__module__
     file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
     if colon and file.endswith(".py"):
-        sources = _plugin_file(FilePath(file))
+        sources = {"plug-in": _read(FilePath(file))}  # which is loaded alone
     elif module.startswith("dubins_study.solvers."):
         sources = dict(_room(module.split(".")[2]))
     else:
@@ -112,23 +111,6 @@ def _study() -> Sources:
     """All modules of `study`, which judges every answer, except those of the results format."""
     files = (_PACKAGE / "study").rglob("*.py")
     return _read_all(_PACKAGE, (file for file in files if file.parent.name != "rows"))
-
-
-def _plugin_file(file: FilePath) -> Sources:
-    """A plug-in's file, and the modules in its folder that it names, directly or indirectly."""
-    sources = {"plug-in": _read(file)}
-    folder = file.resolve().parent
-    beside = {module.stem: module for module in folder.glob("*.py") if module.stem != file.stem}
-    beside |= {init.parent.name: init.parent for init in folder.glob("*/__init__.py")}
-    unread = [*sources.values()]
-    while unread:
-        words = {word.decode("utf-8", "replace") for word in _WORD.findall(unread.pop())}
-        for name in words & beside.keys():
-            place = beside.pop(name)
-            added = _read_all(folder, [place] if place.is_file() else [*place.rglob("*.py")])
-            sources |= added
-            unread += added.values()
-    return sources
 
 
 def _installed_plugin(package_name: str) -> Sources:

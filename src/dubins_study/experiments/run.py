@@ -66,9 +66,8 @@ def run(
         restart: delete the rows that the folder holds.
         trust_plugins: let the experiment's file name plug-in files and programs on PATH as
             solvers. Those named in `solvers` are always trusted.
-        engine: `local`, or `dask` for Dask workers, on this machine or on others.
-        scheduler: the address of a Dask scheduler; without one, `jobs` Dask workers are started on
-            this machine.
+        engine: `local`, or `dask` for the workers of a Dask scheduler.
+        scheduler: the address of that scheduler.
         scenarios: a .csv or .parquet file of scenarios (`definition.scenario_file`), which replace
             those of the experiment.
         progress: called with the number of cells done and the number of all cells.
@@ -81,20 +80,8 @@ def run(
             finished and all rows are written; a second signal abandons that cell. The caller's
             signal handlers are restored. Signals are handled in the main thread only.
     """
-    request = Request(
-        experiment=experiment,
-        out=out,
-        solvers=solvers,
-        jobs=jobs,
-        time_limit_s=time_limit,
-        memory_limit_gib=memory_limit,
-        repeats=repeats,
-        restart=restart,
-        trust_plugins=trust_plugins,
-        engine=engine,
-        scheduler=scheduler,
-        scenarios=scenarios,
-    )
+    arguments = {name: value for name, value in locals().items() if name != "progress"}
+    request = Request(**arguments)
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
@@ -106,12 +93,12 @@ def run(
 
 
 def _executor(request: Request) -> AbstractContextManager[Executor]:
-    if request.engine == "local":
+    if request.scheduler is None:
         return local_executor(request.jobs)
     # Imported only if needed: `distributed` is an extra and takes half a second to import.
     from dubins_study.experiments.executors.dask_executor import dask_executor
 
-    return dask_executor(request.jobs, request.scheduler)
+    return dask_executor(request.scheduler)
 
 
 def _solve(

@@ -1,4 +1,4 @@
-"""What holds for every command: the nearest name in refusals, verbosity, lists, completion."""
+"""What holds for every command: the nearest name in refusals, verbosity, lists."""
 
 from __future__ import annotations
 
@@ -10,13 +10,9 @@ from typer.testing import CliRunner
 
 from dubins_study import DubinsStudyError
 from dubins_study.cli.app import app
-from dubins_study.cli.terminal import arguments as declared
 from dubins_study.cli.terminal.output import Verbosity, set_verbosity, verbosity
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
-from dubins_study.solvers.registry import registered
-from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import EVERY_BRANCH
 
 PATH = ("solve", "10", "5")
 
@@ -93,15 +89,6 @@ def test_the_cells_of_an_experiment_are_those_of_a_run(name):
     assert listed["cells"] == len(plan.keys)
     assert listed["solvers"] == plan.solver_specs
     assert f"cells       {len(plan.keys)}" in asked("experiments", name).stdout
-
-
-def test_what_a_shell_completes():
-    """The names that the library knows, read without importing it."""
-    assert declared.complete_solvers("") == registered()
-    assert declared.complete_solvers("turn") == [n for n in registered() if n.startswith("turn")]
-    assert declared.complete_experiments("") == packaged()
-    assert declared.complete_profiles("") == list(PROFILES)
-    assert declared.complete_branches("") == list(EVERY_BRANCH)
 
 
 def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):

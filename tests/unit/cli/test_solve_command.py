@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from dubins_study import Scenario, plot_path, solve
+from dubins_study.cli import solve as solve_command
 from dubins_study.cli.app import app
 from dubins_study.report.path_plot import PlotError
 
@@ -80,8 +81,27 @@ def test_the_text_names_what_it_shows():
     assert not any(line.startswith("time") for line in lines)
 
 
+@pytest.mark.parametrize(
+    ("options", "hint"),
+    [
+        (("--solver", "slsqp[count=5]"), "slsqp[count=5,presolve=true]"),
+        (("--solver", "slsqp[count=5]", "--json"), None),
+        (("--solver", "slsqp[presolve=true]"), None),
+        (("--solver", "penalty[engine=nlopt-direct]"), None),  # its presolve is for a word alone
+        (("--solver", "analytic"), None),
+    ],
+)
+def test_a_setting_that_is_many_times_faster_is_named(options, hint, monkeypatch):
+    """However fast this machine is; it can be typed as it is printed."""
+    monkeypatch.setattr(solve_command, "_LONG_S", 0.0)
+    done = asked(*PATH, *options)
+
+    assert done.stderr == (f"dubins-study: a faster setting: --solver '{hint}'\n" if hint else "")
+
+
 MISSES = {
     "Path(s.start, [0.0], [1.0])": "misses: the path ends 10.3 R from the target",
+    "Path(s.start, [], [])": "misses: the path ends 11.2 R from the target",
     "Path(s.start, [2.0], [1.0])": "misses: the curvature is 1 / R beyond what the branch allows",
     "Path((1, 0, 0), [0.0], [1.0])": "misses: the path starts elsewhere",
     "Path(s.start, [0.0], [-1.0])": "misses: the path has a number that is not finite, or a length",
@@ -104,31 +124,12 @@ def test_a_path_that_misses_says_why(path, tmp_path):
 
     verdict = next(line for line in done.stdout.splitlines() if line.startswith("verdict"))
     assert verdict.removeprefix("verdict     ").startswith(MISSES[path])
+    assert "the target is the start" not in done.stdout
+    assert "none: the target is the start" in asked("solve", "0", "0").stdout
 
 
 def test_the_version():
     assert asked("--version").stdout == f"dubins-study {version('dubins-study')}\n"
-
-
-TOML = """
-title = "t"
-question = "q"
-section = "nonesuch"
-solvers = ["analytic"]
-[[scenarios]]
-target_x = 3
-target_y = 2
-"""
-
-
-def test_an_unknown_section_is_named_and_the_run_goes_on(tmp_path):
-    file = tmp_path / "mine.toml"
-    file.write_text(TOML)
-    done = asked("run", str(file), "--out", str(tmp_path / "rows"))
-
-    refusal = "no section of the report is called 'nonesuch'; choose one of: routes, benchmark,"
-    assert refusal in done.stderr
-    assert "1 of 1 cells done" in done.stdout
 
 
 @pytest.mark.parametrize("drawn", [3, None, "path", Scenario(target_x=1, target_y=0), type])

@@ -30,7 +30,7 @@ def line_of(name, text):
 def points(tmp_path):
     """A file whose last point is the target, with a column and a line that are passed over."""
     file = tmp_path / "points.csv"
-    file.write_text("name,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
+    file.write_text("more,y, x\nfirst,1,4\n\nsecond,-2,6\nlast,5,10\n")
     return file
 
 
@@ -63,14 +63,14 @@ def test_points_of_a_file(points, tmp_path):
 
 
 REFUSED = {
-    "x;y\n": "line 1 has no column called x (it is 'x;y'); expected column names such as x,y, with",
-    "X,Y\n": "line 1 has no column called x (it is 'X,Y'); expected column names such as x,y",
-    "": "line 1 has no column called x (it is empty)",
-    "x,y,x\n1,2,3\n": "line 1 has 2 columns called x",
+    "x;y\n": "line 1 is 'x;y'; expected column names such as x,y, with a comma between them",
+    "X,Y\n": "line 1 is 'X,Y'; expected column names",
+    "": "line 1 is ''; expected column names",
+    "x,y,x\n1,2,3\n": "line 1 is 'x,y,x'; expected column names",
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
-    "x,y\n1\n": "line 2: y is empty; expected a number",
-    "x,y\n4,5,2\n": "line 2 has 3 cells; expected 2, as in the first line",
+    "x,y\n1\n": "line 2: y is ''; expected a number",
+    "x,y\n4,5,2\n": "line 2 has more cells than the first line",
 }
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import subprocess
 import sys
 import threading
@@ -87,14 +86,6 @@ class Spawns(Habit):
 
     def habit(self) -> None:
         subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
-
-
-class Seeds(Habit):
-    name = "seeds"
-
-    def habit(self) -> None:
-        random.seed(17)
-        np.random.seed(17)  # noqa: NPY002  (the habit)
 
 
 class Late(Habit):

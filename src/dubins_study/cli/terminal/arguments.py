@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.words import EVERY_BRANCH
 
 if TYPE_CHECKING:
     from dubins_study.study.scenario import Scenario
@@ -20,9 +19,9 @@ class CommandError(DubinsStudyError, ValueError):
 
 
 def number(text: str | float) -> float:
-    """The value of an option that is a number, or its default; `1_0` is none, as in tables."""
+    """A number among the words of an option, or in a file of points."""
     try:
-        return float(str(text).replace("_", "?"))  # which is in no number
+        return float(text)
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
 
@@ -44,51 +43,12 @@ def point(words: Sequence[str] | Point) -> Point:
     return Point(number(x), number(y))
 
 
-def whole_number(text: str | int) -> int:
-    """The value of an option that is a whole number, or its default."""
-    try:
-        return int(text)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r:.60}; expected a whole number") from None
-
-
-def complete_solvers(incomplete: str) -> list[str]:
-    """The registered solvers, plug-ins included, whose names begin with a text."""
-    from importlib.metadata import entry_points
-
-    names = sorted(point.name for point in entry_points(group="dubins_study.solvers"))
-    return [name for name in names if name.startswith(incomplete)]
-
-
-def complete_experiments(incomplete: str) -> list[str]:
-    """The packaged experiments whose names begin with a text."""
-    from importlib.resources import files
-
-    names = [file.name for file in files("dubins_study.experiments").iterdir()]
-    known = sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
-    return [name for name in known if name.startswith(incomplete)]
-
-
-def complete_branches(incomplete: str) -> list[str]:
-    """The branches that begin with a text."""
-    return [name for name in EVERY_BRANCH if name.startswith(incomplete)]
-
-
-def complete_profiles(incomplete: str) -> list[str]:
-    """The profiles that begin with a text."""
-    return [name for name in ("default", "fast", "accurate") if name.startswith(incomplete)]
-
-
 # the question of a solve
-TargetX = Annotated[float, typer.Argument(metavar="X", help="target position", parser=number)]
-TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position", parser=number)]
+TargetX = Annotated[float, typer.Argument(metavar="X", help="target position")]
+TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position")]
 _OR_LAST = "target position; default: the last point of --via-file"
-MaybeX = Annotated[
-    float | None, typer.Argument(metavar="X", help=_OR_LAST, parser=number, show_default=False)
-]
-MaybeY = Annotated[
-    float | None, typer.Argument(metavar="Y", help=_OR_LAST, parser=number, show_default=False)
-]
+MaybeX = Annotated[float | None, typer.Argument(metavar="X", help=_OR_LAST, show_default=False)]
+MaybeY = Annotated[float | None, typer.Argument(metavar="Y", help=_OR_LAST, show_default=False)]
 StartPose = Annotated[
     tuple[str, str, str],
     typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
@@ -103,23 +63,15 @@ FinalHeading = Annotated[
     str | None,
     typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),
 ]
-Radius = Annotated[
-    float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
-]
-Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
+Radius = Annotated[float, typer.Option(metavar="NUMBER", help="minimum turning radius")]
+Speed = Annotated[float, typer.Option(metavar="NUMBER", help="constant speed")]
 _BRANCH = "best, LS, RS, LR or RL; with a final heading best, LSL, RSR, LSR, RSL, RLR or LRL"
-Branch = Annotated[
-    str, typer.Option(metavar="NAME", help=_BRANCH, autocompletion=complete_branches)
-]
+Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 # who answers
 _SPEC = "name, name[setting=value] or file.py:Class"
-Spec = Annotated[
-    str, typer.Option("--solver", metavar="SPEC", help=_SPEC, autocompletion=complete_solvers)
-]
+Spec = Annotated[str, typer.Option("--solver", metavar="SPEC", help=_SPEC)]
 _PROFILE = "default, fast or accurate"
-Profile = Annotated[
-    str, typer.Option(metavar="NAME", help=_PROFILE, autocompletion=complete_profiles)
-]
+Profile = Annotated[str, typer.Option(metavar="NAME", help=_PROFILE)]
 # what is printed
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
@@ -134,7 +86,6 @@ def scenario_of(
     final_heading: str | None = None,
 ) -> Scenario:
     """A scenario from the words of the command line; every refusal names the field."""
-    from dubins_study.study.angle import AngleError, parse_angle
     from dubins_study.study.scenario import Scenario
 
     try:
@@ -142,12 +93,5 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    angles: list[float | None] = []
-    for name, text in (("heading", start[2]), ("--final-heading", final_heading)):
-        try:
-            angles.append(None if text is None else parse_angle(text))
-        except AngleError as error:
-            raise AngleError(f"{name}: {error}") from None
-    heading, final = angles
-    assert heading is not None
-    return Scenario(start_x, start_y, heading, x, y, radius, speed, via=via, final_heading=final)
+    pose = start_x, start_y, start[2]
+    return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)

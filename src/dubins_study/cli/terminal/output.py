@@ -9,7 +9,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from enum import IntEnum
 from io import StringIO
 from typing import TYPE_CHECKING
@@ -229,35 +229,3 @@ def steps(what: str) -> Iterator[Callable[[str], None]]:
 
     with Console(stderr=True).status(Text(plain(what))) as status:
         yield lambda text: status.update(Text(f"{plain(what)}: {plain(text)}"))
-
-
-@contextmanager
-def search_to_stderr() -> Iterator[None]:
-    """Show on a terminal how far the search for a shortest route is, while there is one."""
-    if verbosity() != Verbosity.NORMAL or not is_terminal():
-        yield
-        return
-    with ExitStack() as shown:
-        log = logging.getLogger("dubins_study.study.route.search")
-        handler = _Spinner(shown)
-        log.addHandler(handler)
-        log.setLevel(logging.INFO)
-        try:
-            yield
-        finally:
-            log.removeHandler(handler)
-            log.setLevel(logging.NOTSET)
-
-
-class _Spinner(logging.Handler):
-    """Shows the last record beside a spinner, from the first record on."""
-
-    def __init__(self, shown: ExitStack) -> None:
-        super().__init__()
-        self.shown = shown
-        self.step: Callable[[str], None] | None = None
-
-    def emit(self, record: logging.LogRecord) -> None:
-        if self.step is None:
-            self.step = self.shown.enter_context(steps("route"))
-        self.step(record.getMessage())

@@ -12,7 +12,6 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dubins_study.experiments.executors.dask_cluster import connected, local_cluster
 from dubins_study.experiments.executors.dask_worker import UnitReply, in_worker
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
@@ -38,18 +37,15 @@ _RETRIES = 1
 _YIELD_INTERVAL_S = 0.2
 # Seconds between two counts of the threads, since workers come and go.
 _COUNT_INTERVAL_S = 1.0
-# Seconds to wait for a result, and for a call in every worker.
-_FETCH_WAIT_S, _CALL_WAIT_S = 30.0, 10.0
+# Seconds to wait for a result, and for an answer of the scheduler or of every worker.
+_FETCH_WAIT_S, _ANSWER_WAIT_S = 30.0, 10.0
 _KEPT = "the rows written so far are kept"
 _LOST = f"the connection to the Dask scheduler is lost; {_KEPT}"
 
 
 @contextmanager
-def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
-    """The Dask cluster at an address, or one of `jobs` workers on this machine.
-
-    The cluster on this machine starts with the first solve.
-    """
+def dask_executor(scheduler: str) -> Iterator[Executor]:
+    """The workers of the Dask scheduler at an address."""
     try:
         import distributed
     except ImportError as error:
@@ -61,24 +57,37 @@ def dask_executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
             logger = logging.getLogger(name)
             stack.callback(logger.setLevel, logger.level)
             logger.setLevel(logging.CRITICAL + 1)
-        client, workers = None, jobs
-        if scheduler is not None:
-            client = stack.enter_context(connected(scheduler))
-            threads = client.nthreads()
-            workers, jobs = len(threads), max(1, sum(threads.values()))
+        client = stack.enter_context(_connected(scheduler))
+        threads = client.nthreads()
 
         def solve(
             unit: WorkUnit, stop: Interruption, probed: Probed
         ) -> Generator[list[Row], None, None]:
-            if (here := client) is None:
-                cluster = stack.enter_context(local_cluster(jobs))
-                here = stack.enter_context(connected(cluster.address))
-                _LOG.warning("dubins-study: Dask's dashboard is at %s", cluster.dashboard)
-            with closing(_Submission(here, unit, probed)) as submission:
+            with closing(_Submission(client, unit, probed)) as submission:
                 yield from submission.solve(stop)
 
-        run_entry = {"workers": workers, "distributed": str(distributed.__version__)}
-        yield Executor(jobs, run_entry, solve)
+        run_entry = {"workers": len(threads), "distributed": str(distributed.__version__)}
+        yield Executor(max(1, sum(threads.values())), run_entry, solve)
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    """A client of a scheduler; Dask warns where versions of Python or of its packages differ."""
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=_ANSWER_WAIT_S, set_as_default=False)
+    except Exception as error:  # any lower layer: names, sockets, certificates, protocols
+        raise RunError(
+            f"no Dask scheduler answers at {address!r} ({exception_text(error)}); expected an "
+            "address such as tcp://127.0.0.1:8786, or tls://... and certificates (see "
+            "docs/scaling.md)"
+        ) from None
+    try:
+        yield client
+    finally:
+        with suppress(Exception):
+            client.close(timeout=_ANSWER_WAIT_S)
 
 
 class _Submission:
@@ -195,7 +204,7 @@ class _Submission:
                 in_worker(name),
                 self._settings.run_id,
                 on_error="ignore",
-                callback_timeout=_CALL_WAIT_S,
+                callback_timeout=_ANSWER_WAIT_S,
             )
 
     def close(self) -> None:

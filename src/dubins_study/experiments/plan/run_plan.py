@@ -29,8 +29,6 @@ from dubins_study.study.values import did_you_mean
 
 # The executors that can solve cells: worker processes of this machine, or a Dask cluster.
 _EXECUTOR_NAMES = ("local", "dask")
-
-
 # Key of an experiment that a request may replace -> the argument that replaces it.
 _ARGUMENTS = {
     "solvers": "solvers",
@@ -58,8 +56,8 @@ class Request(NamedTuple):
     out: str | FilePath | None = None
     solvers: list[str] | None = None
     jobs: int = 1
-    time_limit_s: float | None = None
-    memory_limit_gib: float | None = None
+    time_limit: float | None = None
+    memory_limit: float | None = None
     repeats: int | None = None
     restart: bool = False
     trust_plugins: bool = False
@@ -81,8 +79,8 @@ class Request(NamedTuple):
             arguments += ["--solver", spec]
         options = {
             "--jobs": self.jobs,
-            "--time-limit": self.time_limit_s,
-            "--memory-limit": self.memory_limit_gib,
+            "--time-limit": self.time_limit,
+            "--memory-limit": self.memory_limit,
             "--repeats": self.repeats,
             "--engine": self.engine if self.engine != "local" else None,
         }
@@ -94,35 +92,27 @@ class Request(NamedTuple):
         return shlex.join(arguments)
 
     def check(self) -> None:
-        """Refuse arguments of the wrong type, and a scheduler for an engine that uses none."""
+        """Refuse arguments that are no experiment, no number of jobs, or do not go together."""
         name, listed, jobs = self.experiment, self.scenarios, self.jobs
         engine, scheduler = self.engine, self.scheduler
         is_name = isinstance(name, str | FilePath)
         problem = None
-        if not isinstance(listed, str | FilePath | None):
-            problem = f"scenarios is {listed!r}; expected the path of a .csv or .parquet file"
-        elif listed is not None and not is_name and self.solvers is None:
+        if listed is not None and not is_name and self.solvers is None:
             problem = (
                 f"scenarios is {str(listed)!r}, without solvers; expected solvers "
                 "(--solver ipopt) or an experiment whose solvers are asked"
             )
         elif not is_name and (listed is None or name is not None):
             problem = f"experiment is {name!r}; expected a name or the path of a .toml file"
-        elif not isinstance(self.out, str | FilePath | None):
-            problem = f"out is {self.out!r}; expected the path of a folder"
         elif not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
             problem = f"jobs is {jobs!r}; expected a whole number of processes above 0"
         elif engine not in _EXECUTOR_NAMES:
             near = did_you_mean(engine, _EXECUTOR_NAMES)
             problem = f"engine is {engine!r}; {near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
-        elif scheduler is not None and (not isinstance(scheduler, str) or not scheduler):
+        elif bool(scheduler) != (engine == "dask"):
             problem = (
-                f"scheduler is {scheduler!r}; expected an address such as tcp://127.0.0.1:8786"
-            )
-        elif scheduler is not None and engine != "dask":
-            problem = (
-                f"scheduler is {scheduler!r} and engine {engine!r}; only engine 'dask' has a "
-                "scheduler"
+                f"scheduler is {scheduler!r} and engine {engine!r}; expected engine 'dask' and the "
+                "address of a scheduler, such as tcp://127.0.0.1:8786, or neither"
             )
         elif scheduler is not None and jobs != 1:
             problem = (
@@ -159,7 +149,8 @@ class RunPlan(NamedTuple):
 def plan_run(request: Request) -> RunPlan:
     """The cells that a request asks for; errors name the argument, or the file and key."""
     request.check()
-    changes = {key: value for key in _ARGUMENTS if (value := getattr(request, key)) is not None}
+    replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
+    changes = {key: value for key, value in replaced.items() if value is not None}
     listed = None if request.scenarios is None else str(request.scenarios)
     frame = None if listed is None else read_scenarios(listed)
     if frame is not None:

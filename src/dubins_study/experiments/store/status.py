@@ -36,10 +36,8 @@ class Status:
         finished: whether a run has come to the end and no cell is left.
         process: pid of the current run, 0 if it is unknown; None if no run is active.
         jobs: number of jobs of the last run.
-        seconds_left: estimated time (s) for the cells that are left, with `jobs` processes. It uses
-            the mean time of each solver's rows and the overhead of earlier runs, and leaves out the
-            solvers in `unknown`.
-        unknown: solvers with cells left but without any row, so that their time is unknown.
+        seconds_left: estimated time (s) for the cells that are left, with `jobs` processes: so
+            far a cell took as long in the mean, and their order is random. None without rows.
         runs: the runs, the earliest first; the state of a killed run is `killed`.
     """
 
@@ -56,7 +54,6 @@ class Status:
     process: int | None
     jobs: int
     seconds_left: float | None
-    unknown: list[str]
     runs: list[RunEntry]
 
     def as_json(self) -> dict[str, Any]:
@@ -106,10 +103,7 @@ def _status(
     }
     runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
-    solve_s = current.groupby("solver")["wall_s"].mean().to_dict()
-    known = {spec: cells for spec, cells in left.items() if spec in solve_s}
-    overhead_s = _overhead(rows, runs)
-    seconds = sum(n * (solve_s[spec] + overhead_s) for spec, n in known.items()) / jobs
+    cell_s = _cell_s(current, runs) if left else 0.0
     pid = lock_holder(folder).get("pid", 0) if live else None
     aside = folder / DAMAGED
     return Status(
@@ -125,8 +119,7 @@ def _status(
         finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
-        seconds_left=seconds if known or not left else None,
-        unknown=[spec for spec in left if spec not in known],
+        seconds_left=None if cell_s is None else sum(left.values()) * cell_s / jobs,
         runs=runs,
     )
 
@@ -144,11 +137,10 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
     return [*ended, *runs[len(ended) :]]
 
 
-def _overhead(rows: pd.DataFrame, runs: Sequence[RunEntry]) -> float:
-    """Mean seconds per cell in addition to its solve, over all runs that recorded a duration."""
+def _cell_s(rows: pd.DataFrame, runs: Sequence[RunEntry]) -> float | None:
+    """Mean seconds per cell of a job: in the runs that recorded a duration, or else of a solve."""
     run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
     timed = rows[rows["run_id"].isin(run_s)]
-    if timed.empty:
-        return 0.0
-    total_s = sum(run_s[run_id] for run_id in timed["run_id"].unique())
-    return max(0.0, (total_s - float(timed["wall_s"].sum())) / len(timed))
+    if len(timed):
+        return sum(run_s[run_id] for run_id in timed["run_id"].unique()) / len(timed)
+    return float(rows["wall_s"].mean()) if len(rows) else None
