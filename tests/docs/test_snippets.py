@@ -187,7 +187,7 @@ NOT_RUN = {
 # Pages whose blocks take more than some five seconds in all; `--slow` runs them.
 SLOW = (
     *("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md"),
-    "docs/reference/api.md",
+    *("docs/reference/api.md", "README.md"),
 )
 
 
