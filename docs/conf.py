@@ -50,11 +50,6 @@ autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
 myst_dmath_allow_space = True
 default_role = "code"  # docstrings mark code with one backtick
-# other people's names: their own documentation has them, and the build asks no other host
-nitpick_ignore_regex = [
-    ("py:class", r"(numpy|np|pandas|pd|pa|matplotlib|pathlib|collections|datetime)\..*"),
-    ("py:class", r"ArrayLike|FloatArray|FilePath|Figure|Progress|Answered|MachineSpeed|RunEntry"),
-]
 napoleon_custom_sections = [("Class attributes", "params_style")]
 
 # HTML: nothing is asked of another host, neither fonts nor scripts nor formulas

@@ -16,9 +16,13 @@ SHOWN = ("method", "knows", "suite_0", "suite_1", "suite_2", "false_claims", "st
 
 
 def table_lines() -> list[str]:
-    """The lines of the page's table, as README writes them."""
-    section = decision_section(load([ROOT / "results" / "benchmark"]))
-    texts = section.blocks[0].frame.reindex(columns=SHOWN).fillna("–").astype(str)
+    """The lines of the page's table as README writes them: a spec to type for the engine's name."""
+    frame = decision_section(load([ROOT / "results" / "benchmark"])).blocks[0].frame
+    texts = frame.reindex(columns=SHOWN).fillna("–").astype(str)
+    for suite in ("suite_0", "suite_1", "suite_2"):
+        asked = frame[f"{suite}_solver"].notna()
+        share = texts[suite].str.partition("\n")[2]
+        texts[suite] = ("`" + frame[f"{suite}_solver"] + "` " + share).where(asked, "–")
     cells = texts.map(lambda text: " ".join(text.replace("\n", " ").split()))
     return [f"| {' | '.join(line)} |" for line in cells.itertuples(index=False)]
 

@@ -70,12 +70,18 @@ def test_every_command_has_its_section(generator):
     assert sorted(shown) == sorted(generator("command_line").commands())
 
 
-def test_every_public_name_is_in_the_reference():
-    """What `dubins_study` hands out has an entry."""
+def test_the_reference_has_the_public_names():
+    """An entry for each, and for nothing else; after each function's an example of a call, run."""
     page = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
-    entries = re.findall(r"^\.\. auto\w+:: (\w+)$", page, re.M)
+    kinds, names = zip(*re.findall(r"^\.\. auto(\w+):: (\S+)$", page, re.M), strict=True)
+    after = re.split(r"^\.\. auto\w+:: \S+$", page, flags=re.M)[1:]
 
-    assert set(entries) == set(dubins_study.__all__)
+    assert sorted(names) == sorted(dubins_study.__all__)
+    assert kinds.count("function") >= 10
+    for kind, name, text in zip(kinds, names, after, strict=True):
+        if kind == "function":
+            [example] = re.findall(r"^```pycon\n(.*?)^```$", text, re.M | re.S)[:1]
+            assert re.search(rf"^>>> .*\b{name}\(", example, re.M), name
 
 
 def test_every_key_of_an_experiment_is_explained(generator):

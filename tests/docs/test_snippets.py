@@ -185,7 +185,10 @@ NOT_RUN = {
     ): "its servers do not end; tests/processes/test_dask_network.py",
 }
 # Pages whose blocks take more than some five seconds in all; `--slow` runs them.
-SLOW = ("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md")
+SLOW = (
+    *("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md"),
+    *("docs/reference/api.md", "README.md"),
+)
 
 
 def reason(page: str, block: Block) -> str | None:

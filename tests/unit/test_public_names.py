@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+from xml.etree.ElementTree import fromstring
 
 import pytest
 
@@ -85,6 +86,16 @@ def test_an_answer_prints_in_ten_lines():
         assert len(lines) <= 10
         assert max(map(len, lines)) <= 100
         assert str(answer.verdict) in repr(answer)
+
+
+def test_a_notebook_shows_an_answer():
+    """The drawing of its path, below it what the check says; nothing where there is no path."""
+    answer = solve(Scenario(heading="120deg", target_x=10, target_y=5))
+    drawing, caption = fromstring(answer._repr_svg_()), "optimal, length 11.8681, proof proved, RS"
+
+    assert (drawing[0].text, drawing[3].text) == (caption, caption)
+    assert drawing[1].get("points") == fromstring(answer.path._repr_svg_())[1].get("points")
+    assert solve(Scenario(target_x=0, target_y=1), branch="LS")._repr_svg_() is None
 
 
 def test_plot_path(tmp_path):

@@ -76,6 +76,14 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         )
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
+    def _repr_svg_(self) -> str | None:
+        """The path's drawing for notebooks, with verdict, length and word; None without a path."""
+        if self.path is None or self.length is None:
+            return None
+        return self.path._drawing(
+            f"{self.verdict}, length {self.length:.6g}, proof {self.proof}, {self.word}"
+        )
+
     @property
     def tied_words(self) -> tuple[str, ...]:
         """The words that share the shortest length; two straight behind the vehicle, else one."""

@@ -241,21 +241,27 @@ class Path:
 
     def _repr_svg_(self) -> str | None:
         """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""
+        return self._drawing(f"{self.word()}, length {self.length:.6g}")
+
+    def _drawing(self, caption: str) -> str | None:
         if not drivable(self) or not self.length > 0:
             return None
         points = self.sample(400)[:, :2] * (1, -1)  # SVG's y points down
         low, high = points.min(axis=0), points.max(axis=0)
-        size = float((high - low).max())
-        scale, margin = 300 / size, 10.0
-        width, height = (high - low) * scale + 2 * margin
+        scale, margin = 300 / float((high - low).max()), 10.0
+        width, height = (high - low) * scale + (2 * margin, 4 * margin)
         drawn = (points - low) * scale + margin
         line = " ".join(f"{x:.1f},{y:.1f}" for x, y in drawn.tolist())
         x, y = drawn[0]
+        below = f"{caption:.60}"  # a route's word may have hundreds of letters
+        width = max(width, 7.5 * len(below) + 2 * margin)
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'
-            f"<title>{self.word()}, length {self.length:.6g}</title>"
+            f"<title>{caption}</title>"
             f'<polyline points="{line}" fill="none" stroke="#0072b2" stroke-width="2"/>'
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="#0072b2"/></svg>'
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="#0072b2"/>'
+            f'<text x="{margin:.0f}" y="{height - 1.5 * margin:.0f}" fill="#767676" '
+            f'font-family="sans-serif" font-size="13">{below}</text></svg>'
         )
 
     def word(self, tolerance: float = 1e-6) -> str:

@@ -110,6 +110,17 @@ def test_columns_may_be_left_out(tmp_path):
         assert f"line 2: {name} is empty; expected a number" in refusal_of(written(tmp_path, text))
 
 
+def test_other_columns_are_passed_over(tmp_path, caplog):
+    """And named, since a row has no place for them; a name that is near a missing one is a slip."""
+    text = "name,target_x,target_y,height\nfirst,10.5,5,30\n"
+
+    assert list(scenarios(read_scenarios(written(tmp_path, text)))) == [
+        Scenario(target_x=10.5, target_y=5)
+    ]
+    assert "passed over, since rows have no such column: name, height" in caplog.text
+    assert "did you mean 'radius'" in refusal_of(written(tmp_path, text.replace("name", "radus")))
+
+
 def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     """A heading that is a number is read as a text would be."""
     frame = frame_of(EXPECTED).assign(radius=[1, 0, None], heading=[6.28, 90, 1])

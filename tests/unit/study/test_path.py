@@ -201,7 +201,7 @@ def test_a_notebook_shows_a_drawing():
     line, dot = tree[1], tree[2]
     points = np.array([pair.split(",") for pair in line.get("points").split()], float)
 
-    assert tree[0].text == "L, length 3.14159"
+    assert tree[0].text == tree[3].text == "L, length 3.14159"
     assert np.ptp(points, axis=0) == pytest.approx([150, 300], abs=0.2)
     assert points[0].tolist() == [float(dot.get("cx")), float(dot.get("cy"))]
     assert points[0, 1] == points[:, 1].max()

@@ -19,7 +19,7 @@ from dubins_study.study.scenario import (
     ScenarioError,
 )
 from dubins_study.study.scenario_frame import check_frame, column_problems, numbers_of, scenario_of
-from dubins_study.study.values import plain, short
+from dubins_study.study.values import nearest, plain, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -161,13 +161,22 @@ def _parquet_rows(file: FilePath) -> list[_Row]:
 
 
 def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
-    """Refuse columns that are missing, unknown or twice there, all of them at once."""
-    sentences = [f"{problem}; from pandas with index=False" for problem in column_problems(head)]
+    """Refuse columns that are missing, misspelt or twice there, all of them at once.
+
+    As in a frame, a column counts as misspelt if its name is near one that the file leaves out; any
+    other unknown column is passed over.
+    """
+    missing = [name for name in COLUMNS if name not in head]
+    others = [name for name in head if not (name in COLUMNS or nearest(name, missing))]
+    sentences = column_problems([name for name in head if name not in others])
     if len(head) == 1 and ";" in head[0]:
         sentences = ["the columns are separated by semicolons; expected commas"]
     if sentences:
         problems = [Problem((), f"{where}: {sentence}") for sentence in sentences]
         raise ScenarioFileError(refusal(str(file), problems))
+    if others:
+        shown = plain(f"{file}: passed over, since rows have no such column: {', '.join(others)}")
+        _LOG.warning("dubins-study: %s", shown)
 
 
 def text_about(scenarios: str) -> tuple[str, str, str]:
