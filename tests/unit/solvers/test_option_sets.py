@@ -99,7 +99,7 @@ def test_casadi_gets_the_options_of_the_set(engine, options, monkeypatch):
         expected |= dict.fromkeys((*table.feasibility, *table.optimality), 1e-9)
     if options == "tuned":
         expected |= table.tuned
-    added = {"print_time", "expand", "show_eval_warnings", "jac_fg", "hess_lag"}
+    added = {"print_time", "expand", "show_eval_warnings", "calc_lam_p", "jac_fg", "hess_lag"}
     assert {name: value for name, value in flat.items() if name not in added} == expected
 
 
