@@ -21,7 +21,7 @@ from dubins_study.solvers.nlp_engines.program import (
     needs_watch,
     no_point,
 )
-from dubins_study.solvers.option_sets import nested
+from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 

@@ -31,8 +31,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Transcribed,
 )
-from dubins_study.solvers.option_sets import nested
-from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, nested, one_of, whole
 from dubins_study.study.path import FloatArray
 
 

@@ -31,9 +31,8 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
     Template,
     template,
 )
-from dubins_study.solvers.option_sets import option_set
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import QP, Claim
 

@@ -23,12 +23,18 @@ from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     executable,
     unavailable,
 )
-from dubins_study.solvers.option_sets import iterations, nested, option_set, tolerance
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, within
+from dubins_study.solvers.setting_checks import (
+    iterations,
+    nested,
+    one_of,
+    option_set,
+    tolerance,
+    within,
+)
 from dubins_study.study.path import FloatArray
 
 
