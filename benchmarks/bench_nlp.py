@@ -13,7 +13,6 @@ from scipy.optimize import minimize
 from benchmarks.harness import Measurement, side_by_side, sized
 from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.option_sets import nested
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.model import (
@@ -24,6 +23,7 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 from dubins_study.solvers.protocol import Question, Solver
+from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 

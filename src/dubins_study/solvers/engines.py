@@ -15,9 +15,8 @@ from pkgutil import resolve_name
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from dubins_study.solvers.option_sets import OPTION_SETS, Options
 from dubins_study.solvers.protocol import Method, Solver
-from dubins_study.solvers.setting_checks import missing_package
+from dubins_study.solvers.setting_checks import OPTION_SETS, Options, missing_package
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
 
@@ -354,8 +353,8 @@ ENGINES = {
         ),
     ),
     "powell": _minimizer("Powell", Options((), ("xtol", "ftol"))),
-    "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",)),
-    "lm": Engine("MINPACK lm", ROOTS, ("scipy",)),
+    "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",), options=Options((), ("xtol",), "maxfev")),
+    "lm": Engine("MINPACK lm", ROOTS, ("scipy",), options=Options((), ("xtol", "ftol"), "maxiter")),
     "piqp": _qp(
         "PIQP",
         "piqp",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,12 +13,14 @@ import pytest
 import scipy.optimize
 from cases import PAPER
 
+from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
-from dubins_study.solvers.option_sets import FEASIBILITY, OPTIMALITY, OPTION_SETS
+from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.setting_checks import FEASIBILITY, OPTIMALITY, OPTION_SETS
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
-from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim
+from dubins_study.study.words import DERIVATIVE_FREE, ROOTS, SAMPLING, Claim
 
 casadi = pytest.importorskip("casadi")
 
@@ -99,7 +103,7 @@ def test_casadi_gets_the_options_of_the_set(engine, options, monkeypatch):
         expected |= dict.fromkeys((*table.feasibility, *table.optimality), 1e-9)
     if options == "tuned":
         expected |= table.tuned
-    added = {"print_time", "expand", "show_eval_warnings", "jac_fg", "hess_lag"}
+    added = {"print_time", "expand", "show_eval_warnings", "calc_lam_p", "jac_fg", "hess_lag"}
     assert {name: value for name, value in flat.items() if name not in added} == expected
 
 
@@ -129,9 +133,6 @@ def test_explicit_settings_win(name):
 @pytest.mark.parametrize("options", OPTION_SETS)
 @pytest.mark.parametrize("name", ["slsqp", "ipopt"])
 def test_each_set_solves_the_paper_s_first_problem(name, options):
-    from dubins_study.solvers.attempt import attempt
-    from dubins_study.solvers.protocol import Question
-
     answer = attempt(load(f"{name}[options={options}]"), Question(PAPER["problem 1"]))
 
     assert answer.claim is Claim.LOCAL
@@ -175,6 +176,27 @@ def test_a_search_has_the_options_of_its_set(options, monkeypatch):
             },
         }[options]
     )
+
+
+@pytest.mark.parametrize("options", OPTION_SETS)
+@pytest.mark.parametrize("root", names(ROOTS))
+def test_minpack_has_the_options_of_its_set(root, options, monkeypatch):
+    """As the page of engines has them; the makers' sets leave all of them to MINPACK."""
+    page = (Path(__file__).parents[3] / "docs/engines.md").read_text(encoding="utf-8")
+    row = next(line for line in page.splitlines() if line.startswith(f"| `{root}` | `equal`"))
+    told = {name: float(value) for name, value in re.findall(r"`(\w+)=([^`]+)`", row)}
+    seen: list[dict[str, Any]] = []
+    solve = scipy.optimize.root
+    monkeypatch.setattr(
+        scipy.optimize,
+        "root",
+        lambda *args, **given: seen.append(given["options"]) or solve(*args, **given),
+    )
+    attempt(load(f"shooting[root={root},options={options}]"), Question(PAPER["problem 1"]))
+
+    assert seen
+    expected = told if options == "equal" else {}
+    assert all(given == pytest.approx(expected) for given in seen)
 
 
 class _Parabola:

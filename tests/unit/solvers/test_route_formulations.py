@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.course import body_course
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.optimal_control.arcs import Elements, missed, slopes
+from dubins_study.solvers.optimal_control.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.route import joint
@@ -124,7 +124,7 @@ def test_what_is_missed_and_its_slopes_are_those_of_the_path(scenario):
     if scenario.final_heading is not None:
         left = scenario.final_heading - scenario.heading - ends[-1, 2]
         assert gaps[-1] == pytest.approx(math.remainder(left, 2 * math.pi), abs=1e-12)
-    by_turn, by_growth = slopes(elements, course)
+    by_turn, by_growth = slopes(elements, course, rollout(elements))
     for k, unit in enumerate(h * np.eye(length.size)):
         both = [missed(Elements(elements.turn + s, length), course) for s in (unit, -unit)]
         assert by_turn[:, k] == pytest.approx((both[1] - both[0]) / (2 * h), abs=1e-7)

@@ -26,7 +26,7 @@ from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, init
 from dubins_study.solvers.paper_nlp.local_nlp import attempts, choose
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
-from dubins_study.solvers.setting_checks import one_of, positive, whole
+from dubins_study.solvers.setting_checks import one_of, option_set, positive, whole
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import ROOTS, Claim
 
@@ -67,6 +67,8 @@ class Shooting(Solver):
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
             (nu0, nu1, nu2) of length 1.
         max_evaluations: largest number of evaluations of the conditions from one initial guess.
+        options: whose choice the end of MINPACK's iteration is (docs/engines.md): `equal` has
+            steps below 1e-4 `tol`, and `max_evaluations`; `default` and `tuned` MINPACK's own.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
     """
 
@@ -77,6 +79,7 @@ class Shooting(Solver):
     tol: float = positive(1e-9)
     max_evaluations: int = positive(200)
     presolve: bool = False
+    options: str = option_set()
 
     name: ClassVar[str] = "shooting"
     branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS", "LR", "RL")
@@ -179,9 +182,6 @@ class Shooting(Solver):
                 raise _OutOfTimeError
             return structure.residual(v)
 
-        options: dict[str, float] = {"xtol": self.tol * _STEP}
-        if self.root == "hybr":
-            options["maxfev"] = int(self.max_evaluations)
-        else:
-            options |= {"ftol": self.tol * _STEP, "maxiter": int(self.max_evaluations)}
+        ours = (self.tol * _STEP, int(self.max_evaluations)) if self.options == "equal" else ()
+        options = ENGINES[self.root].options.of(self.options, *ours)
         return root(residual, v, jac=structure.jacobian, method=self.root, options=options)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Callable
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -19,10 +21,21 @@ from dubins_study.solvers.nlp_engines.program import (
     needs_watch,
     no_point,
 )
-from dubins_study.solvers.nlp_engines.pyomo_ipopt import CLAIMS, PLAIN, Deadline
-from dubins_study.solvers.option_sets import nested
+from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
+
+# Ipopt's application return statuses as the library names them
+_OF_IPOPT = {
+    "Solve_Succeeded": Claim.LOCAL,
+    "Solved_To_Acceptable_Level": Claim.LOCAL,
+    "Feasible_Point_Found": Claim.FEASIBLE,
+    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
+    "Maximum_Iterations_Exceeded": Claim.LIMIT,
+    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
+    "Maximum_WallTime_Exceeded": Claim.LIMIT,
+    "User_Requested_Stop": Claim.LIMIT,
+}
 
 # casadi's word of an engine's ending, where the engine's own is in no table
 _UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT}
@@ -34,11 +47,12 @@ class _Plugin(NamedTuple):
     claims: dict[str, Claim]  # by the engine's status; other statuses have casadi's word
     watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
     raises: bool = False  # where it fails
+    by_arrays: bool = False  # called by `_by_arrays`, which knows no exceptions
     remembers: bool = False  # an answer depends on what the same object solved before
 
 
 _PLUGINS = {
-    "ipopt": _Plugin(CLAIMS, watched=True),
+    "ipopt": _Plugin(_OF_IPOPT, watched=True, by_arrays=True),
     # its statuses say both how it stopped and what the point is
     "uno": _Plugin(
         {
@@ -68,9 +82,61 @@ _PLUGINS = {
     ),
     # both raise where a quadratic program has no solution
     # qpOASES starts where it ended last
-    "sqpmethod": _Plugin(CLAIMS, watched=True, raises=True, remembers=True),
-    "qrsqp": _Plugin(CLAIMS, watched=True, raises=True),
+    "sqpmethod": _Plugin(_OF_IPOPT, watched=True, raises=True, remembers=True),
+    "qrsqp": _Plugin(_OF_IPOPT, watched=True, raises=True),
 }
+
+
+# What every engine of casadi is given: scalar expressions evaluate faster than matrix ones, and
+# casadi would warn of every NaN that Ipopt tries on a word without a path; nobody reads the
+# sensitivities to the parameters.
+_PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "calc_lam_p": False}
+
+
+@dataclass
+class Deadline:
+    """When to stop (s, on `perf_counter`), set anew before every run.
+
+    It must live as long as the programs that it stops: casadi does not keep what it calls.
+    """
+
+    at: float = math.inf
+    watches: list[Any] = field(default_factory=list)
+
+    def watch(self, variables: int, rows: int) -> Any:
+        """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
+
+        Ipopt's own time limits are fixed once compiled.
+        """
+        import casadi
+
+        deadline = self
+        sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
+
+        class Watch(casadi.Callback):
+            """Told of every iteration; answers whether to stop."""
+
+            def __init__(self) -> None:
+                casadi.Callback.__init__(self)
+                self.construct("watch", {})
+
+            def get_n_in(self) -> int:
+                return int(casadi.nlpsol_n_out())
+
+            def get_n_out(self) -> int:
+                return 1
+
+            def get_name_in(self, i: int) -> str:
+                return str(casadi.nlpsol_out(i))
+
+            def get_sparsity_in(self, i: int) -> Any:
+                return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
+
+            def eval(self, _: Any) -> list[int]:
+                return [int(perf_counter() > deadline.at)]
+
+        self.watches.append(Watch())
+        return self.watches[-1]
 
 
 class _Silence(io.TextIOBase):
@@ -84,11 +150,15 @@ class _Silence(io.TextIOBase):
 def _compiled(
     expressions: Expressions, plugin: str, chosen: tuple[tuple[str, Any], ...], watched: bool
 ) -> tuple[Callable[[], Any], Deadline | None]:
-    """What gives the object that solves a program once, and what stops it, if anything does."""
+    """What gives the function that solves a program, and what stops it, if anything does.
+
+    The function takes x0, p, lbx, ubx, lbg and ubg, and returns the point, the duals of g and
+    casadi's statistics.
+    """
     import casadi
 
     problem = {name: getattr(expressions, name) for name in ("x", "p", "f", "g")}
-    options = PLAIN | nested(dict(chosen))
+    options = _PLAIN | nested(dict(chosen))
     n, m = expressions.x.numel(), expressions.g.numel()
     if plugin == "fatrop" and expressions.stages is not None:
         sizes = expressions.stages._asdict().items()
@@ -100,14 +170,57 @@ def _compiled(
         options["iteration_callback"] = deadline.watch(n, m)
     solver = casadi.nlpsol("engine", plugin, problem, options)
     if not _PLUGINS[plugin].remembers:
-        return lambda: solver, deadline
+        call = _by_arrays(solver) if _PLUGINS[plugin].by_arrays else _plain(solver)
+        return lambda: call, deadline
     # the derivatives, which take ten times as long to make as all else, are kept
     derivatives = {
         "jac_fg": solver.get_function("nlp_jac_fg"),
         "hess_lag": solver.get_function("nlp_hess_l"),
     }
     again = partial(casadi.nlpsol, "engine", plugin, solver.oracle(), options | derivatives)
-    return again, deadline
+    return lambda: _plain(again()), deadline
+
+
+# from x0, p, lbx, ubx, lbg, ubg to the point, the duals of g, and casadi's statistics
+_Call = Callable[..., tuple[FloatArray, FloatArray, dict[str, Any]]]
+
+
+def _plain(solver: Any) -> _Call:
+    """A solver of `casadi.nlpsol` as it is."""
+
+    def run(*given: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
+        end = solver(**dict(zip(("x0", "p", "lbx", "ubx", "lbg", "ubg"), given, strict=True)))
+        return end["x"].full().ravel(), end["lam_g"].full().ravel(), solver.stats()
+
+    return run
+
+
+def _by_arrays(solver: Any) -> _Call:
+    """A solver of `casadi.nlpsol` that reads and writes arrays in place.
+
+    Called with arrays, it takes 0.2 ms to convert them, as long as Ipopt's iteration.
+    """
+    buffer, evaluate = solver.buffer()
+    given = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
+    for i, array in enumerate(given):
+        buffer.set_arg(i, memoryview(array.data))
+    x, duals = np.zeros(solver.numel_out("x")), np.zeros(solver.numel_out("lam_g"))
+    for array, name in ((x, "x"), (duals, "lam_g")):
+        buffer.set_res(solver.index_out(name), memoryview(array.data))
+
+    before: dict[str, Any] = {}  # calls are counted over all runs
+
+    def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
+        for array, value in zip(given, values, strict=False):  # without a guess of the duals
+            array[:] = value
+        evaluate()
+        stats = buffer.stats()
+        counts = {name: stats[name] for name in ("n_call_nlp_f", "n_call_nlp_g")}
+        calls = {name: count - before.get(name, 0) for name, count in counts.items()}
+        before.update(counts)
+        return x.copy(), duals.copy(), stats | calls
+
+    return run
 
 
 def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
@@ -121,19 +234,19 @@ def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
                 streams.enter_context(redirect_stdout(_Silence()))
                 streams.enter_context(redirect_stderr(_Silence()))
             watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)
-            solver, deadline = _compiled(program.expressions, plugin, chosen, watched)
-            solve = solver()
+            made, deadline = _compiled(program.expressions, plugin, chosen, watched)
+            solve = made()
             if deadline is not None:
                 deadline.at = perf_counter() + seconds
-            bounds = {"lbx": program.lower, "ubx": program.upper, "lbg": 0, "ubg": 0}
+            ends = program.lower, program.upper, *(program.bounds or (0, 0))
             try:
-                end = solve(x0=guess, p=program.p, **bounds)
+                x, duals, stats = solve(guess, program.p, *ends)
             except RuntimeError as error:
                 if not _PLUGINS[plugin].raises:
                     raise
                 reason = str(error).splitlines()[-1]
                 return no_point(guess.size, Claim.FAILED, "raised", reason)
-        return _result(plugin, end, solve.stats())
+        return _result(plugin, x, duals, stats)
 
     return run
 
@@ -144,12 +257,11 @@ def claim_of(plugin: str, stats: dict[str, Any]) -> Claim:
     return claims.get(str(stats.get("return_status"))) or _UNIFIED.get(unified, Claim.FAILED)
 
 
-def _result(plugin: str, end: dict[str, Any], stats: dict[str, Any]) -> EngineResult:
+def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:
     status = str(stats.get("return_status", stats["unified_return_status"]))
-    duals = end["lam_g"].full().ravel()
     iterations = stats.get("iter_count")
     return EngineResult(
-        end["x"].full().ravel(),
+        x,
         claim_of(plugin, stats),
         duals if np.isfinite(duals).all() else None,  # Bonmin returns none
         None if iterations is None else int(iterations),

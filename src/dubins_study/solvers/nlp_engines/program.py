@@ -106,7 +106,8 @@ class Program:
     """One question's program: values of p (k,), and bounds of x (n,), maybe infinite.
 
     `written` are functions written by hand, if these are quicker than casadi's. Some 1e-16 of
-    `magnitude`, that of the terms which the equations add up, is their rounding.
+    `magnitude`, that of the terms which the equations add up, is their rounding. `bounds` of g, if
+    they are not 0, are read by the engines of `casadi_nlpsol` only.
     """
 
     expressions: Expressions
@@ -115,6 +116,7 @@ class Program:
     upper: FloatArray
     written: Functions | None = None
     magnitude: float = 1.0
+    bounds: tuple[FloatArray, FloatArray] | None = None
 
     @cached_property
     def functions(self) -> Functions:

@@ -1,7 +1,7 @@
-"""Ipopt on a Pyomo model that is compiled once and asked many times.
+"""Pyomo models that are compiled once and asked many times, by engines and by Ipopt's executable.
 
-Data are variables that each question pins through their bounds, so one NL file serves all. An
-executable on PATH solves it, or the Ipopt library inside the casadi wheel.
+Data are variables of the model. Engines get the NL file that Pyomo writes, read by casadi, with the
+data as parameters; an executable on PATH gets a file for every question.
 """
 
 from __future__ import annotations
@@ -11,143 +11,34 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path as FilePath
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult
+from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
-
-@dataclass
-class Deadline:
-    """When to stop (s, on `perf_counter`), set anew before every run.
-
-    It must live as long as the programs that it stops: casadi does not keep what it calls.
-    """
-
-    at: float = math.inf
-    watches: list[Any] = field(default_factory=list)
-
-    def watch(self, variables: int, rows: int) -> Any:
-        """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
-
-        Ipopt's own time limits are fixed once compiled.
-        """
-        import casadi
-
-        deadline = self
-        sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
-
-        class Watch(casadi.Callback):
-            """Told of every iteration; answers whether to stop."""
-
-            def __init__(self) -> None:
-                casadi.Callback.__init__(self)
-                self.construct("watch", {})
-
-            def get_n_in(self) -> int:
-                return int(casadi.nlpsol_n_out())
-
-            def get_n_out(self) -> int:
-                return 1
-
-            def get_name_in(self, i: int) -> str:
-                return str(casadi.nlpsol_out(i))
-
-            def get_sparsity_in(self, i: int) -> Any:
-                return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
-
-            def eval(self, _: Any) -> list[int]:
-                return [int(perf_counter() > deadline.at)]
-
-        self.watches.append(Watch())
-        return self.watches[-1]
+VIAS = ("auto", "executable", "library")
 
 
 class PyomoProgram(NamedTuple):
-    """A Pyomo model with its variables (n of them) in the caller's order.
+    """A Pyomo model with its n unknowns and its data in the caller's order.
 
     `rows` are the equations, with right-hand side 0, whose duals are wanted.
     """
 
     model: Any
-    variables: list[Any]
+    unknowns: list[Any]
+    data: list[Any]
     rows: list[Any]
 
 
-class NlFile(NamedTuple):
-    """The contents of the file: casadi's MX symbols and expressions in the file's order."""
-
-    x: Any
-    f: Any
-    g: Any
-    lower: list[float]  # bounds of g
-    upper: list[float]
-    to_file: Any  # places of the caller's variables in the file's order, shape (n,)
-    rows: list[int]  # places of the wanted rows in g
-
-
-def nl_file(program: PyomoProgram) -> NlFile:
-    """Write the model's NL file and read it."""
-    import casadi
-    from pyomo.repn.plugins.nl_writer import NLWriter
-
-    with tempfile.TemporaryDirectory() as folder:
-        file = FilePath(folder) / "model.nl"
-        with file.open("w") as stream:
-            # no presolve: every variable must keep its place, fixed or not
-            info = NLWriter().write(program.model, stream, linear_presolve=False)
-        builder = casadi.NlpBuilder()
-        builder.import_nl(str(file))
-    places = {id(variable): place for place, variable in enumerate(program.variables)}
-    rows = {id(row): place for place, row in enumerate(info.constraints)}
-    return NlFile(
-        casadi.vertcat(*builder.x),
-        builder.f,
-        casadi.vertcat(*builder.g),
-        builder.g_lb,
-        builder.g_ub,
-        np.array([places[id(variable)] for variable in info.variables]),
-        [rows[id(row)] for row in program.rows],
-    )
-
-
-# What every engine of casadi is given: scalar expressions evaluate faster than matrix ones, and
-# casadi would warn of every NaN that Ipopt tries on a word without a path.
-PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False}
-
-VIAS = ("auto", "executable", "library")
-
-# Ipopt's application return statuses as the library names them, and as the executable says them
-CLAIMS = {
-    "Solve_Succeeded": Claim.LOCAL,
-    "Solved_To_Acceptable_Level": Claim.LOCAL,
-    "Feasible_Point_Found": Claim.FEASIBLE,
-    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
-    "Maximum_Iterations_Exceeded": Claim.LIMIT,
-    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
-    "Maximum_WallTime_Exceeded": Claim.LIMIT,
-    "User_Requested_Stop": Claim.LIMIT,
-    "optimal": Claim.LOCAL,
-    "locallyOptimal": Claim.LOCAL,
-    "infeasible": Claim.INFEASIBLE,
-    "locallyInfeasible": Claim.INFEASIBLE,
-    "maxIterations": Claim.LIMIT,
-    "maxTimeLimit": Claim.LIMIT,
-}
-
-Options = tuple[tuple[str, Any], ...]
-
-
-# (the initial guess, lower bounds, upper bounds), each of shape (n,) -> the result
-Ask = Callable[[FloatArray, FloatArray, FloatArray], EngineResult]
+# (the initial guess (n,), the data, lower bounds (n,), upper bounds (n,), the seconds left)
+Ask = Callable[[FloatArray, FloatArray, FloatArray, FloatArray, float], EngineResult]
 
 
 def unavailable(via: str) -> str | None:
@@ -177,96 +68,96 @@ def _on_path(path: str) -> bool:
     return shutil.which("ipopt", path=path) is not None
 
 
-def compiled(
-    program: PyomoProgram, options: Options, executable: bool, deadline: Deadline | None = None
-) -> Ask:
-    """A model to be solved by Ipopt again and again; only the library looks at the deadline."""
-    return _executable(program, options) if executable else _library(program, options, deadline)
+def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
+    """A Pyomo model to be solved by an engine many times.
 
+    A `native` engine gets the file as it is; for the others each inequality is an equation with a
+    slack variable.
+    """
+    import casadi as ca
+    from pyomo.repn.plugins.nl_writer import NLWriter
 
-def _library(program: PyomoProgram, options: Options, deadline: Deadline | None) -> Ask:
-    """Ipopt from the casadi wheel on the NL file that Pyomo writes."""
-    import casadi
+    with tempfile.TemporaryDirectory() as folder:
+        name = FilePath(folder) / "model.nl"
+        with name.open("w") as stream:
+            # no presolve: every variable must keep its place, fixed or not
+            info = NLWriter().write(model.model, stream, linear_presolve=False)
+        file = ca.NlpBuilder()
+        file.import_nl(str(name))
+    given = [*model.unknowns, *model.data]
+    places = {id(variable): place for place, variable in enumerate(given)}
+    of_row = {id(row): place for place, row in enumerate(info.constraints)}
+    rows = [of_row[id(row)] for row in model.rows]
+    to_file = np.array([places[id(variable)] for variable in info.variables])
+    n, lowest, highest = len(model.unknowns), np.array(file.g_lb), np.array(file.g_ub)
+    # the file's order for an engine that gets the file, or else the caller's
+    order = to_file[to_file < n] if native else np.arange(n)
+    x, parameters = ca.SX.sym("x", n), ca.SX.sym("data", len(model.data))
+    every = ca.SX(len(given), 1)
+    every[[*order.tolist(), *range(n, len(given))]] = ca.vertcat(x, parameters)
+    written = ca.Function("file", [ca.vertcat(*file.x)], [file.f, ca.vertcat(*file.g)])
+    f, g = written(every[to_file.tolist()])
+    sided = np.flatnonzero((lowest != highest) & (not native))
+    sides = ca.Function("sides", [x, parameters], [g[sided.tolist()]])
+    slack, bounds = ca.SX.sym("slack", sided.size), None
+    if native:
+        bounds = lowest, highest
+    else:
+        g -= np.where(lowest == highest, lowest, 0.0)
+        g[sided.tolist()] -= slack
+    expressions = Expressions(ca.vertcat(x, slack), parameters, f, g)
 
-    file = nl_file(program)
-    to_file = file.to_file
-    from_file = np.argsort(to_file)
-    watch = None if deadline is None else deadline.watch(file.x.numel(), file.g.numel())
-    solver = casadi.nlpsol(
-        "ipopt",
-        "ipopt",
-        {"x": file.x, "f": file.f, "g": file.g},
-        {
-            **PLAIN,
-            "ipopt": dict(options),
-            **({} if watch is None else {"iteration_callback": watch}),
-        },
-    )
-
-    low, high, run = np.array(file.lower), np.array(file.upper), in_arrays(solver)
-
-    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
-        x, duals, stats = run(guess[to_file], (), lower[to_file], upper[to_file], low, high)
-        status = str(stats["return_status"])
-        return EngineResult(
-            x[from_file],
-            CLAIMS.get(status, Claim.FAILED),
-            duals[file.rows],
-            int(stats["iter_count"]),
-            int(stats["n_call_nlp_f"]),
-            status,
-            status.replace("_", " ").lower(),
-        )
+    def ask(
+        guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
+    ) -> EngineResult:
+        begin, low, high = guess[order], lower[order], upper[order]
+        if not native:
+            begin = np.clip(begin, low, high)
+            slacks = np.asarray(sides(begin, data)).ravel()
+            begin = np.append(begin, np.clip(slacks, lowest[sided], highest[sided]))
+            low, high = np.append(low, lowest[sided]), np.append(high, highest[sided])
+        magnitude = 1.0 + float(np.abs(data).sum())
+        program = Program(expressions, data, low, high, None, magnitude, bounds)
+        result = engine(program, begin, seconds)
+        point = np.empty(n)
+        point[order] = result.x[:n]
+        duals = None if result.duals is None else result.duals[rows]
+        return result._replace(x=point, duals=duals)
 
     return ask
 
 
-# (x0, p, lbx, ubx, lbg, ubg) -> the point, the duals of g, and casadi's statistics
-ArrayCall = Callable[..., tuple[FloatArray, FloatArray, dict[str, Any]]]
+# Ipopt's application return statuses as Pyomo says them of the executable
+_CLAIMS = {
+    "optimal": Claim.LOCAL,
+    "locallyOptimal": Claim.LOCAL,
+    "infeasible": Claim.INFEASIBLE,
+    "locallyInfeasible": Claim.INFEASIBLE,
+    "maxIterations": Claim.LIMIT,
+    "maxTimeLimit": Claim.LIMIT,
+}
 
 
-def in_arrays(solver: Any) -> ArrayCall:
-    """A solver of `casadi.nlpsol` that reads and writes arrays in place.
-
-    Called with arrays, it takes 0.2 ms to convert them, as long as Ipopt's iteration.
-    """
-    buffer, evaluate = solver.buffer()
-    given = [np.zeros(solver.numel_in(i)) for i in range(solver.n_in())]
-    for i, array in enumerate(given):
-        buffer.set_arg(i, memoryview(array.data))
-    x, duals = np.zeros(solver.numel_out("x")), np.zeros(solver.numel_out("lam_g"))
-    for array, name in ((x, "x"), (duals, "lam_g")):
-        buffer.set_res(solver.index_out(name), memoryview(array.data))
-
-    before = 0  # calls are counted over all runs
-
-    def run(*values: Any) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
-        for array, value in zip(given, values, strict=False):  # without a guess of the duals
-            array[:] = value
-        nonlocal before
-        evaluate()
-        stats = buffer.stats()
-        calls, before = stats["n_call_nlp_f"] - before, stats["n_call_nlp_f"]
-        return x.copy(), duals.copy(), stats | {"n_call_nlp_f": calls}
-
-    return run
-
-
-def _executable(program: PyomoProgram, options: Options) -> Ask:
-    """The `ipopt` executable on PATH, through Pyomo; the file is rewritten for every call."""
+def executable(program: PyomoProgram, options: dict[str, Any]) -> Ask:
+    """The `ipopt` executable on PATH, through Pyomo, which lets it run beyond its seconds."""
     from pyomo.environ import SolverFactory, Suffix
 
     model = program.model
     model.dual = Suffix(direction=Suffix.IMPORT)
-    solver = SolverFactory("ipopt", options=dict(options))
+    solver = SolverFactory("ipopt", options=options)
 
-    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
-        for i, variable in enumerate(program.variables):
-            variable.setlb(lower[i] if math.isfinite(lower[i]) else None)
-            variable.setub(upper[i] if math.isfinite(upper[i]) else None)
-            variable.set_value(guess[i], skip_validation=True)
+    def ask(
+        guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
+    ) -> EngineResult:
+        for variable, value, *ends in zip(program.unknowns, guess, lower, upper, strict=True):
+            low, high = (float(end) if math.isfinite(end) else None for end in ends)
+            variable.setlb(low)
+            variable.setub(high)
+            variable.set_value(value, skip_validation=True)
             # the NL writer wants fixed variables marked as such, not only pinned by their bounds
-            variable.fixed = bool(lower[i] == upper[i])
+            variable.fixed = low is not None and low == high
+        for variable, value in zip(program.data, data, strict=True):
+            variable.fix(value)
         results = solver.solve(model, load_solutions=False)
         status = str(results.solver.termination_condition)
         duals = None
@@ -274,8 +165,8 @@ def _executable(program: PyomoProgram, options: Options) -> Ask:
             model.solutions.load_from(results)
             # ASL's duals have the opposite sign to Ipopt's own
             duals = np.array([-float(model.dual[row]) for row in program.rows])
-        point = np.array([variable.value for variable in program.variables], dtype=np.float64)
-        claim, message = CLAIMS.get(status, Claim.FAILED), str(results.solver.message)
+        point = np.array([variable.value for variable in program.unknowns], dtype=np.float64)
+        claim, message = _CLAIMS.get(status, Claim.FAILED), str(results.solver.message)
         return EngineResult(point, claim, duals, None, None, status, message)
 
     return ask

@@ -187,9 +187,9 @@ def turn_left(elements: Elements, course: Course) -> float:
     return 0.0 if course.last is None else float(wrapped(course.last - elements.turn.sum()))
 
 
-def missed(elements: Elements, course: Course) -> FloatArray:
+def missed(elements: Elements, course: Course, rolled: Rollout | None = None) -> FloatArray:
     """What the path lacks of each point (x, y in radii) and of a final heading; shape (m,)."""
-    gaps = np.cumsum(rollout(elements).gaps(elements, course), axis=0).ravel()
+    gaps = np.cumsum((rolled or rollout(elements)).gaps(elements, course), axis=0).ravel()
     return gaps if course.last is None else np.append(gaps, turn_left(elements, course))
 
 
@@ -204,12 +204,12 @@ def largest(gaps: FloatArray, course: Course) -> float:
     return float(np.append(away, np.abs(gaps[2 * course.legs :])).max())
 
 
-def slopes(elements: Elements, course: Course) -> tuple[FloatArray, FloatArray]:
+def slopes(elements: Elements, course: Course, rolled: Rollout) -> tuple[FloatArray, FloatArray]:
     """Derivatives (m, N) of where legs end (x, y) and of a final heading, as `missed` has them.
 
     By the elements' turns, and by their growth at fixed rates: (1 + g) times the length and turn.
     """
-    rolled, legs, N = rollout(elements), course.legs, elements.turn.size
+    legs, N = course.legs, elements.turn.size
     ends = np.cumsum(rolled.chords, axis=1)
     last = np.arange(1, legs + 1) * (N // legs) - 1
     before = np.arange(N) <= last[:, None]  # a leg ends after these elements
@@ -228,32 +228,47 @@ def close_enough(course: Course) -> float:
     return max(CLOSE, 8 * np.finfo(float).eps * (course.magnitude - 1.0))
 
 
+class Corrected(NamedTuple):
+    """Elements, their miss (radii), how they were driven, and the number of rollouts for them."""
+
+    elements: Elements
+    miss: float
+    rolled: Rollout
+    rollouts: int
+
+
 def corrected(
-    elements: Elements, rates: Rates, course: Course, close: float = CLOSE
-) -> tuple[Elements, float, int]:
+    elements: Elements,
+    rates: Rates,
+    course: Course,
+    close: float = CLOSE,
+    rollouts: int = _CORRECTIONS,
+) -> Corrected:
     """Change the controls as little as needed for the path to meet its points.
 
     Newton's method in the turn rates and the legs' lengths, whose elements keep their shares: the
     shortest step that solves the linearised equations, with rates that would leave their bounds set
-    to the bound. Also returns the miss (radii) and the number of rollouts.
+    to the bound.
     """
     rate = np.clip(elements.rate, rates.lower, rates.upper)
-    now, best, least, rollouts = elements, elements, np.inf, 0
-    while rollouts < _CORRECTIONS:
+    now, best = elements, None
+    for used in range(1, rollouts + 1):
         now = Elements(rate * now.length, now.length)
-        gaps = missed(now, course)
-        rollouts += 1
+        rolled = rollout(now)
+        gaps = missed(now, course, rolled)
         off = largest(gaps, course)
-        if off < least:
-            best, least = now, off
-        if off <= close or not np.isfinite(off):
+        off = off if np.isfinite(off) else np.inf
+        if best is None or off < best.miss:
+            best = Corrected(now, off, rolled, used)
+        if off <= close or off == np.inf or used == rollouts:
             break
-        by_turn, by_growth = slopes(now, course)
+        by_turn, by_growth = slopes(now, course, rolled)
         jacobian = np.column_stack((by_turn * now.length, _a_leg(by_growth, course.legs)))
         rate, growth = _least_step(jacobian, gaps, rate, rates)
         factor = np.exp(np.clip(growth, -0.5, 0.5))
         now = now._replace(length=now.length * np.repeat(factor, rate.size // course.legs))
-    return best, least, rollouts
+    assert best is not None
+    return best._replace(rollouts=used)
 
 
 def _a_leg(derivatives: FloatArray, legs: int) -> FloatArray:
@@ -307,20 +322,20 @@ def closed(
     off = miss(moved, course)
     if off <= close or not elements.total > 0:
         return moved, off, rollouts
-    bent, off, used = corrected(elements, rates, course, close)
+    bent, off, _, used = corrected(elements, rates, course, close)
     return bent, off, rollouts + used
 
 
 def _step(elements: Elements, rates: Rates, course: Course, equal: bool) -> Elements:
-    rate, legs = elements.rate, course.legs
-    by_turn, by_length = slopes(elements, course)
+    rate, legs, rolled = elements.rate, course.legs, rollout(elements)
+    by_turn, by_length = slopes(elements, course, rolled)
     # derivatives by a rate in units of its distance to the nearer bound, and by a length at a
     # fixed rate
     slack = np.minimum(rate - rates.lower, rates.upper - rate)
     if equal:
         by_length = _a_leg(by_length, legs)
     jacobian = np.column_stack((by_turn * (elements.length * slack), by_length))
-    step = np.linalg.lstsq(jacobian, missed(elements, course), rcond=None)[0]
+    step = np.linalg.lstsq(jacobian, missed(elements, course, rolled), rcond=None)[0]
     step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
     n = rate.size
     rate = np.clip(rate + step[:n] * slack, rates.lower, rates.upper)

@@ -1,8 +1,6 @@
 """`collocation`: the optimal-control problem in `pyomo.dae`, solved as one program.
 
-The model: docs/formulations/collocation.md. Pyomo writes it as an NL file, and casadi reads it. The
-data, variables that are fixed, become parameters, and each inequality an equation with a slack
-variable.
+The model: docs/formulations/collocation.md.
 """
 
 from __future__ import annotations
@@ -17,15 +15,13 @@ import numpy as np
 
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
     Ask,
-    Deadline,
     PyomoProgram,
+    asked,
     by_executable,
-    compiled,
-    nl_file,
+    executable,
     unavailable,
 )
 from dubins_study.solvers.optimal_control.arcs import Elements, Rates, most_turn
@@ -35,53 +31,8 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Transcribed,
 )
-from dubins_study.solvers.option_sets import nested
-from dubins_study.solvers.setting_checks import missing_package, one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, nested, one_of, whole
 from dubins_study.study.path import FloatArray
-
-
-def asked(model: PyomoProgram, data: slice, engine: NlpCall, deadline: Deadline) -> Ask:
-    """A Pyomo model, whose rows have the right-hand side 0, to be solved by an engine many times.
-
-    `data` are the places of the data, pinned by their bounds, among the variables.
-    """
-    import casadi as ca
-
-    file = nl_file(model)
-    lowest, highest = np.array(file.lower), np.array(file.upper)
-    sided = np.flatnonzero(lowest != highest)
-    places = np.arange(len(model.variables))
-    free = np.delete(places, data)
-    x, parameters = ca.SX.sym("x", free.size), ca.SX.sym("data", places[data].size)
-    slack = ca.SX.sym("slack", sided.size)
-    every = ca.SX(places.size, 1)
-    every[free.tolist()], every[places[data].tolist()] = x, parameters
-    f, g = ca.Function("file", [file.x], [file.f, file.g])(every[file.to_file.tolist()])
-    equations = g - np.where(lowest == highest, lowest, 0.0)
-    equations[sided.tolist()] -= slack
-    expressions = Expressions(ca.vertcat(x, slack), parameters, f, equations)
-    rows = ca.Function("rows", [x, parameters], [g[sided.tolist()]])
-
-    def ask(guess: FloatArray, lower: FloatArray, upper: FloatArray) -> EngineResult:
-        begin = np.clip(guess[free], lower[free], upper[free])
-        slacks = np.clip(
-            np.asarray(rows(begin, guess[data])).ravel(), lowest[sided], highest[sided]
-        )
-        program = Program(
-            expressions,
-            guess[data],
-            np.concatenate((lower[free], lowest[sided])),
-            np.concatenate((upper[free], highest[sided])),
-            magnitude=1.0 + float(np.abs(guess[data]).sum()),
-        )
-        seconds = deadline.at - perf_counter()
-        result = engine(program, np.concatenate((begin, slacks)), seconds)
-        point = guess.copy()
-        point[free] = result.x[: free.size]
-        duals = None if result.duals is None else result.duals[file.rows]
-        return result._replace(x=point, duals=duals)
-
-    return ask
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,24 +41,19 @@ class Template(Meshed):
 
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
-    deadline: Deadline  # when a solve stops; Ipopt's executable does not look at it
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the states of the guess follow its controls."""
         turn, length = guess.elements
         times = length.reshape(self.legs, -1).sum(axis=1) if self.equal else length
-        data = course.data
-        values = np.concatenate((times, turn, data, self._states(guess)))
+        values = np.concatenate((times, turn, self._states(guess)))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
         lower[: times.size] = 0.0
         turns = slice(times.size, times.size + turn.size)
-        fixed = slice(turns.stop, turns.stop + data.size)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
         most = most_turn(course, self.n, self.equal)
         lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
-        lower[fixed] = upper[fixed] = data
-        self.deadline.at = until
-        result = self.ask(values, lower, upper)
+        result = self.ask(values, course.data, lower, upper, until - perf_counter())
         driven = np.maximum(result.x[: times.size], 0.0)
         length = np.repeat(driven / self.n, self.n) if self.equal else driven
         return Transcribed(Elements(result.x[turns], length).within(rates), result)
@@ -129,17 +75,14 @@ def template(
     shape: Shape, engine: str, tol: float, max_iter: int, options: str, by_executable: bool
 ) -> Template:
     """A transcription, compiled once per setting and number of legs."""
-    model, data = program(shape)
-    deadline = Deadline()
-    if engine == "ipopt":
-        chosen = nested(ENGINES["ipopt"].options.of(options, tol, max_iter))["ipopt"]
-        # the NL file as it is, with inequalities and fixed variables
-        ask = compiled(model, tuple(chosen.items()), by_executable, deadline)
+    model, table = program(shape), ENGINES[engine]
+    if engine == "ipopt" and by_executable:
+        ask = executable(model, nested(table.options.of(options, tol, max_iter))["ipopt"])
     else:
-        ask = asked(model, data, ENGINES[engine].load()(tol, max_iter, options), deadline)
+        ask = asked(model, table.load()(tol, max_iter, options), native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.model.tau.get_discretization_info()["tau_points"][1:])
-    return Template(shape.n, shape.legs, shape.equal, fraction, ask, deadline)
+    return Template(shape.n, shape.legs, shape.equal, fraction, ask)
 
 
 class Shape(NamedTuple):
@@ -152,20 +95,15 @@ class Shape(NamedTuple):
     final: bool
 
 
-def program(shape: Shape) -> tuple[PyomoProgram, slice]:
-    """The transcription with its variables in the order in which `Template.solve` gives them.
-
-    And the places of the data among them.
-    """
+def program(shape: Shape) -> PyomoProgram:
+    """The transcription, its unknowns in the order in which `Template.solve` gives them."""
     model = pyomo_model(shape)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
     controls = [*model.duration.values(), *model.turn.values()]
-    data = list(model.data.values())
-    variables = [*controls, *data, *(state[tau] for state in states for tau in times)]
+    unknowns = [*controls, *(state[tau] for state in states for tau in times)]
     end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
-    places = slice(len(controls), len(controls) + len(data))
-    return PyomoProgram(model, variables, end), places
+    return PyomoProgram(model, unknowns, list(model.data.values()), end)
 
 
 def pyomo_model(shape: Shape) -> Any:
@@ -221,7 +159,7 @@ class Collocation(NlpTranscription):
 
     Args:
         points: collocation points in each element.
-        engine: Ipopt reads Pyomo's file as it is; the others get it by `asked`.
+        engine: Ipopt reads Pyomo's file as it is; the others get it with slack variables.
         via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
             one.
     """

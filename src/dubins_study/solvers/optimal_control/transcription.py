@@ -36,12 +36,11 @@ from dubins_study.solvers.optimal_control.arcs import (
     cut,
     miss,
 )
-from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
 from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.scenario import Pose

@@ -31,9 +31,8 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
     Template,
     template,
 )
-from dubins_study.solvers.option_sets import option_set
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import QP, Claim
 
@@ -143,7 +142,7 @@ class Sequence:
                 break
         if claim is Claim.LOCAL and not self._arrived():
             claim, status = Claim.FEASIBLE, "a dead end off the target"
-        elements, miss, used = corrected(self.now, self.rates, self.course)
+        elements, miss, _, used = corrected(self.now, self.rates, self.course)
         self.rollouts += used
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
             claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off"
@@ -201,10 +200,10 @@ class Sequence:
         self.rollouts += 1
         gain = before - self._merit(trial, rolled)
         if answer.slack < 1e-6 and gain < 0.7 * promised:
-            # second-order correction: a good step must not fail for the linearisation's error
-            closer, _, used = corrected(trial, self.rates, self.course)
-            bent = rollout(closer)
-            self.rollouts += used + 1
+            # second-order correction, one step (Nocedal and Wright 2006, Numerical Optimization,
+            # sec. 15.6): a good step must not fail for the linearisation's error
+            closer, _, bent, used = corrected(trial, self.rates, self.course, rollouts=2)
+            self.rollouts += used
             better = before - self._merit(closer, bent)
             if better > gain:
                 trial, rolled, gain = closer, bent, better
@@ -238,7 +237,7 @@ class Sequence:
         if self.restored:
             return False
         self.restored = True
-        elements, miss, used = corrected(self.now, self.rates, self.course)
+        elements, miss, _, used = corrected(self.now, self.rates, self.course)
         self.rollouts += used + 1
         if miss > CLOSE:
             return False

@@ -8,28 +8,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.nlp_engines.program import EngineResult, needs_watch
+from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
+from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
     VIAS,
-    Deadline,
-    Options,
     PyomoProgram,
+    asked,
     by_executable,
-    compiled,
+    executable,
     unavailable,
 )
-from dubins_study.solvers.option_sets import iterations, nested, option_set, tolerance
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of, within
+from dubins_study.solvers.setting_checks import (
+    iterations,
+    nested,
+    one_of,
+    option_set,
+    tolerance,
+    within,
+)
 from dubins_study.study.path import FloatArray
 
 
@@ -79,28 +84,27 @@ class Ipopt(LocalNlp):
 
     def adapter(self) -> Adapter:
         chosen = ENGINES["ipopt"].options.of(self.options, self.tol, self.max_iter)
-        options = nested(chosen)["ipopt"]
         if self.mu_target:
-            options["mu_target"] = self.mu_target
-        watched = needs_watch(self.max_iter, 3)
-        return _compiled(tuple(options.items()), self.units, by_executable(self.via), watched)
+            chosen["ipopt.mu_target"] = self.mu_target
+        return _compiled(tuple(chosen.items()), self.units, by_executable(self.via))
 
 
 @lru_cache(maxsize=64)
-def _compiled(options: Options, units: str, executable: bool, watched: bool) -> Adapter:
-    """Ipopt on the paper's model; a `watched` library looks at the time in every iteration."""
+def _compiled(options: tuple[tuple[str, Any], ...], units: str, by_executable: bool) -> Adapter:
+    """Ipopt on the paper's model."""
     model = pyomo_model(units)
     data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
-    program = PyomoProgram(model, [*model.z.values(), *data], [model.x_end, model.y_end])
-    deadline = Deadline() if watched else None
-    ask, lower = compiled(program, options, executable, deadline), np.zeros(3)
+    program = PyomoProgram(model, list(model.z.values()), data, [model.x_end, model.y_end])
+    chosen, lower = dict(options), np.zeros(3)
+    if by_executable:
+        ask = executable(program, nested(chosen)["ipopt"])
+    else:
+        ask = asked(program, nlpsol(chosen, "ipopt"), native=True)
 
     def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
-        unit = case.unit
-        if deadline is not None:
-            deadline.at = perf_counter() + seconds
-        data = [*(unit * x for x in case.target), *([] if units == "radius" else [unit])]
-        result = ask(*(np.concatenate((unit * z, data)) for z in (guess, lower, case.upper)))
-        return result._replace(x=result.x[:3] / unit)
+        unit, scaled = case.unit, () if units == "radius" else (case.unit,)
+        data = np.array((unit * case.target[0], unit * case.target[1], *scaled))
+        result = ask(unit * guess, data, lower, unit * case.upper, seconds)
+        return result._replace(x=result.x / unit)
 
     return run

@@ -1,6 +1,7 @@
 """The paper's model by any NLP engine, or by a solver that AMPL calls.
 
-An executable is looked up on PATH by its name and run as AMPL runs it (`solvers.paper_nlp.ampl`).
+An executable is looked up on PATH by its name and run as AMPL runs it
+(`paper_nlp.program.solve_by_ampl`).
 """
 
 from __future__ import annotations
@@ -19,11 +20,10 @@ from dubins_study.solvers.engines import (
     names,
     packages,
 )
-from dubins_study.solvers.option_sets import iterations, option_set, tolerance
-from dubins_study.solvers.paper_nlp import ampl
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
-from dubins_study.solvers.paper_nlp.program import solve, solve_in_pyomo
+from dubins_study.solvers.paper_nlp.program import solve, solve_by_ampl, solve_in_pyomo
 from dubins_study.solvers.protocol import Method
+from dubins_study.solvers.setting_checks import iterations, option_set, tolerance
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import NLP
 
@@ -113,4 +113,4 @@ class Nlp(LocalNlp, _Named):
             return partial(solve, engine=call)
         if self.engine == _KNITRO:
             return partial(solve_in_pyomo, interface="knitro_direct")
-        return partial(ampl.solve, executable=self.engine)
+        return partial(solve_by_ampl, executable=self.engine)

@@ -7,12 +7,11 @@ from functools import partial
 from typing import Any, ClassVar
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import solve
 from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import one_of
+from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance
 
 
 @dataclass(frozen=True)

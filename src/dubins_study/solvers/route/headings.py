@@ -24,10 +24,9 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
-from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
 from dubins_study.study.path import FloatArray, Path

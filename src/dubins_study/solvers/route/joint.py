@@ -27,11 +27,10 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
-from dubins_study.solvers.option_sets import iterations, option_set, tolerance
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import NEEDS, TURN, Claim
 

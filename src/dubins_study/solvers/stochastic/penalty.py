@@ -16,7 +16,6 @@ import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
 from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
-from dubins_study.solvers.option_sets import option_set
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
@@ -29,7 +28,7 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.paper_nlp.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
     PenaltyFunction,

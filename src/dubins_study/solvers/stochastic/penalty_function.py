@@ -17,8 +17,8 @@ import numpy as np
 
 from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.option_sets import OPTION_SETS
 from dubins_study.solvers.paper_nlp.model import Subproblem, end_point
+from dubins_study.solvers.setting_checks import OPTION_SETS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
