@@ -48,13 +48,13 @@ def counted(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(verdict=verdict, weight=weights(rows))
 
 
-def weights(rows: pd.DataFrame, *also: str) -> pd.Series[float]:
-    """1 over the number of the solver's attempts at the same trial, and in the columns `also`.
+def weights(rows: pd.DataFrame) -> pd.Series[float]:
+    """1 over the number of the solver's attempts at the same trial.
 
     Of two right attempts in three a solver has 2/3 of a question right, whether the three are
     repeats, or a cold and two warm starts.
     """
-    trials = rows.groupby(["solver", *TRIAL, *also], observed=True, dropna=False)
+    trials = rows.groupby(["solver", *TRIAL], observed=True, dropna=False)
     return 1.0 / trials["solver"].transform("size")
 
 

@@ -1,4 +1,4 @@
-"""Methods compared: profiles, means and ranks, paired tests, spread over repeats."""
+"""Methods compared: profiles, means and ranks, paired tests."""
 
 from __future__ import annotations
 
@@ -47,7 +47,6 @@ from dubins_study.report.statistics.methods import (
     foremost,
     once,
 )
-from dubins_study.report.statistics.metrics import seed_spread
 from dubins_study.study.path import FloatArray
 
 # A method that was put to fewer of the questions would shrink what all have in common.
@@ -307,29 +306,8 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
     return Table(f"comparison-tests-{shared}", caption, frame, shown, dense=True)
 
 
-def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
-    """Spread over repeats, of the methods whose verdict changes."""
-    changing = spread[spread["changing"] > 0]
-    shown = (
-        *columns(count, questions="questions", repeats="repeats"),
-        interval_column("changing", "verdict changes"),
-        *columns(share, sometimes="right only sometimes"),
-        *columns(
-            digits(2), cv="time: deviation / mean", iqr_relative="time: quartile range / median"
-        ),
-    )
-    caption = (
-        "Spread over repeats, each with another seed where the engine draws random numbers: how "
-        "often the verdict changes (Wilson's 95 % interval), and the spread of the time. "
-        f"{count(len(spread) - len(changing))} methods give one verdict in all repeats and are "
-        "left out."
-    )
-    frame = methods.join(changing, how="inner").reindex(changing.index)
-    return method_table("comparison-spread", caption, frame, shown, changing=share)
-
-
 def comparison_section(results: Results) -> Section | None:
-    """Profiles, means and ranks, paired tests, and spread over repeats."""
+    """Profiles, means and ranks, and paired tests."""
     attempts = compared(results)
     if attempts is None:
         return None
@@ -346,9 +324,6 @@ def comparison_section(results: Results) -> Section | None:
     blocks += best_first(ranks, ranked.index, best, which)
     tests = shared_tests(table, ranked).items()
     blocks += [test_table(each, ranked, shared) for shared, each in tests if len(each)]
-    repeats = spread(attempts)
-    if len(repeats) and repeats["changing"].any():
-        blocks.append(spread_table(repeats, attempts.methods))
     unranked = int(ranked["rank"].isna().sum())
     left_out = sum(solver not in table for solver in attempts.engines.index)
     text = sentences(
@@ -376,16 +351,6 @@ def _first(ranked: pd.DataFrame) -> str:
     mean = with_interval(seconds, first["mean"], first["mean_low"], first["mean_high"])
     right = with_interval(share, first["right"], first["right_low"], first["right_high"])
     return f"The least mean time has {first['name']}: {mean}, right on {right} of the questions."
-
-
-def spread(attempts: Compared) -> pd.DataFrame:
-    """Spread over repeats at questions with a path, by solver, those that change most first."""
-    rows = attempts.answerable
-    rows = rows[rows["solver"].isin(attempts.engines.index)]
-    if rows["repeat"].nunique() < 2:
-        return pd.DataFrame()
-    frame = seed_spread(rows)
-    return frame.sort_values(["changing", "cv"], ascending=False, kind="stable")
 
 
 TOPIC = Topic("the comparison of methods", comparison_section, BENCHMARK)

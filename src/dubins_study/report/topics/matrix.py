@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from dubins_study.report.data.attempts import TRIAL
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import (
     BENCHMARK,
     Picture,
@@ -22,10 +22,8 @@ from dubins_study.report.elements.content import (
     Topic,
     picture,
 )
-from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
+from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.identity import (
-    INTERVAL_TEXT,
-    METHOD,
     best_first,
     percent,
     questions,
@@ -190,8 +188,7 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
 def matrix_section(results: Results) -> Section | None:
     """Formulation x engine as a picture and two tables; the shares by stratum."""
     attempts = results.attempts
-    counts = attempts[attempts["answerable"]].groupby("solver")["evaluations"].median()
-    methods = solver_summary(attempts).merge(counts.reset_index(), on="solver", how="left")
+    methods = solver_summary(attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
     entries = [entry for run in results.folders for entry in run.manifest.matrix]
     cells = matrix(methods, entries)
@@ -201,7 +198,6 @@ def matrix_section(results: Results) -> Section | None:
     if cells["note"].any():
         blocks.append(_reasons(cells))
     best = best_solvers(results)
-    blocks += best_first(_methods(methods), methods["solver"], best)
     strata_table = _stratum_table(results, methods, strata(results.rows))
     if strata_table is not None:
         blocks += best_first(strata_table, strata_table.frame["solver"], best)
@@ -289,8 +285,8 @@ def _table(cells: pd.DataFrame) -> Table:
     caption = (
         "Every formulation with every engine: questions with a path that are answered right, the "
         "95 % interval (Wilson, a trial a question), and the median time of an attempt, failures "
-        "included; with the guess and settings that are most surely right, which the table of all "
-        "methods names. Chosen after the fact, the best of several guesses flatters a little. The "
+        "included; with the guess and settings that are most surely right, which the summary "
+        "names. Chosen after the fact, the best of several guesses flatters a little. The "
         "number of questions stands where it is less than half that of others. A number in "
         "brackets is the reason why a pair has no row."
     )
@@ -307,23 +303,6 @@ def _reasons(cells: pd.DataFrame) -> Table:
         *columns(count, pairs="pairs"),
     )
     return Table("matrix-reasons", "Reasons for pairs without rows.", frame, shown)
-
-
-def _methods(methods: pd.DataFrame) -> Table:
-    shown = (
-        *METHOD[:-1],
-        SOLVER,
-        *columns(kind="cell", right_text="right of n, 95 %"),
-        *columns(count, wrong_basins="wrong basins", false_claims="false claims"),
-        *columns(seconds, wall_s="median time"),
-        *columns(digits(3), evaluations="evaluations, median"),
-    )
-    caption = (
-        f"Questions that have a path. {INTERVAL_TEXT} Wrong basins and false claims "
-        "count attempts. A dash: the engine does not count its evaluations."
-    )
-    numbers = ("attempts", "right_of", "right_share", "right_low", "right_high", "settings")
-    return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
 
 
 TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK)

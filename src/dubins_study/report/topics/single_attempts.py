@@ -19,11 +19,10 @@ import pandas as pd
 from markupsafe import Markup
 
 from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES
-from dubins_study.report.data.command import ROUTE, solve_command
+from dubins_study.report.data.command import ROUTE
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import General, Section, Table, Topic, Widget
-from dubins_study.report.elements.formats import count, digits
+from dubins_study.report.elements.content import General, Section, Topic, Widget
+from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.topics.failures import time_limits
@@ -81,39 +80,7 @@ def attempts_section(results: Results) -> Section | None:
         ),
     )
     lead = "Choose a solver, and click an attempt to see its path and the command that repeats it."
-    blocks = (*widgets, _worst_table(rows))
-    return Section("attempts", "Single attempts", _text(rows, results), blocks, lead)
-
-
-_WORST_COLUMNS = (
-    SOLVER,
-    Column("claim", "claim", kind="text"),
-    Column("verdict", "verdict", kind="text"),
-    *columns(digits(3), gap="gap", miss_R="miss (R)", beyond="too sharp by (1/R)"),
-    Column("label", "scenario", kind="text"),
-    Column("region", "region", kind="text"),
-)
-
-
-def _worst_table(rows: pd.DataFrame) -> Table:
-    """The very worst attempt of each solver; the CSV file also holds its question and command."""
-    worst = rows[rows["worst"] == 1]
-    frame = worst.assign(
-        miss_R=worst["miss"] / worst["radius"],
-        beyond=worst["curvature_excess"],
-        label=worst["label"].replace("", None),
-        command=[solve_command(row) for row in worst.to_dict("records")],
-    ).reset_index(drop=True)
-    caption = (
-        "The worst attempt of each solver; a false claim is red. Gaps are relative to the "
-        "reference. The CSV file also holds the questions and the commands that repeat them."
-    )
-    more = (*NUMBERS, "branch", "false_claim", "command")
-    marked = {(row, "verdict"): "bad" for row in frame.index[frame["false_claim"].eq(True)]}
-    frame["verdict"] = frame["verdict"].where(
-        ~frame["false_claim"].eq(True), frame["verdict"].astype(str) + ": a false claim"
-    )
-    return Table("worst-attempts", caption, frame, _WORST_COLUMNS, marked, more)
+    return Section("attempts", "Single attempts", _text(rows, results), widgets, lead)
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:
