@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import entry_points
+
 import pandas as pd
 
 # The closed form; its rows fill the maps of the plane.
@@ -22,6 +26,31 @@ TRIAL = ("scenario_id", "branch")
 SUCCESSES = ("optimal", "none exists")
 PROOFS = ("proved", "bounded", "extremal", "none")
 _METHOD = ["formulation", "engine", "guess"]
+# Fewer questions choose no winner: none is named.
+ENOUGH_TO_CHOOSE = 30
+
+
+def own_name(spec: str) -> str:
+    """The name of a plug-in's solver, without settings; empty for a solver of this package.
+
+    >>> own_name("a/my_solver.py:MySolver[guesses=8]"), own_name("ipopt[presolve=True]")
+    ('MySolver', '')
+    """
+    name = spec.partition("[")[0]
+    _, found, own = name.rpartition(".py:")
+    return own if found else name if name in _installed() else ""
+
+
+@cache
+def _installed() -> frozenset[str]:
+    """The solvers of other installed packages."""
+    points = entry_points(group="dubins_study.solvers")
+    return frozenset(p.name for p in points if p.dist and p.dist.name != "dubins-study")
+
+
+def own(specs: Iterable[str]) -> list[str]:
+    """Those of the specs that are plug-ins' solvers, which stand before all others."""
+    return [spec for spec in specs if own_name(spec)]
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:

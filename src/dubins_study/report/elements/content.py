@@ -84,6 +84,8 @@ class Picture:
     figure: Figure  # drawn, not yet saved
     alt: str  # what the figure shows, in a few words
     half: bool = False  # whether it takes half of the page's width
+    # the same for a narrow screen, half as wide, its panels one below the other
+    narrow: Figure | None = None
 
 
 def picture(
@@ -107,6 +109,14 @@ def picture(
         below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
         figure.legend(**below if entries is None else below | {"handles": entries})
     return Picture(name, caption, figure, alt, width == HALF)
+
+
+def panels_picture(
+    name: str, caption: str, plot: Callable[..., Figure], alt: str, *data: object, **options: object
+) -> Picture:
+    """A figure of several panels, drawn by `plot(*data, **options, narrow=)` for both widths."""
+    wide, narrow = (plot(*data, **options, narrow=narrow) for narrow in (False, True))
+    return Picture(name, caption, wide, alt, narrow=narrow)
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,6 +48,15 @@ REPORT_HEAD = Head(
     "fast, and who proves it?",
 )
 
+
+def head_of(folders: Sequence[Folder]) -> Head:
+    """Title and question of the experiment; of several the report's."""
+    first = folders[0]
+    if len({folder.name for folder in folders}) > 1:
+        return REPORT_HEAD
+    return Head(first.title, first.manifest.experiment.question or REPORT_HEAD.asked)
+
+
 Progress = Callable[[str], None]
 
 
@@ -81,7 +90,7 @@ def render(
         results, empty = load_with_rows(given)
         target = given[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
-        return write_page(target, lambda: _sections(results, progress), every)
+        return write_page(target, lambda: _sections(results, progress), every, head_of(every))
     finally:
         gc.set_threshold(*thresholds)
 
@@ -176,6 +185,10 @@ def _write(
         (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
         (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
         drawn[picture.name] = inline(svg.decode("utf-8"), picture.name, picture.alt)
+        if picture.narrow is not None:
+            fix_layout(picture.narrow)
+            name, svg = f"{picture.name}-narrow", figure_bytes(picture.narrow, "svg")
+            drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
     content = {
         "sections": sections,
         "runs": runs,
@@ -204,7 +217,7 @@ def _documents(
         parts = {"page": name, "open": opened, "details": folded, "others": others}
         yield name, _templates().get_template("index.html.j2").render(**content, **parts)
     yield "report.md", _templates().get_template("report.md.j2").render(**content)
-    yield "report.tex", document(_templates(), sections, runs)
+    yield "report.tex", document(_templates(), sections, runs, str(content["heading"]))
 
 
 def _templates() -> Environment:

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, presolved
+from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, own_name, presolved
 
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
@@ -41,11 +41,11 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: the closed form first, then by name, variants after the plain solver."""
+    """Distinct solvers: plug-ins', the closed form, then by name, variants after the plain one."""
 
     def rank(spec: str) -> tuple[object, ...]:
         name, settings = parse_spec(spec)
-        return name != EXACT, natural(name), len(settings), natural(spec), spec
+        return not own_name(spec), name != EXACT, natural(name), len(settings), natural(spec), spec
 
     return sorted(set(solvers), key=rank)
 

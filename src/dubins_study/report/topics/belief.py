@@ -7,12 +7,21 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import EXACT, is_true
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, own
 from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Place,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -172,7 +181,7 @@ def _liars(table: pd.DataFrame) -> str:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
     # of a method that was asked few questions the share says little: the figure stars it
-    asked = liars[liars["questions"] >= FEW * table["questions"].max()]
+    asked = liars[liars["questions"] >= max(ENOUGH_TO_CHOOSE, FEW * table["questions"].max())]
     if asked.empty:
         return f"{len(liars)} of {some(len(table), 'method')} make false claims."
     worst = asked.sort_values("false", ascending=False).to_dict("records")[0]
@@ -186,7 +195,7 @@ def _liars(table: pd.DataFrame) -> str:
 def _picture(table: pd.DataFrame) -> Picture:
     engines = table[table.index != EXACT].sort_values("false", ascending=False)
     shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
-    shown = table[table.index.isin(shown.index)]
+    shown = table[table.index.isin([*own(table.index), *shown.index])]
     left_out = len(engines) - len(shown)
     rest = (
         f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
@@ -195,13 +204,20 @@ def _picture(table: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions as others." if few.any() else ""
     caption = (
         "What the claims are worth, as shares of the questions, those without a path included; "
-        f"at the right the number of attempts with a false claim.{star}{rest}"
+        f"at the right the number of attempts with a false claim.{star}{rest} A narrow "
+        "screen shows those with false claims alone."
     )
     alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
     notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in numbers]
-    figure = stacked_shares(shown.assign(note=notes), MARKS, "share of questions")
-    return Picture("belief-claims", caption, figure, alt)
+    return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))
+
+
+def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
+    """Bars of all methods; of a `narrow` figure those with false claims, and plug-ins'."""
+    false = (shown["attempts"] > 0) | shown.index.isin(own(shown.index))
+    drawn = shown[false] if narrow and false.any() else shown
+    return stacked_shares(drawn, MARKS, "share of questions", narrow=narrow)
 
 
 def _belief_table(table: pd.DataFrame) -> Table:

@@ -8,9 +8,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    BENCHMARK,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
     best_first,
@@ -161,14 +169,15 @@ def cost_section(results: Results) -> Section | None:
 
 
 def _most_and_least(table: pd.DataFrame) -> str:
-    ratios = table["evaluations"].dropna()
+    ratios = table.loc[table["questions"] >= ENOUGH_TO_CHOOSE, "evaluations"].dropna()
     if len(ratios) < 2:
         return ""
     order = table.loc[ratios.sort_values().index].to_dict("records")
     best, worst = order[0], order[-1]
     return (
-        f"In the median over questions {worst['name']} takes {_RATIO(worst['evaluations'])} times "
-        f"the evaluations of its winning run, {best['name']} {_RATIO(best['evaluations'])} times."
+        f"In the median over {count(worst['questions'])} questions {worst['name']} takes "
+        f"{_RATIO(worst['evaluations'])} times the evaluations of its winning run, over "
+        f"{count(best['questions'])} {best['name']} {_RATIO(best['evaluations'])} times."
     )
 
 
@@ -177,7 +186,8 @@ def _of(row: Mapping[Any, Any], key: str) -> str:
 
 
 def _saved(savings: pd.DataFrame) -> str:
-    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
+    known = savings[savings["questions"] >= ENOUGH_TO_CHOOSE].dropna(subset="evaluations")
+    order = known.sort_values("evaluations").to_dict("records")
     if not order:
         return ""
     ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]
@@ -202,7 +212,7 @@ def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
     noted = shown.assign(note=shown["total"].map(show))
-    return Picture(f"cost-{amount}", caption, stacked_shares(noted, MARKS, label), alt)
+    return panels_picture(f"cost-{amount}", caption, stacked_shares, alt, noted, MARKS, label)
 
 
 def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
@@ -214,7 +224,7 @@ def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
     order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
     several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
     chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
-    return table[table.index.isin(chosen.index)]
+    return table[table.index.isin([*own(table.index), *chosen.index])]
 
 
 def _factor_table(table: pd.DataFrame) -> Table:

@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import TRIAL
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, TRIAL, own_name
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import (
@@ -20,7 +21,7 @@ from dubins_study.report.elements.content import (
     Section,
     Table,
     Topic,
-    picture,
+    panels_picture,
 )
 from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.identity import (
@@ -31,6 +32,7 @@ from dubins_study.report.elements.identity import (
 from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import (
     BLUE,
+    HALF,
     INK,
     MAP_PAPER,
     MUTED,
@@ -38,6 +40,7 @@ from dubins_study.report.elements.style import (
     PAPER,
     WIDE,
     Style,
+    new_figure,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, stratum_order
@@ -93,6 +96,8 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
         kind_of.setdefault(entry.engine, entry.kind or _NO_KIND)
     for engine in sorted(set(best["engine"]), key=str.casefold):
         kind_of.setdefault(engine, _NO_KIND if entries else "")
+    mine = best.loc[best["solver"].map(own_name) != "", "engine"]
+    kind_of = dict.fromkeys(mine, "plug-in") | kind_of | dict.fromkeys(mine, "plug-in")
     kinds = list(dict.fromkeys(kind_of.values()))
     order = sorted(kind_of, key=lambda engine: kinds.index(kind_of[engine]))
     return [(kind_of[engine], engine) for engine in order]
@@ -210,7 +215,7 @@ def matrix_section(results: Results) -> Section | None:
 def _text(cells: pd.DataFrame) -> str:
     engines, formulations = cells["engine"].nunique(), cells["formulation"].nunique()
     filled = cells[cells["filled"]]
-    spanned = filled[~filled["few"]]
+    spanned = filled[~filled["few"] & (filled["right_of"] >= ENOUGH_TO_CHOOSE)]
     spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
         "A result belongs to a formulation, an engine and an initial guess.",
@@ -242,17 +247,19 @@ def _span(filled: pd.DataFrame, key: str) -> str:
 def _picture(cells: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions." if cells["few"].any() else ""
     drawn = cells.loc[cells["filled"], "engine"].nunique()
-    return picture(
-        "matrix",
-        plot_matrix,
-        cells,
-        caption="Percent of the questions with a path that are answered right, with the best of "
-        "the pair's initial guesses and settings. Empty: the pair has no row; the table of reasons "
-        f"says why.{star}",
-        alt="Map of right answers, engines by formulations",
-        height=min(HIGHEST, 0.75 + 0.175 * max(drawn, 5)),
-        width=WIDE,
+    caption = (
+        "Percent of the questions with a path that are answered right, with the best of the pair's "
+        "initial guesses and settings. Empty: the pair has no row; the table of reasons says "
+        f"why.{star}"
     )
+    high, alt = 0.75 + 0.175 * max(drawn, 5), "Map of right answers, engines by formulations"
+    return panels_picture("matrix", caption, _figure, alt, cells, min(HIGHEST, high))
+
+
+def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
+    figure = new_figure(HALF if narrow else WIDE, height)
+    plot_matrix(figure.add_subplot(), cells)
+    return figure
 
 
 def _cell(row: Mapping[Hashable, Any]) -> str:

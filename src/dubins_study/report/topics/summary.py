@@ -13,6 +13,7 @@ from dubins_study.report.data.attempts import (
     VERDICTS,
     is_true,
     methods,
+    own,
     questions,
 )
 from dubins_study.report.data.results import Results
@@ -69,8 +70,9 @@ _NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "rig
 
 @once
 def best_solvers(results: Results) -> tuple[str, ...]:
-    """The closed form, and of each formulation the solver that is most surely right."""
-    return (EXACT, *best_of_formulations(solver_summary(results.attempts)))
+    """Plug-ins' solvers, the closed form, and of each formulation the most surely right one."""
+    summary = solver_summary(results.attempts)
+    return (*own(summary["solver"]), EXACT, *best_of_formulations(summary))
 
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
