@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Picture, Place, Section, Table, Widget
-from dubins_study.report.page.drawings import inline
 from dubins_study.report.page.environment import folded, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.report.page.markup import inline
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import Claim

@@ -34,7 +34,8 @@ def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
 
     Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (largest
     among the right answers); multipliers (answers whose multipliers can be compared),
-    costate_median and costate_error (median and largest error of those); bounds (attempts with a lower bound), false_bounds;
+    costate_median and costate_error (median and largest error of those); bounds (attempts with
+    a lower bound), false_bounds;
     enclosed (attempts whose reference length has proven bounds), open (those of them whose
     bounds are apart by more than a hundredth: the data leave open on which side of a jump the
     target lies) and width (largest relative distance of the other bounds).
