@@ -198,7 +198,7 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     check_report(out)
     page = (out / "index.html").read_text(encoding="utf-8")
     assert "<script>alert" not in page
-    assert "<strong>&lt;script&gt;" in page  # the recommended solver
+    assert '<td class="solver"><span title="&lt;script&gt;' in page
     assert "\\x1b" in page
     for svg in (out / "figures").glob("*.svg"):
         assert "mathdefault" not in svg.read_text(encoding="utf-8")

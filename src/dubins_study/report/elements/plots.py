@@ -50,6 +50,7 @@ DRAWN_TEXT = (
 )
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
+_MOST_BELOW = 48  # characters of a name below a narrow panel
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -245,14 +246,17 @@ def share_curves(
     across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
     down, small = -(-len(shares) // across), 6.5
     high = 0.3 + 1.5 * down if several else 2.9
-    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
+    entries = sum(solver in names for table in shares.values() for solver in table)
+    tall = 0.5 + 1.3 * down + 0.13 * entries
+    figure = new_figure(HALF, tall) if narrow else new_figure(WIDE, min(HIGHEST, high))
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
         ax, named = panels[place], [str(solver) for solver in table if solver in names]
         shared, shown = "", [names[solver] for solver in named]
         if several:
             shared, shown = common_part(shown)
-        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small)
+        shown = [one_line(name, _MOST_BELOW) for name in shown] if narrow else shown
+        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=narrow)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
@@ -269,9 +273,18 @@ def share_curves(
 
 
 def _draw_shares(
-    ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette, size: float
+    ax: Axes,
+    table: pd.DataFrame,
+    names: Mapping[str, str],
+    palette: Palette,
+    size: float,
+    *,
+    below: bool,
 ) -> None:
-    """Draw the columns of a table over its index; those with a name in colour and in the legend."""
+    """Draw the columns of a table over its index; those with a name in colour and in the legend.
+
+    The legend stands beside the panel, or below it.
+    """
     looks, drawn = palette.looks(names), {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
@@ -284,8 +297,10 @@ def _draw_shares(
     # The legend has the order in which the curves end, from the highest down.
     order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
     handles = [drawn[solver] for solver in order]
-    beside: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
-    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **beside)
+    place: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
+    if below:
+        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12)}
+    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **place)
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 

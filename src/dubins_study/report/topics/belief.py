@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, own
+from dubins_study.report.data.attempts import EXACT, is_true, own
 from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
@@ -181,7 +181,7 @@ def _liars(table: pd.DataFrame) -> str:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
     # of a method that was asked few questions the share says little: the figure stars it
-    asked = liars[liars["questions"] >= max(ENOUGH_TO_CHOOSE, FEW * table["questions"].max())]
+    asked = liars[liars["questions"] >= FEW * table["questions"].max()]
     if asked.empty:
         return f"{len(liars)} of {some(len(table), 'method')} make false claims."
     worst = asked.sort_values("false", ascending=False).to_dict("records")[0]

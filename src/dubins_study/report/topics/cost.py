@@ -186,8 +186,7 @@ def _of(row: Mapping[Any, Any], key: str) -> str:
 
 
 def _saved(savings: pd.DataFrame) -> str:
-    known = savings[savings["questions"] >= ENOUGH_TO_CHOOSE].dropna(subset="evaluations")
-    order = known.sort_values("evaluations").to_dict("records")
+    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
     if not order:
         return ""
     ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]

@@ -186,7 +186,8 @@ def _tables(
         line["lows"].append(method["low"])
         line["mine"] = bool(own_name(str(method["solver"])))
         engine = attempts.methods["engine"].get(method["solver"], UNSTATED)
-        alone = kind[0] == labels[str(method["solver"])] != engine or engine == UNSTATED
+        # the line has the name of one solver alone
+        alone = kind[0] == labels[str(method["solver"])] and (line["mine"] or kind[0] != engine)
         line |= _cell(
             method, experiments.index(method["experiment"]), "" if alone else f"{engine}\n"
         )

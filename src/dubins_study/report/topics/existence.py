@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import (
-    ENOUGH_TO_CHOOSE,
     PRESOLVED,
     SUCCESSES,
     UNDECIDED,
@@ -91,12 +90,7 @@ def _text(frame: pd.DataFrame) -> str:
     names = ("right", "silent", "wrong") if reached else ()
     parts = [f"{name}: {share(frame[name].sum() / reached)}" for name in names]
     denied = frame[frame["denied"] > 0]
-    worst = (
-        denied[denied["questions"] >= ENOUGH_TO_CHOOSE]
-        .sort_values("denied_share", kind="stable")
-        .tail(1)
-        .to_dict("records")
-    )
+    worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
     return sentences(
         "To recognise that no path exists is another task than to find one; a search that fails "
         "where there is nothing to find has missed nothing.",

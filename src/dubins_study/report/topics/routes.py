@@ -241,8 +241,10 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
         lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
-    ax.set(xscale="log", yscale="log")
-    log_axis(ax.yaxis, duration)
+    ax.set_xscale("log")
+    if (cells["wall_s"] > 0).any():
+        ax.set_yscale("log")
+        log_axis(ax.yaxis, duration)
     ax.set_xticks(sorted(cells["legs"].unique()), minor=False)
     ax.xaxis.set_major_formatter(lambda legs, _: f"{legs:g}")
     ax.xaxis.set_minor_locator(NullLocator())
