@@ -247,7 +247,8 @@ def test_no_panel_of_the_front_is_off_a_phones_screen(new_tab, benchmark_page: P
     figures = page.evaluate(
         """[...document.querySelectorAll("main > section > .blocks figure.wide svg")]
             .filter((svg) => svg.checkVisibility()).map((svg) => {
-                const letters = [...svg.querySelectorAll("text")].map(
+                const letters = [...svg.querySelectorAll("text")].filter(
+                    (text) => text.textContent.trim()).map(
                     (text) => text.getBoundingClientRect().height);
                 return [svg.getBoundingClientRect().right, Math.min(...letters)];
             })"""
