@@ -453,6 +453,40 @@ def test_the_worst_attempts_of_a_solver_are_drawn(plot):
     assert "misses: a false claim" in page.get_by_role("dialog").text_content()
 
 
+def test_a_solver_without_wrong_attempts_has_no_gallery(plot):
+    """Right answers are nobody's worst."""
+    page = plot()
+    page.locator("#attempts-worst").scroll_into_view_if_needed()
+    page.wait_for_selector("#attempts-worst[data-ready=yes]")
+    page.get_by_label("solver", exact=True).select_option(
+        page.locator("#worst-solver option[title=fine]").get_attribute("value")
+    )
+
+    assert page.locator("#attempts-worst .card").count() == 0
+    assert page.get_by_text("None of its attempts is wrong.").is_visible()
+
+
+def test_the_plot_opens_with_few_colours_and_shapes(new_tab, tmp_path: FilePath):
+    """At most three, all different; a plug-in's solver is one of them."""
+    mine = "my_solver.py:MySolver"
+    records = [one | {"solver": mine} for one in rows() if one["solver"] == "far"]
+    folder = write_folder(tmp_path / "mine", "mine", [*rows(), *records], time_limit_s=30.0)
+    page = new_tab()
+    page.goto(topic_page(folder, tmp_path / "report", "single attempts").as_uri())
+    page.locator("#attempts > details").evaluate("part => { part.open = true }")
+    page.locator("#attempts-plot").scroll_into_view_if_needed()
+    page.wait_for_selector("#attempts-plot[data-ready=yes]")
+    marks = page.locator("#attempts-plot .marks li")
+    looks = page.locator("#attempts-plot .marks path").evaluate_all(
+        "paths => paths.map((path) => [path.style.stroke, path.getAttribute('d')])"
+    )
+
+    assert "MySolver" in marks.first.text_content()
+    assert 2 <= marks.count() <= 3
+    for each in zip(*looks, strict=True):
+        assert len(set(each)) == len(looks)
+
+
 def command_of(page, attempt_row: int) -> str:
     page.evaluate("async i => attempts.show(await attempts.open(), [i])", attempt_row)
     return page.locator("#attempt-drawer .command code").text_content()
@@ -578,7 +612,13 @@ def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
     page.get_by_label("vertical").select_option("wall_s")
     page.get_by_label("horizontal").select_option("bearing")
     page.locator("#attempts-worst").scroll_into_view_if_needed()
-    page.locator("#attempts-worst .card").first.click()
+    page.wait_for_selector("#attempts-worst[data-ready=yes]")
+    cards = page.locator("#attempts-worst .card")
+    if name in ("one attempt", "no path exists"):  # they are right
+        assert cards.count() == 0
+        page.evaluate("async () => attempts.show(await attempts.open(), [0])")
+    else:
+        cards.first.click()
 
     command = page.locator("#attempt-drawer .command code").text_content()
     assert str(ODD_ROWS[name][0]["target_x"]).removesuffix(".0") in command

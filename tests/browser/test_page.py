@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -210,15 +211,67 @@ def test_a_run_of_little_is_a_page_too(new_tab, tmp_path: Path, rows, words):
     assert page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
 
 
-def test_links_jump(new_tab, report_page: Path):
-    """Without smooth scrolling, which stopped 4500 px short of a late section of the benchmark's
-    page: sections get their heights only when they come near."""
-    page = new_tab(viewport=DESK)
+@pytest.mark.parametrize("viewport", [PHONE, DESK])
+def test_links_land_on_their_heading(new_tab, report_page: Path, viewport):
+    """Below the bar that stays on a phone, and near it; without smooth scrolling, which stopped
+    short of late sections: sections get their heights only when they come near."""
+    page = new_tab(viewport=viewport, reduced_motion="reduce")
     page.goto(report_page.as_uri())
-    assert page.evaluate("getComputedStyle(document.documentElement).scrollBehavior") == "auto"
+    landed = page.evaluate(
+        """async () => {
+            const places = [];
+            for (const link of document.querySelectorAll('#contents a[href^="#"]')) {
+                window.location.hash = link.hash;
+                await new Promise((done) => setTimeout(done, 60));
+                const bar = document.getElementById("contents").getBoundingClientRect();
+                const heading = document.querySelector(`${link.hash} h2`).getBoundingClientRect();
+                const all = document.scrollingElement;
+                places.push([link.hash, heading.top - (innerWidth < 1100 ? bar.bottom : 0),
+                    all.scrollTop + innerHeight >= all.scrollHeight - 2]);
+            }
+            return places;
+        }"""
+    )
 
-    page.locator('#contents a[href="#attempts"]').first.click()
-    assert -2 <= page.locator("#attempts").bounding_box()["y"] < DESK["height"]
+    assert page.evaluate("getComputedStyle(document.documentElement).scrollBehavior") == "auto"
+    assert len(landed) > 10
+    assert [place for place in landed if not (-1 <= place[1] < 60 or place[2])] == []
+
+
+@pytest.mark.slow
+def test_no_panel_of_the_front_is_off_a_phones_screen(new_tab, benchmark_page: Path):
+    """The figures are whole, and their letters can be read."""
+    page = new_tab(viewport=PHONE)
+    page.goto(benchmark_page.as_uri())
+    page.wait_for_function("window.explorer")
+    figures = page.evaluate(
+        """[...document.querySelectorAll("main > section > .blocks figure.wide svg")]
+            .filter((svg) => svg.checkVisibility()).map((svg) => {
+                const letters = [...svg.querySelectorAll("text")].filter(
+                    (text) => text.textContent.trim()).map(
+                    (text) => text.getBoundingClientRect().height);
+                return [svg.getBoundingClientRect().right, Math.min(...letters)];
+            })"""
+    )
+
+    assert len(figures) == 2
+    for right, letter in figures:
+        assert right <= PHONE["width"]
+        assert letter >= 7
+
+
+@pytest.mark.slow
+def test_the_front_prints_on_few_sheets(new_tab, benchmark_page: Path):
+    """What is folded stays folded on paper."""
+    page = new_tab()
+    page.goto(benchmark_page.as_uri())
+    page.wait_for_function("window.explorer")
+    sheets = page.pdf(format="A4")
+    page.emulate_media(media="print")
+
+    assert len(re.findall(rb"/Type\s*/Page[^s]", sheets)) <= 12
+    assert not page.locator("#summary table").first.is_visible()
+    assert not page.locator("#belief details.more figure").first.is_visible()
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What claims are worth: made-up rows of each kind, by hand; false proofs by name, and cures."""
+"""What claims are worth: made-up rows of each kind, by hand; false proofs by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from dubins_study.report.topics.belief import (
     belief_section,
     beliefs,
     claims,
-    cures,
     false_proofs,
 )
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -133,22 +132,6 @@ def test_a_command_asks_a_route_again():
     assert solve_command(values | empty | asked) == solve_command(values | asked) == plain
 
 
-def test_a_cure_is_the_same_engine_without_false_claims(load_rows):
-    """Not one that lies elsewhere, nor another engine; none is said to be none."""
-    shared = {"engine": "SCIP", "formulation": "disjunction"}
-    liar = [honest(PLAIN, "scip", Claim.INFEASIBLE, None, **shared)]
-    cure = [honest(PLAIN, "scip[tight=True]", Claim.OPTIMAL, **shared)]
-    other = [honest(FAR, "scip[loose=True]", Claim.INFEASIBLE, None, **shared)]
-    stranger = [honest(PLAIN, "gurobi", Claim.OPTIMAL, **(shared | {"engine": "Gurobi"}))]
-
-    def cured(rows, name):
-        made = compared(load_rows(name, rows))
-        return cures(claims(made), made.methods).set_index("solver")["cure"].to_dict()
-
-    assert cured(liar + cure + stranger, "a") == {"scip": "scip[tight=True]"}
-    assert cured(liar + other + stranger, "b") == {"scip": "", "scip[loose=True]": ""}
-
-
 def test_the_section(load_rows):
     """It names the liar; without false claims it says so, and has no table of them."""
     liar = load_rows("liar", [honest(PLAIN, "scip", Claim.INFEASIBLE, None)])
@@ -160,7 +143,6 @@ def test_the_section(load_rows):
         "belief",
         "belief-kinds",
         "belief-false",
-        "belief-cures",
     ]
     kinds = section.blocks[2]
     assert kinds.texts() == [["one NLP a word", "scip", "bearing", "1"]]

@@ -10,7 +10,6 @@ from dubins_study.report.topics.comparison import (
     comparison_section,
     mean_ranks,
     shared_tests,
-    spread,
     times,
 )
 from dubins_study.report.topics.failures import failures
@@ -111,18 +110,6 @@ def test_paired_tests_share_a_formulation_or_an_engine(asked):
     assert (engine["wins"], engine["losses"]) == (12, 0)
     assert engine["p_holm"] == pytest.approx(2 / 2**12)
     assert (formulation["shared"], formulation["rival"]) == ("Ipopt", "ipopt[model=joint]")
-
-
-def test_the_spread_counts_questions_whose_verdict_changes(asked):
-    rows = [
-        answer(scenario, "ipopt", 1e-3, right=repeat == 0 or number > 2, repeat=repeat)
-        for number, scenario in enumerate(QUESTIONS)
-        for repeat in range(2)
-    ]
-    line = spread(compared(asked(rows))).iloc[0]
-
-    assert (line["questions"], line["changing"]) == (12, 0.25)
-    assert spread(compared(asked(answers(), "single"))).empty
 
 
 def test_methods_are_named_by_the_settings_that_differ(asked):

@@ -14,7 +14,6 @@ from dubins_study.report.topics.cost import (
     presolve_savings,
     shares,
     split,
-    strata,
 )
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
@@ -124,10 +123,6 @@ def test_factors_and_shares(attempts):
     assert (saved["questions"], saved["evaluations"]) == (4, pytest.approx(205 / 50))
     assert (saved["evaluations_off"], saved["evaluations_on"]) == (20.5, 5)
     assert part["words without a path"] == pytest.approx(150 / 205)
-    assert strata(made, parts)["stratum"].unique().tolist() == [
-        "stratum 0",
-        "stratum 1",
-    ]
 
 
 def test_wrong_answers_and_engines_that_do_not_count(attempts):
@@ -159,7 +154,6 @@ def test_the_section_is_there_only_with_efforts(load_rows):
         "cost-seconds",
         "cost",
         "cost-presolve",
-        "cost-strata",
     ]
     assert "The presolve divides the evaluations" in section.text
     assert cost_section(bare) is None

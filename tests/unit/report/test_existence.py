@@ -7,7 +7,7 @@ import math
 import pandas as pd
 import pytest
 
-from dubins_study.report.topics.existence import engine_times, existence, existence_section
+from dubins_study.report.topics.existence import existence, existence_section
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt
@@ -76,15 +76,6 @@ def test_the_interval_of_a_denial(load_rows):
     assert (line["denied_low"], line["denied_high"]) == pytest.approx((0.0615, 0.7923), abs=5e-5)
 
 
-def test_times_are_of_attempts_that_reached_the_engine(load_rows):
-    """The median of 1, 2 and 4 s; the interval's ends are values that occur."""
-    (line,) = engine_times(load_rows("e", rows()).rows).to_dict("records")
-
-    assert line["estimate"] == 2.0
-    assert {line["low"], line["high"]} <= {1.0, 2.0, 4.0}
-    assert line["low"] <= 2.0 <= line["high"]
-
-
 def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
     """A denial is told in the text with its share; both kinds of error are marked."""
     section = existence_section(load_rows("e", rows()))
@@ -111,4 +102,4 @@ def test_a_presolve_that_answers_all_leaves_the_engine_out(load_rows):
     assert math.isnan(line["right_share"])
     assert pd.isna(line["wall_s"])
     shown = dict(zip([column.key for column in table.columns], table.texts()[0], strict=True))
-    assert {shown[key] for key in ("right_text", "time_text")} == {"–"}
+    assert {shown[key] for key in ("right_text", "wall_s")} == {"–"}

@@ -327,7 +327,7 @@ def test_an_exponent_is_that_of_the_times():
 def test_the_section_has_five_sentences_first(load_rows):
     """Of real rows; and none where no row carries a finding."""
     rows, local = [], {"claim": Claim.LOCAL, "best_run_s": 1e-3}
-    for number in range(12):
+    for number in range(30):
         scenario = paper_scenarios()[0]
         moved = type(scenario)(0, 0, scenario.heading, 10 + number, 5, 1)
         rows += [attempt(moved, "ipopt", engine="Ipopt", wall_s=1e-3, **local)]

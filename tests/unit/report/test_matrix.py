@@ -169,7 +169,6 @@ def test_the_section_shows_every_pair_and_every_reason(benchmark):
     assert lines.loc["b", WORDS].startswith("0 %\n0–32.4\n")
     number = lines.loc["a", JOINT].strip("[]")
     assert tables["matrix-reasons"].frame["reason"].iloc[int(number) - 1] == "because"
-    assert len(tables["methods"].frame) == 2
     assert tables["strata"].frame["near"].tolist() == ["75 %\n30–95", "0 %\n0–49"]
 
 

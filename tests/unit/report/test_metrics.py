@@ -13,7 +13,7 @@ from dubins_study.report.topics.certificates import proofs
 from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.success import gap_quantiles
-from dubins_study.report.topics.summary import by_start, solver_summary
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.scenario import NUMBERS
 from tests.unit.report.results_folder import attempts_of
 
@@ -218,8 +218,8 @@ def test_the_order_is_fitted_as_far_as_the_gap_falls():
     assert found["order"].tolist() == pytest.approx([2.0] * 4)
 
 
-def test_cold_and_warm_starts_apart(tmp_path):
-    """At the questions that were asked both ways; of two cold repeats one right is a half."""
+def test_cold_and_warm_starts_and_repeats_are_parts_of_a_question(tmp_path):
+    """One question is right in two of three attempts, one in one of two, one in the only one."""
     cell = {"experiment": "e", "solver": "b", "branch": "best", "reference_word": "LS"}
     kinds = [
         *(("0", "cold", v) for v in ("optimal", "longer")),
@@ -232,12 +232,6 @@ def test_cold_and_warm_starts_apart(tmp_path):
             for name, start, verdict in kinds
         ]
     )
-    counted = attempts_of(tmp_path, rows)
-    (line,) = by_start(counted).to_dict("records")
+    whole = solver_summary(attempts_of(tmp_path, rows)).iloc[0]
 
-    assert (line["cold_of"], line["cold_share"]) == (2, 0.25)
-    assert (line["warm_of"], line["warm_share"]) == (2, 1)
-    # all in all: question 0 is right in two of three attempts, 1 in one of two, 2 in the only one
-    whole = solver_summary(counted).iloc[0]
     assert whole["right"] == pytest.approx(2 / 3 + 1 / 2 + 1, abs=1e-6)
-    assert by_start(attempts_of(tmp_path / "cold", rows[rows["initial_guess"] == "cold"])).empty

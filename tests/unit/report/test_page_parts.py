@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from io import StringIO
 from pathlib import Path as FilePath
 from xml.etree import ElementTree
@@ -16,10 +15,10 @@ from matplotlib.figure import Figure
 
 from dubins_study import render
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.content import Picture, Place, Section, Show, Table, Widget
-from dubins_study.report.page.drawings import inline
+from dubins_study.report.elements.content import Picture, Place, Section, Table, Widget
 from dubins_study.report.page.environment import folded, summary
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.report.page.markup import inline
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import Claim
@@ -74,19 +73,18 @@ def test_the_first_use_of_a_word_is_a_link():
 
 
 def test_a_section_shows_its_first_block():
-    """Or two half figures side by side, and what scripts bring to life; a copy is files alone."""
+    """Or two half figures side by side, and what scripts bring to life."""
     table = Table("t", "All of it: more.", pd.DataFrame({"a": [1]}), (Column("a", "a"),))
-    copy, widget = replace(table, show=Show.FILE), Widget("w", "", Markup())
+    widget = Widget("w", "", Markup())
     half, wide = (Picture("p", "", Figure(), "", half=half) for half in (True, False))
 
     def shape(*blocks, place=Place.FRONT):
-        parts = folded(Section("s", "S", "", blocks, place=place))
-        return parts.shown, parts.more, parts.files
+        return tuple(folded(Section("s", "S", "", blocks, place=place)))
 
-    assert shape(table, wide) == ((table,), (wide,), ())
-    assert shape(half, half, table, copy) == ((half, half), (table,), (copy,))
-    assert shape(half, wide, widget) == ((half, widget), (wide,), ())
-    assert shape(table, wide, copy, place=Place.PAPER) == ((table, wide), (), (copy,))
+    assert shape(table, wide) == ((table,), (wide,))
+    assert shape(half, half, table) == ((half, half), (table,))
+    assert shape(half, wide, widget) == ((half, widget), (wide,))
+    assert shape(table, wide, place=Place.PAPER) == ((table, wide), ())
     assert summary(table) == "All of it"
 
 

@@ -16,7 +16,7 @@ from dubins_study.report.paper.printed import (
     misprints,
     segments,
 )
-from dubins_study.report.topics.paper import printed_times, side_by_side
+from dubins_study.report.topics.paper import side_by_side
 from dubins_study.report.topics.paper_figures import figures_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
@@ -100,32 +100,6 @@ def test_a_turn_at_half_rate_counts_half():
     path = Path(Pose(0, 0, 0), [0.5, 0.25, 0.0, -0.5], [2.0, 1.0, 3.0, 1.0])
 
     assert segments(path, radius=2.0) == (2.5, 1.0, 3.5, 7.0)
-
-
-def test_printed_times_are_ticks_beside_our_medians(results):
-    """The nine times of the text are 1 to 3 ticks of 1/64 s; ours are medians of right answers."""
-    rows = []
-    for scenario in paper_scenarios():
-        for branch in ("LS", "RS"):
-            times = {"analytic": (5e-5,), "slsqp": (1e-3, 9e-3, 2e-3), "ipopt": (4e-3,)}
-            rows += [
-                attempt(scenario, solver, branch, wall_s=wall_s, repeat=repeat)
-                for solver, each in times.items()
-                for repeat, wall_s in enumerate(each)
-            ]
-            lost = Path(scenario.start, [0.0], [1.0])
-            rows.append(attempt(scenario, "nlp", branch, path=lost, wall_s=1e-6))
-    ends = printed_times(load_folders([results("paper", rows)]))
-
-    assert ends["ticks"].tolist() == [2, 3, 3, 1, 1, 2, 2, 3, 3]
-    # printed with three decimals
-    assert (ends["printed_s"] - ends["ticks"] / 64).abs().max() <= 0.0005
-    assert ends["fastest"].unique().tolist() == ["slsqp"]
-    assert ends["slowest"].unique().tolist() == ["ipopt"]
-    assert ends["fastest_s"].unique().tolist() == [2e-3]
-    assert ends["slowest_s"].unique().tolist() == [4e-3]
-    assert ends["exact_s"].unique().tolist() == [5e-5]
-    assert ends["word"].tolist()[:2] == ["RS", "LS"]  # test problem 1: optimal, feasible
 
 
 def test_the_papers_figures_name_their_paths(results):

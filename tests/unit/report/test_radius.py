@@ -1,4 +1,4 @@
-"""Radius sweeps: which answers are drawn, the solvers that have a curve, cold against warm."""
+"""Radius sweeps: which answers are drawn, cold against warm."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import pytest
 
 from dubins_study.report.topics.radius import (
     answers,
-    drawn_solvers,
     radius_section,
     sweep_rows,
     visibly_wrong,
@@ -60,34 +59,12 @@ def test_only_visibly_wrong_answers_are_drawn(loaded):
     assert table.loc["slsqp", ["attempts", "right"]].tolist() == [9, 9]
 
 
-def test_one_curve_a_formulation(load_rows):
-    scenarios = [Scenario(0, 0, 0, 5, y, 1) for y in (1.0, 2.0, 3.0)]
-    rows = []
-    for scenario in scenarios:
-        rows += [
-            attempt(scenario, formulation="closed form", engine="closed form"),
-            attempt(scenario, "slow", formulation="one NLP a word", wall_s=9.0),
-            attempt(scenario, "fast", formulation="one NLP a word", wall_s=1e-3),
-            attempt(scenario, "qp", formulation="turn rates", wall_s=9.0),
-        ]
-        wrong = {"path": astray(scenario), "formulation": "turn rates", "wall_s": 1e-6}
-        rows.append(attempt(scenario, "wrong", **wrong))
-    frame = load_rows("random", rows).rows
-
-    assert drawn_solvers(frame) == ["analytic", "fast", "qp"]
-
-
-def test_a_sweep_is_a_figure_of_lengths_and_all_are_one_of_times(loaded):
-    """The words and R* stand in the first; the second names its curves."""
+def test_a_sweep_is_a_figure_that_names_the_words_and_the_circle(loaded):
     section = radius_section(loaded)
     assert section is not None
-    length, time = (block.figure for block in section.blocks[:2])
-    words = {text.get_text() for text in length.axes[0].texts}
+    words = {text.get_text() for text in section.blocks[0].figure.axes[0].texts}
 
     assert {"R* = 57.35", "LS", "RL"} <= words
-    assert time.axes[0].get_ylabel() == "median time"
-    assert "closed form" in {text.get_text() for text in time.legends[0].get_texts()}
-    assert section.lead
 
 
 def sweep_scenario(radius):

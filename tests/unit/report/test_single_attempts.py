@@ -244,7 +244,8 @@ def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.
 
     assert "All 180 attempts" not in whole.text  # second repeats are left out
     assert len(gzip.compress(_content(less))) < size
-    assert 3 * WORST <= shown < json.loads(_content(whole))["count"]
+    wrong = results.rows.groupby("solver")["verdict"].apply(lambda v: (v != "optimal").sum())
+    assert wrong.clip(upper=WORST).sum() <= shown < json.loads(_content(whole))["count"]
     assert f"Shown are {shown} of the 180 attempts" in less.text
 
 

@@ -8,7 +8,7 @@ from dubins_study import load_results
 from dubins_study.report.page.render import render
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
-from dubins_study.report.topics.existence import engine_times, existence
+from dubins_study.report.topics.existence import existence
 from dubins_study.report.topics.failures import failures, failures_section
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
@@ -43,7 +43,6 @@ def test_no_share_counts_them(load_rows, undecided):
     assert line["right_share"] == 1
     assert failures(results.attempts).empty
     assert existence(results.attempts).empty
-    assert engine_times(results.rows).empty
     assert success(results.rows).sum() == 3
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import entry_points
+
 import pandas as pd
 
 # The closed form; its rows fill the maps of the plane.
@@ -22,6 +26,31 @@ TRIAL = ("scenario_id", "branch")
 SUCCESSES = ("optimal", "none exists")
 PROOFS = ("proved", "bounded", "extremal", "none")
 _METHOD = ["formulation", "engine", "guess"]
+# Fewer questions choose no winner: none is named.
+ENOUGH_TO_CHOOSE = 30
+
+
+def own_name(spec: str) -> str:
+    """The name of a plug-in's solver, without settings; empty for a solver of this package.
+
+    >>> own_name("a/my_solver.py:MySolver[guesses=8]"), own_name("ipopt[presolve=True]")
+    ('MySolver', '')
+    """
+    name = spec.partition("[")[0]
+    _, found, own = name.rpartition(".py:")
+    return own if found else name if name in _installed() else ""
+
+
+@cache
+def _installed() -> frozenset[str]:
+    """The solvers of other installed packages."""
+    points = entry_points(group="dubins_study.solvers")
+    return frozenset(p.name for p in points if p.dist and p.dist.name != "dubins-study")
+
+
+def own(specs: Iterable[str]) -> list[str]:
+    """Those of the specs that are plug-ins' solvers, which stand before all others."""
+    return [spec for spec in specs if own_name(spec)]
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:
@@ -48,13 +77,13 @@ def counted(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(verdict=verdict, weight=weights(rows))
 
 
-def weights(rows: pd.DataFrame, *also: str) -> pd.Series[float]:
-    """1 over the number of the solver's attempts at the same trial, and in the columns `also`.
+def weights(rows: pd.DataFrame) -> pd.Series[float]:
+    """1 over the number of the solver's attempts at the same trial.
 
     Of two right attempts in three a solver has 2/3 of a question right, whether the three are
     repeats, or a cold and two warm starts.
     """
-    trials = rows.groupby(["solver", *TRIAL, *also], observed=True, dropna=False)
+    trials = rows.groupby(["solver", *TRIAL], observed=True, dropna=False)
     return 1.0 / trials["solver"].transform("size")
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.report.data.attempts import UNTAKEN, counted, methods
+from dubins_study.report.data.rejudged import Recheck, judged_anew, set_up
 from dubins_study.report.data.selection import RowCounts, select_attempts
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
@@ -38,6 +39,7 @@ class Folder:
 
     manifest: Manifest
     rows: RowCounts
+    recheck: Recheck | None = None  # of a folder made elsewhere, whose rows were judged anew
 
     @property
     def name(self) -> str:
@@ -132,7 +134,8 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 def load(folders: str | FilePath | Iterable[str | FilePath]) -> Results:
     """Read and join results folders; if two hold the same cell, the first folder's row is kept.
 
-    A `ResultsError` names the folder that cannot be read, or has no rows.
+    Folders after the first that were made elsewhere are judged anew (`report.data.rejudged`). A
+    `ResultsError` names the folder that cannot be read, or has no rows.
     """
     return _joined(_read_full(folders))
 
@@ -153,14 +156,25 @@ class _Stored(NamedTuple):
     folder: FilePath
     manifest: Manifest
     rows: pa.Table
+    recheck: Recheck | None = None
 
 
 def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
-    paths = [path for given in folder_paths(folders) for path in _results_in(given)]
-    if not paths:
+    """The folders; those of later arguments are judged anew if they are of another set-up.
+
+    That is another machine or other versions than those of the first argument's folders.
+    """
+    first, *later = [_results_in(given) for given in folder_paths(folders)] or [[]]
+    if not first:
         raise ResultsError("no results folder given; expected at least one")
-    manifests = [read_manifest(path, printable=True) for path in paths]
-    return [_Stored(p, m, _rows(p)) for p, m in zip(paths, manifests, strict=True)]
+    stored = [_Stored(path, read_manifest(path, printable=True), _rows(path)) for path in first]
+    known = [set_up(each.manifest) for each in stored]
+    for path in (path for each in later for path in each):
+        manifest, rows, recheck = read_manifest(path, printable=True), _rows(path), None
+        if set_up(manifest) not in known:
+            rows, recheck = judged_anew(rows, manifest)
+        stored.append(_Stored(path, manifest, rows, recheck))
+    return stored
 
 
 def _results_in(folder: FilePath) -> list[FilePath]:
@@ -199,7 +213,7 @@ def _joined(stored: Sequence[_Stored]) -> Results:
     every = rows.select(["experiment", "answerable", "late", *_SCALARS]).to_pandas()
     untaken = every["outcome"] == UNTAKEN
     return Results(
-        folders=tuple(map(Folder, manifests, counts)),
+        folders=tuple(map(Folder, manifests, counts, (each.recheck for each in stored))),
         rows=every[~untaken],
         untaken=every.loc[untaken, ["solver", "experiment"]],
         controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),

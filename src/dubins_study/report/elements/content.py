@@ -27,13 +27,6 @@ class Place(StrEnum):
     PAPER = "paper"
 
 
-class Show(StrEnum):
-    """Where a table or picture is seen: on the page, or only in its own files."""
-
-    PAGE = "page"
-    FILE = "file"
-
-
 @dataclass(frozen=True, eq=False)
 class Table:
     """A frame and how to show it."""
@@ -51,7 +44,6 @@ class Table:
     stacked: bool = False  # whether a narrow screen shows every line as a list of its cells
     # spec -> the solver's short name, which columns of the kind `solver` show
     labels: Mapping[str, str] = field(default_factory=dict)
-    show: Show = Show.PAGE  # `Show.FILE` for a table that repeats a figure
 
     def texts(self) -> list[list[str]]:
         """Every cell as text, row by row."""
@@ -92,7 +84,8 @@ class Picture:
     figure: Figure  # drawn, not yet saved
     alt: str  # what the figure shows, in a few words
     half: bool = False  # whether it takes half of the page's width
-    show: Show = Show.PAGE  # `Show.FILE` for a figure of which the page needs only a link
+    # the same for a narrow screen, half as wide, its panels one below the other
+    narrow: Figure | None = None
 
 
 def picture(
@@ -116,6 +109,14 @@ def picture(
         below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
         figure.legend(**below if entries is None else below | {"handles": entries})
     return Picture(name, caption, figure, alt, width == HALF)
+
+
+def panels_picture(
+    name: str, caption: str, plot: Callable[..., Figure], alt: str, *data: object, **options: object
+) -> Picture:
+    """A figure of several panels, drawn by `plot(*data, **options, narrow=)` for both widths."""
+    wide, narrow = (plot(*data, **options, narrow=narrow) for narrow in (False, True))
+    return Picture(name, caption, wide, alt, narrow=narrow)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,11 +149,7 @@ class Section:
     @property
     def printed_blocks(self) -> tuple[Table | Picture, ...]:
         """The tables and pictures that a text shows."""
-        return tuple(
-            block
-            for block in self.blocks
-            if not isinstance(block, Widget) and block.show is Show.PAGE
-        )
+        return tuple(block for block in self.blocks if not isinstance(block, Widget))
 
     @property
     def printed(self) -> bool:

@@ -58,16 +58,6 @@ def method_table(
     return Table(name, caption, texts, every, numbers=interval_keys(*shows), dense=True)
 
 
-def strata_table(name: str, caption: str, texts: pd.DataFrame, names: pd.Series[str]) -> Table:
-    """A table with a line per stratum, the index of `texts`, and a column per solver."""
-    shown = (
-        Column("stratum", "stratum", kind="text"),
-        *(Column(solver, str(names[solver]), kind="cell") for solver in texts.columns),
-    )
-    frame = texts.rename_axis(columns=None).reset_index(names="stratum")
-    return Table(name, caption, frame, shown, dense=True)
-
-
 def cell_text(text: str) -> str:
     """A number and its interval in two lines that break nowhere else."""
     return text.replace(" (", "\n(", 1).replace(" ", "\u00a0")

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import EXACT, own_name
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements import style
 from dubins_study.report.statistics.methods import UNSTATED, methods_of, once
@@ -54,6 +54,8 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     formulation, engine = str(row["formulation"]), str(row["engine"])
     if engine == UNSTATED:
         return one_line(str(row["solver"]))
+    if own_name(str(row["solver"])):
+        return one_line(", ".join(filter(None, [engine, str(row["settings"])])))
     where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
     settings = str(row["settings"]).split(", ")
     guess = str(row["variant"]).removesuffix(str(row["settings"])).removesuffix(", ")
@@ -125,6 +127,7 @@ LineStyle = str | tuple[int, tuple[float, ...]]
 LINES: tuple[LineStyle, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 # Ten hues and eleven markers: their combinations repeat only after 110 engines.
 _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
+_OWN = ("*", "P", "X", "h")  # of plug-ins' solvers, which have a hue that no engine has
 # Engines in the order in which they get hues and markers; those that meet in most figures come
 # first, so that they differ in hue. Engines that the list does not name follow by name.
 _ENGINES = (
@@ -171,7 +174,9 @@ class Palette:
     def of_page(cls, results: Results) -> Self:
         """The palette of all engines of a page, by its solvers' specs."""
         engines = {str(s): str(engine) for s, engine in names_of(results)["engine"].items()}
-        return cls(cls.of(engines.values()).hues, engines, labels_of(results))
+        own = dict.fromkeys(filter(None, map(own_name, engines)))
+        hues = {name: (style.VERMILION, marker) for name, marker in zip(own, _OWN, strict=False)}
+        return cls(cls.of(engines.values()).hues | hues, engines, labels_of(results))
 
     @classmethod
     def of(cls, engines: Iterable[str]) -> Self:

@@ -24,6 +24,7 @@ from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
 from numpy.typing import NDArray
 
+from dubins_study.report.data.attempts import own_name
 from dubins_study.report.elements.looks import BEHIND, Look, Palette, common_part, one_line
 from dubins_study.report.elements.style import (
     HALF,
@@ -49,6 +50,7 @@ DRAWN_TEXT = (
 )
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
+_MOST_BELOW = 48  # characters of a name below a narrow panel
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -82,13 +84,14 @@ def quartile_lines(
     label: str,
     *,
     panels: bool = False,
+    narrow: bool = False,
 ) -> Figure:
     """Median and quartiles of durations (s) on a logarithmic axis, a named line per row.
 
     Columns: those of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3. In a
     line the first mark is the highest.
     """
-    figure, axes = named_lines(table, label, panels=panels)
+    figure, axes = named_lines(table, label, panels=panels, narrow=narrow)
     looks = palette.looks(table["solver"])
     values = table[[f"{mark.key}{end}" for mark in marks for end in ("_q1", "", "_q3")]]
     positive = values.to_numpy(dtype=np.float64)
@@ -111,13 +114,15 @@ def quartile_lines(
     return figure
 
 
-def stacked_shares(table: pd.DataFrame, marks: Sequence[Mark], label: str) -> Figure:
+def stacked_shares(
+    table: pd.DataFrame, marks: Sequence[Mark], label: str, *, narrow: bool = False
+) -> Figure:
     """One bar per row, stacked of shares, in a panel per formulation.
 
     Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
     in the order of the stack, from dark to light; those that no row has are left out.
     """
-    figure, axes = named_lines(table, label, panels=True)
+    figure, axes = named_lines(table, label, panels=True, narrow=narrow)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
     for ax, rows in axes:
         places, left = np.arange(len(rows))[::-1], np.zeros(len(rows))
@@ -129,7 +134,7 @@ def stacked_shares(table: pd.DataFrame, marks: Sequence[Mark], label: str) -> Fi
         ax.set(xlim=(0, 1), xticks=(0, 1))
         percent_axis(ax.xaxis)
     handles = [Patch(label=mark.label or mark.key, **mark.bar()) for mark in present]
-    _legend(figure, "upper", handles)
+    _legend(figure, "upper", handles, 2 if narrow else 0)
     return figure
 
 
@@ -137,23 +142,24 @@ _THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
 
 
 def named_lines(
-    table: pd.DataFrame, label: str, *, panels: bool = False
+    table: pd.DataFrame, label: str, *, panels: bool = False, narrow: bool = False
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
     """A figure of named lines and its panels, each with its rows.
 
     The first row is the highest, and the last is at the height 0. Columns: name, and if it is given
     note (a text at the right). With `panels` each `formulation` has its panel, with the names in
-    `short`.
+    `short`. A `narrow` figure is half as wide and as high as its panels in one column.
     """
-    size, inches = (6.0, 0.145) if panels else (8.0, 0.27)
+    size, inches = (8.0, 0.27) if not panels else (6.5, 0.15) if narrow else (6.0, 0.145)
     groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
     heights = np.array([inches * len(rows) + (0.3 if panels else 0) for _, _, rows in groups])
-    columns = _columns(heights)
+    columns = _columns(heights, 1 if narrow else _ACROSS)
     tallest = max(heights[places].sum() for places in columns)
     lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
     if not panels:  # names of several lines need more room
         tallest = max(tallest, 0.13 * lines)
-    figure = new_figure(WIDE, min(HIGHEST, 0.75 + tallest))
+    high = 0.75 + tallest
+    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     if panels:
         figure.supxlabel(label, fontsize=8, color=MUTED)
     parts = figure.subfigures(1, len(columns), squeeze=False)[0]
@@ -185,10 +191,10 @@ def named_lines(
     return figure, drawn
 
 
-def _columns(heights: FloatArray) -> list[NDArray[np.intp]]:
+def _columns(heights: FloatArray, most: int) -> list[NDArray[np.intp]]:
     """The places of panels in columns, in order, the highest column as low as possible."""
     number = len(heights)
-    cuts = combinations(range(1, number), min(_ACROSS, number) - 1)
+    cuts = combinations(range(1, number), min(most, number) - 1)
     parts = (np.split(np.arange(number), cut) for cut in cuts)
     return min(parts, key=lambda columns: max(heights[places].sum() for places in columns))
 
@@ -228,28 +234,35 @@ def share_curves(
     seconds: bool = False,
     limit: float | None = None,
     same_x: bool = True,
+    narrow: bool = False,
 ) -> Figure:
     """Rising shares over a logarithmic axis, in one wide panel or several small ones.
+
+    The panels of a `narrow` figure stand in one column.
 
     `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
     solver; curves of solvers that are not in `names` are grey. A dotted line is drawn at `limit`.
     """
-    across = min(_ACROSS, len(shares))
+    across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
     down, small = -(-len(shares) // across), 6.5
-    figure = new_figure(WIDE, 2.9 if across == 1 else min(HIGHEST, 0.3 + 1.5 * down))
+    high = 0.3 + 1.5 * down if several else 2.9
+    entries = sum(solver in names for table in shares.values() for solver in table)
+    tall = 0.5 + 1.3 * down + 0.13 * entries
+    figure = new_figure(HALF, tall) if narrow else new_figure(WIDE, min(HIGHEST, high))
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
         ax, named = panels[place], [str(solver) for solver in table if solver in names]
         shared, shown = "", [names[solver] for solver in named]
-        if across > 1:
+        if several:
             shared, shown = common_part(shown)
-        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small)
+        shown = [one_line(name, _MOST_BELOW) for name in shown] if narrow else shown
+        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=narrow)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
             mark_limit(ax, limit)
         _scale(ax, float(table.index[0]), float(table.index[-1]), seconds=seconds)
-        if across > 1:
+        if several:
             ax.xaxis.set_major_locator(LogLocator(numticks=3))
             ax.set_yticks((0, 0.5, 1))
     for ax in panels[len(shares) :]:
@@ -260,22 +273,34 @@ def share_curves(
 
 
 def _draw_shares(
-    ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette, size: float
+    ax: Axes,
+    table: pd.DataFrame,
+    names: Mapping[str, str],
+    palette: Palette,
+    size: float,
+    *,
+    below: bool,
 ) -> None:
-    """Draw the columns of a table over its index; those with a name in colour and in the legend."""
+    """Draw the columns of a table over its index; those with a name in colour and in the legend.
+
+    The legend stands beside the panel, or below it.
+    """
     looks, drawn = palette.looks(names), {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
         changed = curve.ne(curve.shift()) | (curve.index == curve.index[-1])
-        style = looks[solver].lines | {"linewidth": 1.1} if solver in looks else BEHIND
+        thick: Style = {"linewidth": 2.2 if own_name(solver) else 1.1}
+        style = looks[solver].lines | thick if solver in looks else BEHIND
         (line,) = ax.step(curve.index[changed], curve[changed], where="post", **style)
         line.set_label(names.get(solver, "_"))
         drawn[solver] = line
     # The legend has the order in which the curves end, from the highest down.
     order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
     handles = [drawn[solver] for solver in order]
-    beside: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
-    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **beside)
+    place: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
+    if below:
+        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12)}
+    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **place)
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 

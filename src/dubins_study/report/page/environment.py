@@ -19,7 +19,6 @@ from dubins_study.report.elements.content import (
     Picture,
     Place,
     Section,
-    Show,
     Table,
     Widget,
 )
@@ -120,11 +119,10 @@ def _text(name: str) -> Markup:
 
 
 class Folded(NamedTuple):
-    """A section's blocks: at first sight, behind a line that names them, and as files only."""
+    """A section's blocks: at first sight, and behind a line that names them."""
 
     shown: tuple[Block, ...]
     more: tuple[Block, ...]
-    files: tuple[Table | Picture, ...]
 
 
 def folded(section: Section) -> Folded:
@@ -132,14 +130,13 @@ def folded(section: Section) -> Folded:
 
     On the page about the paper, a document to be read from top to bottom, nothing is folded.
     """
-    files = tuple(b for b in section.blocks if not isinstance(b, Widget) and b.show is Show.FILE)
-    blocks = [block for block in section.blocks if block not in files]
+    blocks = section.blocks
     if section.place is Place.PAPER:
-        return Folded(tuple(blocks), (), files)
+        return Folded(blocks, ())
     halves = [isinstance(block, Picture) and block.half for block in blocks[:2]]
     first = 2 if halves == [True, True] else 1
     shown = [b for n, b in enumerate(blocks) if n < first or isinstance(b, Widget)]
-    return Folded(tuple(shown), tuple(b for b in blocks if b not in shown), files)
+    return Folded(tuple(shown), tuple(b for b in blocks if b not in shown))
 
 
 def summary(block: Table | Picture) -> str:

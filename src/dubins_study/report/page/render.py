@@ -11,12 +11,12 @@ from typing import NamedTuple
 from jinja2 import Environment
 
 from dubins_study.errors import DubinsStudyError
+from dubins_study.report.data.rejudged import Recheck
 from dubins_study.report.data.results import Folder, Results, load_with_rows
 from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Picture, Place, Section, Table
-from dubins_study.report.elements.formats import some
+from dubins_study.report.elements.formats import count, sentences, some
 from dubins_study.report.elements.style import figure_bytes, fix_layout
-from dubins_study.report.page.drawings import inline
 from dubins_study.report.page.environment import (
     FRONT_PAGE,
     PAPER_PAGE,
@@ -25,7 +25,7 @@ from dubins_study.report.page.environment import (
     styles,
 )
 from dubins_study.report.page.glossary import GLOSSARY
-from dubins_study.report.page.markup import dictionary, to_csv, to_markdown
+from dubins_study.report.page.markup import dictionary, inline, to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import CITATION, TITLE
@@ -47,6 +47,15 @@ REPORT_HEAD = Head(
     "end: which formulation, engine and initial guess find the shortest path, how surely, how "
     "fast, and who proves it?",
 )
+
+
+def head_of(folders: Sequence[Folder]) -> Head:
+    """Title and question of the experiment; of several the report's."""
+    first = folders[0]
+    if len({folder.name for folder in folders}) > 1:
+        return REPORT_HEAD
+    return Head(first.title, first.manifest.experiment.question or REPORT_HEAD.asked)
+
 
 Progress = Callable[[str], None]
 
@@ -81,7 +90,7 @@ def render(
         results, empty = load_with_rows(given)
         target = given[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
-        return write_page(target, lambda: _sections(results, progress), every)
+        return write_page(target, lambda: _sections(results, progress), every, head_of(every))
     finally:
         gc.set_threshold(*thresholds)
 
@@ -176,6 +185,10 @@ def _write(
         (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
         (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
         drawn[picture.name] = inline(svg.decode("utf-8"), picture.name, picture.alt)
+        if picture.narrow is not None:
+            fix_layout(picture.narrow)
+            name, svg = f"{picture.name}-narrow", figure_bytes(picture.narrow, "svg")
+            drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
     content = {
         "sections": sections,
         "runs": runs,
@@ -204,13 +217,13 @@ def _documents(
         parts = {"page": name, "open": opened, "details": folded, "others": others}
         yield name, _templates().get_template("index.html.j2").render(**content, **parts)
     yield "report.md", _templates().get_template("report.md.j2").render(**content)
-    yield "report.tex", document(_templates(), sections, runs)
+    yield "report.tex", document(_templates(), sections, runs, str(content["heading"]))
 
 
 def _templates() -> Environment:
     """The environment of one document: in each the first use of a word is a link."""
     templates = environment()
-    templates.filters |= {"left_out": left_out, "warnings": warnings}
+    templates.filters |= {"left_out": left_out, "warnings": warnings, "differing": differing}
     return templates
 
 
@@ -226,12 +239,26 @@ def warnings(run: Folder) -> list[str]:
             f"It contradicts a folder before it in {some(run.rows.contradicting, 'cell')}, by the "
             "same code: the earlier folder's attempts are shown; dubins-study merge names both."
         )
+    if run.recheck is not None and run.recheck.changed:
+        lines.append(f"Made elsewhere, and judged anew: {differing(run.recheck)}.")
     if run.section is not None and run.section not in KEYS:
         lines.append(
             f"No section of the report is called {run.section!r}, which its TOML file asks for; "
             f"expected one of: {', '.join(KEYS)}."
         )
     return lines
+
+
+def differing(recheck: Recheck) -> str:
+    """In how many rows of a folder what the check finds here is not what the folder says."""
+    parts = ", ".join(f"{name} {count(n)}" for name, n in recheck.differing.items())
+    return sentences(
+        f"{some(recheck.changed, 'row')} of {count(recheck.judged)} differ from what the folder "
+        f"says{f' ({parts})' if parts else ''}",
+        f"({some(recheck.left, 'answer')} to convex problems are as the folder has them)"
+        if recheck.left
+        else "",
+    )
 
 
 def left_out(run: Folder) -> list[str]:

@@ -288,7 +288,9 @@ _MM = 25.4  # in an inch
 _FIGURE_CAPTION = 30.0  # mm
 
 
-def document(environment: Environment, sections: Sequence[Section], runs: Sequence[Folder]) -> str:
+def document(
+    environment: Environment, sections: Sequence[Section], runs: Sequence[Folder], heading: str
+) -> str:
     """The text of `report.tex`, which pdflatex compiles in the report's folder."""
     # Braces mean something to TeX, so the template's commands stand in `<< >>` and `<% %>`.
     latex = environment.overlay(
@@ -304,7 +306,8 @@ def document(environment: Environment, sections: Sequence[Section], runs: Sequen
     page = {"width": PAGE_WIDTH, "height": PAGE_HEIGHT}
     template = latex.get_template("report.tex.j2")
     printed = [section for section in sections if section.printed]
-    return template.render(sections=printed, runs=runs, citation=CITATION, **page)
+    known = {"runs": runs, "citation": CITATION, "heading": heading}
+    return template.render(sections=printed, **known, **page)
 
 
 def _shrunk(picture: Picture) -> str:

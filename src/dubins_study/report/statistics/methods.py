@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, TRIAL, presolved
+from dubins_study.report.data.attempts import EXACT, TRIAL, own, own_name, presolved
 from dubins_study.report.data.results import Results
 from dubins_study.report.statistics.intervals import Statistic, bootstrap
 from dubins_study.report.statistics.metrics import natural, parse_spec, success
@@ -36,12 +36,15 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
 
     Returns:
         Indexed by solver. Columns formulation, engine, guess; settings: those of the spec that
-        tell solvers with the same three apart (the solver's name if it states no engine), and the
+        tell solvers with the same three apart (the solver's name if it states no engine; of a
+        plug-in's solver the engine is its own name, and it stands first), and the
         presolve where it tells solvers of the formulation apart; variant: guess and settings, the
         guess only where it is unusual or not the only one; short: engine and variant, for a figure
         of one formulation; name: of a sentence, with formulation and guess.
     """
     stated = rows.groupby("solver", observed=True)[_STATED].first().fillna(UNSTATED)
+    names = stated.index.map(own_name).to_series(stated.index)
+    stated["engine"] = names.where(names != "", stated["engine"])
     settings: dict[str, str] = {}
     shared = {
         str(name): _differing_keys([parse_spec(spec)[1] for spec in group.index]) & {_PRESOLVE}
@@ -68,13 +71,14 @@ def methods_of(rows: pd.DataFrame) -> pd.DataFrame:
         )
     ]
     order = frame.assign(
+        others=names == "",
         formulation=_places(frame["formulation"], FORMULATIONS),
         guess=_places(given, _GUESSES),
         engine=frame["engine"].str.casefold(),
         settings=_places(frame["settings"], sorted(set(frame["settings"]), key=natural)),
         spec=_places(frame.index.to_series(), sorted(frame.index, key=natural)),
     )
-    return frame.loc[order.sort_values([*_STATED, "settings", "spec"]).index]
+    return frame.loc[order.sort_values(["others", *_STATED, "settings", "spec"]).index]
 
 
 def _joined(*texts: pd.Series[str]) -> pd.Series[str]:
@@ -112,23 +116,30 @@ MOST_METHODS, MOST_ENGINES = 14, 10
 def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     """The methods that figures with a panel per formulation show: the `best_methods` of engines.
 
-    At most `MOST_ENGINES` of a formulation, those most surely right; not the closed form, to which
-    no engine compares, unless there is no other.
+    At most `MOST_ENGINES` of a formulation, plug-ins' and those most surely right; not the closed
+    form, to which no engine compares, unless there is no other.
     """
     engines = frame[frame["formulation"] != FORMULATIONS[0]]
     engines = engines if len(engines) else frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
-    kept = _ranked(best).groupby("formulation", sort=False).head(MOST_ENGINES)
+    first = _ranked(best).sort_values("solver", key=_others, kind="stable")
+    kept = first.groupby("formulation", sort=False).head(MOST_ENGINES)
     return kept.sort_values("place", kind="stable").drop(columns="place")
 
 
+def _others(solvers: pd.Series[str]) -> pd.Series[bool]:
+    """A key that sorts plug-ins' solvers first."""
+    return solvers.map(own_name).eq("")
+
+
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
-    """Some names with the largest scores, in the order of the scores' index.
+    """Some solvers, plug-ins' and those with the largest scores, in the order of the index.
 
     A figure draws their curves in colour and the others in grey.
     """
-    kept = set(scores.sort_values(ascending=False, kind="stable").index[:most])
+    best = scores.sort_values(ascending=False, kind="stable").index
+    kept = set([*own(best), *best][:most])
     return [str(name) for name in scores.index if name in kept]
 
 

@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, presolved
-from dubins_study.report.statistics.intervals import wilson_intervals
+from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, own_name, presolved
 
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
@@ -42,11 +41,11 @@ def natural(text: str) -> tuple[tuple[bool, float, str], ...]:
 
 
 def solver_order(solvers: Sequence[str]) -> list[str]:
-    """Distinct solvers: the closed form first, then by name, variants after the plain solver."""
+    """Distinct solvers: plug-ins', the closed form, then by name, variants after the plain one."""
 
     def rank(spec: str) -> tuple[object, ...]:
         name, settings = parse_spec(spec)
-        return name != EXACT, natural(name), len(settings), natural(spec), spec
+        return not own_name(spec), name != EXACT, natural(name), len(settings), natural(spec), spec
 
     return sorted(set(solvers), key=rank)
 
@@ -120,51 +119,3 @@ def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
     changes = [i for i in range(1, len(words)) if words[i] != words[i - 1]]
     bounds = [0, *changes, len(words)] if words else []
     return [(a, b, words[a]) for a, b in pairwise(bounds)]
-
-
-def seed_spread(rows: pd.DataFrame) -> pd.DataFrame:
-    """The spread of each solver over the repeats of a question, which differ in their seed.
-
-    Stochastic engines draw random numbers, and MIP engines permute rows and break ties by a seed;
-    one run of either is a sample (Lodi and Tramontani 2013, "Performance variability in
-    mixed-integer programming", INFORMS TutORials in Operations Research).
-
-    The rows are attempts with solver, question, verdict (a missing one is a verdict), right, and
-    wall_s (left out where it is not finite).
-
-    Indexed by solver, of the questions that it was asked at least twice. questions; repeats: the
-    least number; changing: share of questions whose verdict changes, with Wilson's 95 % interval
-    changing_low and changing_high; sometimes: share of questions that it answers correctly with
-    some seeds and not with others; medians over questions of the time's iqr_relative (quartile
-    range / median) and cv (standard deviation with n - 1 in the denominator / mean).
-    """
-    seconds = rows["wall_s"].astype(np.float64)
-    kept = rows[["solver", "question"]].assign(
-        verdict=rows["verdict"].astype(object).fillna("missing"),
-        right=rows["right"].astype(np.float64),
-        seconds=seconds.where(np.isfinite(seconds)),
-    )
-    groups = kept.groupby(["solver", "question"], observed=True)
-    times, right = groups["seconds"], groups["right"].mean()
-    median, mean = times.median(), times.mean()
-    each = pd.DataFrame(
-        {
-            "repeats": groups.size(),
-            "changing": groups["verdict"].nunique() > 1,
-            "sometimes": (right > 0) & (right < 1),
-            "iqr": (times.quantile(0.75) - times.quantile(0.25)) / median.where(median > 0),
-            "cv": times.std(ddof=1) / mean.where(mean > 0),
-        }
-    )
-    solvers = each[each["repeats"] > 1].groupby(level=0, observed=True)
-    frame = pd.DataFrame({"questions": solvers.size(), "repeats": solvers["repeats"].min()})
-    changing = solvers["changing"].sum()
-    ends = wilson_intervals(changing, frame["questions"])
-    return frame.assign(
-        changing=changing / frame["questions"],
-        changing_low=ends[:, 0],
-        changing_high=ends[:, 1],
-        sometimes=solvers["sometimes"].mean(),
-        iqr_relative=solvers["iqr"].median(),
-        cv=solvers["cv"].median(),
-    )

@@ -7,12 +7,21 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import EXACT, is_true
+from dubins_study.report.data.attempts import EXACT, is_true, own
 from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Place,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -20,8 +29,6 @@ from dubins_study.report.elements.identity import (
     interval_keys,
     method_columns,
     method_table,
-    strata_table,
-    with_interval_texts,
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
@@ -37,7 +44,6 @@ TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "f
 TRUE, TOLERATED, LESS, NOTHING, FALSE = TRUTHS
 # Two equations that are each off by the tolerance move the length by a small multiple of it.
 _TOLERANCES = 10.0
-_MOST_CURES = 3
 _SILENT = ("failed", "limit", "none")
 # From dark to light with hatches, so that grey print keeps them apart.
 MARKS = (
@@ -135,41 +141,13 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-def cures(rows: pd.DataFrame, methods: pd.DataFrame) -> pd.DataFrame:
-    """For methods with false `claims`: the same engine otherwise set, without any at the questions.
-
-    A cure has the same engine and formulation, was asked at least one of the questions at which the
-    method makes a false claim, and makes none at any question. Without such a cure, the engine's
-    other formulations are taken. At most three a method (one with an empty `cure` if there is
-    none): questions (with a false claim), tried (how many of them the cure was asked), right (how
-    many of those it answers correctly in all repeats).
-    """
-    false = rows[rows["truth"] == FALSE]
-    bad = {str(solver): set(group) for solver, group in false.groupby("solver")["question"]}
-    right = rows.groupby(["question", "solver"])["right"].all().unstack("solver")
-    honest = [solver for solver in methods.index if solver not in bad and solver in right]
-    lines = []
-    for solver in methods.index.intersection(list(bad)):
-        questions = sorted(bad[solver])
-        same = [s for s in honest if methods["engine"][s] == methods["engine"][solver]]
-        near = [s for s in same if methods["formulation"][s] == methods["formulation"][solver]]
-        asked = right.loc[questions, near or same]
-        counts = zip(asked.columns, asked.notna().sum(), asked.sum(), strict=True)
-        tried = [(s, int(number), int(rights)) for s, number, rights in counts if number]
-        # Those that answer the most of the questions come first.
-        tried = sorted(tried, key=lambda cure: (-cure[2], -cure[1]))[:_MOST_CURES]
-        lines += [(solver, cure, len(questions), *n) for cure, *n in tried or [("", 0, 0)]]
-    return pd.DataFrame(lines, columns=["solver", "cure", "questions", "tried", "right"])
-
-
 _TOLERATED = PROOFS[1]
 _MOST_BARS = 6  # in a panel
-_MOST_STRATA_COLUMNS = 8  # of the table by stratum
 _MOST_EXAMPLES = 40
 
 
 def belief_section(results: Results) -> Section | None:
-    """What claims are worth, which proofs are false, and what cures them."""
+    """What claims are worth, and which proofs are false."""
     attempts = compared(results)
     if attempts is None:
         return None
@@ -186,11 +164,7 @@ def belief_section(results: Results) -> Section | None:
         *best_first(_belief_table(table), table.index, best_solvers(results)),
     ]
     if len(false):
-        by_stratum = _stratum_table(rows, attempts)
-        blocks.append(_kind_table(table))
-        blocks += [by_stratum] if by_stratum is not None else []
-        blocks.append(_proof_table(false, names))
-        blocks.append(_cure_table(cures(rows, names), names))
+        blocks += [_kind_table(table), _proof_table(false, names)]
     text = sentences(
         "A claim is true if it says no more than the check finds; a local solver's longer path is "
         "a true claim of a local optimum. A claim is true to its tolerance if its bound is too "
@@ -221,7 +195,7 @@ def _liars(table: pd.DataFrame) -> str:
 def _picture(table: pd.DataFrame) -> Picture:
     engines = table[table.index != EXACT].sort_values("false", ascending=False)
     shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
-    shown = table[table.index.isin(shown.index)]
+    shown = table[table.index.isin([*own(table.index), *shown.index])]
     left_out = len(engines) - len(shown)
     rest = (
         f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
@@ -230,13 +204,20 @@ def _picture(table: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions as others." if few.any() else ""
     caption = (
         "What the claims are worth, as shares of the questions, those without a path included; "
-        f"at the right the number of attempts with a false claim.{star}{rest}"
+        f"at the right the number of attempts with a false claim.{star}{rest} A narrow "
+        "screen shows those with false claims alone."
     )
     alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
     notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in numbers]
-    figure = stacked_shares(shown.assign(note=notes), MARKS, "share of questions")
-    return Picture("belief-claims", caption, figure, alt)
+    return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))
+
+
+def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
+    """Bars of all methods; of a `narrow` figure those with false claims, and plug-ins'."""
+    false = (shown["attempts"] > 0) | shown.index.isin(own(shown.index))
+    drawn = shown[false] if narrow and false.any() else shown
+    return stacked_shares(drawn, MARKS, "share of questions", narrow=narrow)
 
 
 def _belief_table(table: pd.DataFrame) -> Table:
@@ -269,23 +250,6 @@ def _kind_table(table: pd.DataFrame) -> Table:
     return Table("belief-kinds", caption, frame, shown, bad, numbers=("solver",))
 
 
-def _stratum_table(rows: pd.DataFrame, attempts: Compared) -> Table | None:
-    """The share of false claims in each stratum, for the methods that make any."""
-    names = attempts.methods
-    liars = rows.loc[rows["truth"] == FALSE, "solver"].value_counts().index[:_MOST_STRATA_COLUMNS]
-    chosen = [solver for solver in names.index if solver in set(liars)]
-    if rows["stratum"].nunique() < 2:
-        return None
-    table = beliefs(rows[rows["solver"].isin(chosen)], ["stratum", "solver"])
-    texts = with_interval_texts(table, false=share)["false_text"]
-    wide = texts.unstack("solver").reindex(index=attempts.strata, columns=chosen)
-    caption = (
-        "Share of questions with a false claim, by stratum, with Wilson's 95 % intervals; the "
-        f"{len(chosen)} methods with the most false claims."
-    )
-    return strata_table("belief-strata", caption, wide.dropna(how="all"), names["name"])
-
-
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     frame = names.reindex(false["solver"]).reset_index(drop=True)
     frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
@@ -307,22 +271,6 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         "proven bounds. The command repeats the example."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
-
-
-def _cure_table(cure: pd.DataFrame, names: pd.DataFrame) -> Table:
-    frame = names.reindex(cure["solver"]).reset_index(drop=True).join(cure)
-    frame["cured_by"] = cure["cure"].map(names["name"]).fillna("none among the rows")
-    shown = (
-        *method_columns(frame),
-        *columns(count, questions="questions with a false claim"),
-        *columns(kind="text", cured_by="the same engine without false claims"),
-        *columns(count, tried="asked of those questions", right="right"),
-    )
-    caption = (
-        "What cures false claims, as far as the rows tell: methods with the same engine (and the "
-        "same formulation, if there is one) that make no false claim at any question."
-    )
-    return Table("belief-cures", caption, frame, shown)
 
 
 TOPIC = Topic("whom one can believe", belief_section, General.BENCHMARKED, place=Place.FRONT)

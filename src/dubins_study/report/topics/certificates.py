@@ -23,7 +23,7 @@ COUNTS = (
 )
 ERRORS = (
     SOLVER,
-    *columns(digits(2), pmp_residual="worst residual", cut_margin="least cut margin, rad"),
+    *columns(digits(2), pmp_residual="worst residual"),
     *columns(count, multipliers="multipliers"),
     *columns(digits(2), costate_median="costate error, median", costate_error="worst"),
 )
@@ -33,9 +33,9 @@ def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver; a value that none of its rows has is missing.
 
     Columns: solver, attempts, certified (attempts), one count per proof; pmp_residual (largest
-    among the right answers), cut_margin (smallest among the right answers to `best`, rad);
-    multipliers (answers whose multipliers can be compared), costate_median and costate_error
-    (median and largest error of those); bounds (attempts with a lower bound), false_bounds;
+    among the right answers); multipliers (answers whose multipliers can be compared),
+    costate_median and costate_error (median and largest error of those); bounds (attempts with
+    a lower bound), false_bounds;
     enclosed (attempts whose reference length has proven bounds), open (those of them whose
     bounds are apart by more than a hundredth: the data leave open on which side of a jump the
     target lies) and width (largest relative distance of the other bounds).
@@ -53,12 +53,10 @@ def proofs(attempts: pd.DataFrame) -> pd.DataFrame:
     counts |= {"false_bounds": is_true(attempts["false_bound"])}
     counts |= {"enclosed": width.notna(), "open": width > _OPEN}
     solver = attempts["solver"]
-    best = right & attempts["branch"].eq("best")
     frame = pd.DataFrame(counts).groupby(solver).sum()
     return frame.assign(
         attempts=solver.groupby(solver).size(),
         pmp_residual=attempts["pmp_residual"].where(right).groupby(solver).max(),
-        cut_margin=attempts["cut_margin"].where(best).groupby(solver).min(),
         costate_median=error.groupby(solver).median(),
         costate_error=error.groupby(solver).max(),
         width=width.where(width <= _OPEN).groupby(solver).max(),
@@ -93,8 +91,7 @@ def certificates_section(results: Results) -> Section | None:
     )
     errors = Table(
         "certificates",
-        "Of the optimal answers the worst violation of Pontryagin's conditions and, of the branch "
-        "best, the least cut margin: above 0 a path is the shortest to its own end. Costate "
+        "Of the optimal answers the worst violation of Pontryagin's conditions. Costate "
         "error: a solver's multipliers against the costates of its own path, if that arrives and "
         "has more than one arc.",
         frame,

@@ -1,4 +1,4 @@
-"""Methods compared: profiles, means and ranks, paired tests, spread over repeats."""
+"""Methods compared: profiles, means and ranks, paired tests."""
 
 from __future__ import annotations
 
@@ -8,10 +8,17 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    BENCHMARK,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
     best_first,
@@ -47,7 +54,6 @@ from dubins_study.report.statistics.methods import (
     foremost,
     once,
 )
-from dubins_study.report.statistics.metrics import seed_spread
 from dubins_study.study.path import FloatArray
 
 # A method that was put to fewer of the questions would shrink what all have in common.
@@ -151,8 +157,14 @@ def pictures(
         yield _profiles(table, ranked, palette)
     counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
     if len(counted):
-        yield _evaluations(attempts, counted.drop_duplicates("formulation"), palette)
-    yield _targets(attempts, ranked.drop_duplicates("formulation"), palette)
+        yield _evaluations(attempts, _drawn(counted), palette)
+    yield _targets(attempts, _drawn(ranked), palette)
+
+
+def _drawn(ranked: pd.DataFrame) -> list[str]:
+    """Plug-ins' solvers, and the best method of each formulation."""
+    best = ranked.drop_duplicates("formulation").index
+    return list(dict.fromkeys([*own(ranked.index), *best]))[:MOST_ENGINES]
 
 
 def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Picture:
@@ -182,15 +194,11 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         if grey
         else "",
     )
-    figure = share_curves(
-        profiles,
-        {solver: str(ranked["short"][solver]) for group in named.values() for solver in group},
-        palette,
-        "time / time of the fastest right answer of the formulation",
-        same_x=False,
-    )
+    names = {solver: str(ranked["short"][solver]) for group in named.values() for solver in group}
+    label = "time / time of the fastest right answer of the formulation"
     alt = "Performance profiles in small panels, one per formulation"
-    return Picture("comparison-profiles", caption, figure, alt)
+    data = profiles, names, palette, label
+    return panels_picture("comparison-profiles", caption, share_curves, alt, *data, same_x=False)
 
 
 def _wide(
@@ -198,12 +206,12 @@ def _wide(
 ) -> Picture:
     """Rising shares of the best methods in one panel; durations if there is a label of y."""
     names = {solver: palette.label(solver) for solver in map(str, shares.columns)}
-    figure = share_curves({"": shares}, names, palette, *labels, seconds=len(labels) > 1)
-    return Picture(name, caption, figure, alt)
+    data = {"": shares}, names, palette, *labels
+    return panels_picture(name, caption, share_curves, alt, *data, seconds=len(labels) > 1)
 
 
-def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
-    table = evaluations(attempts)[list(best.index[:MOST_ENGINES])]
+def _evaluations(attempts: Compared, solvers: list[str], palette: Palette) -> Picture:
+    table = evaluations(attempts)[solvers]
     shares = shares_within(table, _points(table))
     caption = (
         "Data profile: the share of questions that a method answers correctly within a number of "
@@ -215,8 +223,8 @@ def _evaluations(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Pi
     return _wide("comparison-evaluations", caption, shares, palette, alt, "function evaluations")
 
 
-def _targets(attempts: Compared, best: pd.DataFrame, palette: Palette) -> Picture:
-    solvers, rows = list(best.index[:MOST_ENGINES]), attempts.answerable
+def _targets(attempts: Compared, solvers: list[str], palette: Palette) -> Picture:
+    rows = attempts.answerable
     rows = rows[rows["solver"].isin(solvers)]
     groups = rows.groupby(["question", "solver"])
     # The worst gap of the repeats, so that a target is reached only if all repeats reach it.
@@ -307,29 +315,8 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame, shared: str) -> Table:
     return Table(f"comparison-tests-{shared}", caption, frame, shown, dense=True)
 
 
-def spread_table(spread: pd.DataFrame, methods: pd.DataFrame) -> Table:
-    """Spread over repeats, of the methods whose verdict changes."""
-    changing = spread[spread["changing"] > 0]
-    shown = (
-        *columns(count, questions="questions", repeats="repeats"),
-        interval_column("changing", "verdict changes"),
-        *columns(share, sometimes="right only sometimes"),
-        *columns(
-            digits(2), cv="time: deviation / mean", iqr_relative="time: quartile range / median"
-        ),
-    )
-    caption = (
-        "Spread over repeats, each with another seed where the engine draws random numbers: how "
-        "often the verdict changes (Wilson's 95 % interval), and the spread of the time. "
-        f"{count(len(spread) - len(changing))} methods give one verdict in all repeats and are "
-        "left out."
-    )
-    frame = methods.join(changing, how="inner").reindex(changing.index)
-    return method_table("comparison-spread", caption, frame, shown, changing=share)
-
-
 def comparison_section(results: Results) -> Section | None:
-    """Profiles, means and ranks, paired tests, and spread over repeats."""
+    """Profiles, means and ranks, and paired tests."""
     attempts = compared(results)
     if attempts is None:
         return None
@@ -341,14 +328,11 @@ def comparison_section(results: Results) -> Section | None:
     palette = Palette.of_page(results)
     blocks: list[Picture | Table] = [*pictures(attempts, table, ranked, palette)]
     ranks = rank_table(ranked, shift, common, attempts.limit_s)
-    best = set(ranked.drop_duplicates("formulation").index)
+    best = {*own(ranked.index), *ranked.drop_duplicates("formulation").index}
     which = "Of each formulation the method with the least mean."
     blocks += best_first(ranks, ranked.index, best, which)
     tests = shared_tests(table, ranked).items()
     blocks += [test_table(each, ranked, shared) for shared, each in tests if len(each)]
-    repeats = spread(attempts)
-    if len(repeats) and repeats["changing"].any():
-        blocks.append(spread_table(repeats, attempts.methods))
     unranked = int(ranked["rank"].isna().sum())
     left_out = sum(solver not in table for solver in attempts.engines.index)
     text = sentences(
@@ -372,20 +356,16 @@ def comparison_section(results: Results) -> Section | None:
 
 
 def _first(ranked: pd.DataFrame) -> str:
+    """The method with the least mean; empty of too few questions."""
     first = ranked.to_dict("records")[0]
+    if first["questions"] < ENOUGH_TO_CHOOSE:
+        return ""
     mean = with_interval(seconds, first["mean"], first["mean_low"], first["mean_high"])
     right = with_interval(share, first["right"], first["right_low"], first["right_high"])
-    return f"The least mean time has {first['name']}: {mean}, right on {right} of the questions."
-
-
-def spread(attempts: Compared) -> pd.DataFrame:
-    """Spread over repeats at questions with a path, by solver, those that change most first."""
-    rows = attempts.answerable
-    rows = rows[rows["solver"].isin(attempts.engines.index)]
-    if rows["repeat"].nunique() < 2:
-        return pd.DataFrame()
-    frame = seed_spread(rows)
-    return frame.sort_values(["changing", "cv"], ascending=False, kind="stable")
+    return (
+        f"The least mean time over {count(first['questions'])} questions has {first['name']}: "
+        f"{mean}, right on {right} of them."
+    )
 
 
 TOPIC = Topic("the comparison of methods", comparison_section, BENCHMARK)

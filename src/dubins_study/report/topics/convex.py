@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, Topic
+from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
 from dubins_study.report.elements.formats import ABSENT, count, seconds, sentences, some
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import WIDE, Style, duration, log_axis, new_figure, power
+from dubins_study.report.elements.style import (
+    HALF,
+    WIDE,
+    Style,
+    duration,
+    log_axis,
+    new_figure,
+    power,
+)
 from dubins_study.report.statistics.metrics import parse_spec, success
 
 _OWN = "own"
@@ -64,7 +73,6 @@ def convex_section(results: Results) -> Section | None:
         f"{some(false, 'claim')} of {count(len(rows))} answers {'is' if false == 1 else 'are'} "
         "false: of an optimum, by the proof and by a residual beyond the tolerance; or that no "
         "point is feasible.",
-        _advice(sizes),
         f"{some(hidden, 'answer')} {'keeps' if hidden == 1 else 'keep'} all three residuals within "
         f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
     )
@@ -73,29 +81,30 @@ def convex_section(results: Results) -> Section | None:
     return Section("convex", "The convex problems of a sequence", text, blocks, lead)
 
 
-def _advice(sizes: pd.DataFrame) -> str:
-    """The quickest engines that are right at every tolerance, kind by kind and size by size."""
-    own = sizes[sizes["interface"] == _OWN]
-    keys = ["kind", "rates", "engine"]
-    both = own.groupby(keys).agg(right=("right", "all"), wall_s=("wall_s", "max")).reset_index()
-    best = both[both["right"]].sort_values("wall_s").drop_duplicates(["kind", "rates"])
-    parts = [
-        f"{row['engine']} for {row['kind']}s of {count(row['rates'])} turn rates"
-        for row in best.sort_values(["kind", "rates"]).to_dict("records")
-    ]
-    if not parts:
-        return "No engine is right at every tolerance."
-    return f"The quickest that is right at every tolerance: {', '.join(parts)}."
-
-
 def _picture(sizes: pd.DataFrame, results: Results) -> Picture:
     """Times of own interfaces over the number of turn rates, and below what cvxpy adds."""
-    tolerances = sorted(sizes["tolerance"].unique(), reverse=True)
-    figure = new_figure(WIDE, 5.2)
-    panels = figure.subplots(2, len(tolerances), sharex=True, sharey="row", squeeze=False)
+    caption = (
+        "Median time of building and solving, of the slower of the well and the badly conditioned "
+        "problem; solid: QP, dashed: SOCP. Hollow: not every answer is right. Below, the time that "
+        "the same engine takes more through cvxpy."
+    )
     hues = Palette.of(results.rows["engine"].unique()).hues
+    alt = "Time against the number of turn rates by engine"
+    return panels_picture("convex", caption, plot_sizes, alt, sizes, hues)
+
+
+def plot_sizes(sizes: pd.DataFrame, hues: dict[str, tuple[str, str]], *, narrow: bool) -> Figure:
+    """Two panels for each tolerance, tolerances side by side unless `narrow`; see `by_size`."""
+    tolerances = sorted(sizes["tolerance"].unique(), reverse=True)
+    number = len(tolerances)
+    figure = new_figure(HALF, 3.0 * number) if narrow else new_figure(WIDE, 5.2)
+    shape: Style = (
+        {"nrows": 2 * number} if narrow else {"nrows": 2, "ncols": number, "sharey": "row"}
+    )
+    panels = figure.subplots(sharex=True, squeeze=False, **shape)
+    pairs = panels.reshape(number, 2) if narrow else panels.T
     lines: dict[str, Line2D] = {}
-    for (above, below), tolerance in zip(panels.T, tolerances, strict=True):
+    for (above, below), tolerance in zip(pairs, tolerances, strict=True):
         chosen = sizes[sizes["tolerance"] == tolerance]
         own = chosen[chosen["interface"] == _OWN]
         lines |= plot_times(above, own, hues)
@@ -104,16 +113,12 @@ def _picture(sizes: pd.DataFrame, results: Results) -> Picture:
         both = chosen[chosen["interface"] != _OWN].merge(own, on=keys, suffixes=("", "_own"))
         more = both["wall_s"] - both["wall_s_own"]
         plot_times(below, both.assign(wall_s=more.where(more > 0)), hues)
-    panels[0, 0].set_ylabel("time, own interface")
-    panels[1, 0].set_ylabel("more through cvxpy")
-    panels[1, len(tolerances) // 2].set_xlabel("turn rates")
-    figure.legend(handles=[*lines.values()], loc="outside lower left", ncols=6, fontsize=7)
-    caption = (
-        "Median time of building and solving, of the slower of the well and the badly conditioned "
-        "problem; solid: QP, dashed: SOCP. Hollow: not every answer is right. Below, the time that "
-        "the same engine takes more through cvxpy."
-    )
-    return Picture("convex", caption, figure, "Time against the number of turn rates by engine")
+    pairs[0, 0].set_ylabel("time, own interface")
+    pairs[0, 1].set_ylabel("more through cvxpy")
+    (panels[-1, 0] if narrow else panels[1, number // 2]).set_xlabel("turn rates")
+    key: Style = {"loc": "outside lower left", "ncols": 3 if narrow else 6, "fontsize": 7}
+    figure.legend(handles=[*lines.values()], **key)
+    return figure
 
 
 def plot_times(

@@ -8,17 +8,23 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import BENCHMARK, Picture, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    BENCHMARK,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     method_table,
-    strata_table,
     with_interval,
-    with_interval_texts,
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
@@ -95,22 +101,6 @@ def shares(compared: Compared, split: Split, amount: str) -> pd.DataFrame:
     return compared.methods.join(parts.assign(total=means["total"]), how="inner")
 
 
-def strata(compared: Compared, split: Split) -> pd.DataFrame:
-    """Median of total / winning run in evaluations in each stratum, with its interval.
-
-    Columns solver, stratum, questions, ratio, ratio_low, ratio_high.
-    """
-    table = ratios(split, "evaluations")
-    stratum_of = compared.rows.drop_duplicates("question").set_index("question")["stratum"]
-    parts = []
-    for stratum, group in table.groupby(stratum_of.reindex(table.index), sort=False):
-        found = compared.bootstrap(group, medians, "ratio")
-        counted = group.notna().sum()
-        parts.append(found.assign(stratum=str(stratum), questions=counted).reset_index())
-    every = pd.concat(parts, ignore_index=True)
-    return every[every["questions"] > 0]
-
-
 def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
     """(without, with): solvers that differ in the setting `presolve` alone."""
     alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
@@ -167,9 +157,6 @@ def cost_section(results: Results) -> Section | None:
     blocks += best_first(_factor_table(table), table.index, best_solvers(results))
     if len(savings):
         blocks.append(_presolve_table(savings))
-    by_stratum = _stratum_table(attempts, answers, parts["evaluations"])
-    if by_stratum is not None:
-        blocks.append(by_stratum)
     text = sentences(
         "Besides the run that gives the answer, the cost goes to restarts, to words that lose, to "
         "words that have no path, and to building. Only right answers at questions with a path "
@@ -182,14 +169,15 @@ def cost_section(results: Results) -> Section | None:
 
 
 def _most_and_least(table: pd.DataFrame) -> str:
-    ratios = table["evaluations"].dropna()
+    ratios = table.loc[table["questions"] >= ENOUGH_TO_CHOOSE, "evaluations"].dropna()
     if len(ratios) < 2:
         return ""
     order = table.loc[ratios.sort_values().index].to_dict("records")
     best, worst = order[0], order[-1]
     return (
-        f"In the median over questions {worst['name']} takes {_RATIO(worst['evaluations'])} times "
-        f"the evaluations of its winning run, {best['name']} {_RATIO(best['evaluations'])} times."
+        f"In the median over {count(worst['questions'])} questions {worst['name']} takes "
+        f"{_RATIO(worst['evaluations'])} times the evaluations of its winning run, over "
+        f"{count(best['questions'])} {best['name']} {_RATIO(best['evaluations'])} times."
     )
 
 
@@ -223,7 +211,7 @@ def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
     noted = shown.assign(note=shown["total"].map(show))
-    return Picture(f"cost-{amount}", caption, stacked_shares(noted, MARKS, label), alt)
+    return panels_picture(f"cost-{amount}", caption, stacked_shares, alt, noted, MARKS, label)
 
 
 def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
@@ -235,7 +223,7 @@ def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
     order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
     several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
     chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
-    return table[table.index.isin(chosen.index)]
+    return table[table.index.isin([*own(table.index), *chosen.index])]
 
 
 def _factor_table(table: pd.DataFrame) -> Table:
@@ -254,27 +242,6 @@ def _presolve_table(savings: pd.DataFrame) -> Table:
         "questions of the total without / with it, with its 95 % interval."
     )
     return method_table("cost-presolve", caption, savings, SAVINGS, **_SHOWN)
-
-
-def _stratum_table(attempts: Compared, answers: Split, kinds: pd.DataFrame) -> Table | None:
-    """Strata in lines, the methods of the first formulation of the figure in columns."""
-    table = strata(attempts, answers)
-    bars = _bars(kinds, attempts)
-    chosen = list(bars[bars["formulation"] == bars["formulation"].head(1).squeeze()].index)
-    kept = table[table["solver"].isin(chosen)]
-    if kept.empty or kept["stratum"].nunique() < 2:
-        return None
-    kept = with_interval_texts(kept, ratio=digits(2))
-    texts = kept.pivot(index="stratum", columns="solver", values="ratio_text")
-    present = [stratum for stratum in attempts.strata if stratum in texts.index]
-    texts = texts.reindex(index=present, columns=chosen)
-    medians = kept.groupby("solver")["ratio"].median().reindex(chosen)
-    texts.loc["median over the strata"] = [digits(2)(value) for value in medians]
-    caption = (
-        "Evaluations / those of the winning run, by stratum: median over questions with its 95 % "
-        f"interval; {attempts.methods.loc[chosen[0], 'formulation']}."
-    )
-    return strata_table("cost-strata", caption, texts, attempts.methods["short"])
 
 
 TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

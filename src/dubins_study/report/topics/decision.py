@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, is_true
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, own_name
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
 from dubins_study.report.elements.identity import best_first, with_interval
+from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
 from dubins_study.study.scenario_frame import numbers_of
@@ -120,7 +121,11 @@ def cases_table(results: Results) -> Table:
 
 
 def decision_section(results: Results) -> Section | None:
-    """A table of formulations; without attempts to compare, a sentence that says so."""
+    """A table of formulations; without attempts to compare, a sentence that says so.
+
+    A plug-in's solver has a line of its own, before all others. Every solver has one if a suite has
+    too few questions to choose the surest of each formulation.
+    """
     attempts = compared(results)
     if attempts is None:
         text = (
@@ -130,8 +135,14 @@ def decision_section(results: Results) -> Section | None:
         return Section("decision", TITLE, text, (), "Nothing can be compared here.")
     rows = attempts.answerable
     stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
-    formulation = rows["solver"].map(stated).fillna(rows["solver"])  # a plug-in that states none
-    rows = rows.assign(formulation=formulation, guesses=rows["guesses"].fillna(""))
+    labels, questions = labels_of(results), rows.groupby("experiment")["question"].nunique()
+    few = questions.min() < ENOUGH_TO_CHOOSE
+    formulation = rows["solver"].map(stated)
+    alone = rows["solver"].map(own_name).ne("") | formulation.isna() | few
+    rows = rows.assign(
+        formulation=formulation.mask(alone, rows["solver"].map(labels)),
+        guesses=rows["guesses"].fillna("").mask(alone, ""),
+    )
     if rows.empty:
         return Section("decision", TITLE, "", (), "No question that was asked has a path.")
     engines = attempts.engines
@@ -142,7 +153,7 @@ def decision_section(results: Results) -> Section | None:
         if len(engines) and not rows.loc[rows["solver"] != EXACT, "right"].any()
         else "",
     )
-    tables = *_tables(attempts, rows), cases_table(results)
+    tables = *_tables(attempts, rows, labels, few=few), cases_table(results)
     return Section("decision", TITLE, text, tables, _lead(rows))
 
 
@@ -159,7 +170,9 @@ def _lead(rows: pd.DataFrame) -> str:
     )
 
 
-def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
+def _tables(
+    attempts: Compared, rows: pd.DataFrame, labels: Mapping[str, str], *, few: bool
+) -> tuple[Table, ...]:
     """A line for each formulation and kind of guess; first those of the surest kind alone."""
     best, ended, stop = surest(rows), ends(rows), stops(rows, attempts.strata)
     knows = rows.groupby("solver", observed=True)["knows"].first()
@@ -171,7 +184,13 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
         line["method"] = kind[0] if kind[1] in _NO_GUESS else f"{kind[0]}, {kind[1]}"
         line.setdefault("knows", knows[method["solver"]] or "")
         line["lows"].append(method["low"])
-        line |= _cell(method, experiments.index(method["experiment"]), attempts)
+        line["mine"] = bool(own_name(str(method["solver"])))
+        engine = attempts.methods["engine"].get(method["solver"], UNSTATED)
+        # the line has the name of one solver alone
+        alone = kind[0] == labels[str(method["solver"])] and (line["mine"] or kind[0] != engine)
+        line |= _cell(
+            method, experiments.index(method["experiment"]), "" if alone else f"{engine}\n"
+        )
     for kind, line in by_kind.items():
         end = ended[kind]
         line["errs"] = " / ".join(
@@ -180,10 +199,10 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
         lows = line.pop("lows")
         line |= end | {"stops": stop.get(kind, ""), "asked": len(lows), "sure": np.mean(lows)}
     frame = pd.DataFrame([*by_kind.values()]).sort_values(
-        ["asked", "sure"], ascending=False, ignore_index=True
+        ["mine", "asked", "sure"], ascending=False, ignore_index=True
     )
     shown = (
-        *columns(kind="text", method="formulation, guesses", knows="knows"),
+        *columns(kind="text", method="method" if few else "formulation, guesses", knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / late, %"),
         *columns(count, false_claims="false claims"),
@@ -191,30 +210,27 @@ def _tables(attempts: Compared, rows: pd.DataFrame) -> tuple[Table, ...]:
     )
     suites = [f"suite_{n}_{k}" for n, _ in enumerate(experiments) for k in _NUMBERS]
     numbers = ("formulation", "guesses", "longer", "misses", "none", "late", *suites)
-    caption = (
-        "The engine that is most surely right (share, 95 % interval by Wilson), then how all "
-        "engines' attempts end."
-        + (
-            " Legs: up to which one is right on most routes, by spacing, long to short."
-            * bool(stop)
-        )
+    caption = sentences(
+        f"The share right, with its 95 % interval by Wilson, then how the attempts end. Fewer than "
+        f"{ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
+        if few
+        else "The engine that is most surely right (share, 95 % interval by Wilson), then how all "
+        "engines' attempts end.",
+        "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
     )
     table = Table("decision", caption, frame, shown, numbers=numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
     several = frame["asked"] >= min(2, len(experiments))
-    first = kinds[several & ~frame["formulation"].duplicated()]
+    first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
     which = "Of each formulation, if several suites ask it, the most surely right kind of guesses."
     return best_first(table, kinds, {*first}, which)
 
 
-def _cell(best: Mapping[Hashable, Any], place: int, attempts: Compared) -> dict[str, Any]:
+def _cell(best: Mapping[Hashable, Any], place: int, named: str) -> dict[str, Any]:
     """The texts and numbers of one method in one experiment."""
-    name, solver = f"suite_{place}", str(best["solver"])
-    text = with_interval(share, best["share"], best["low"], best["high"])
-    engine = attempts.methods["engine"].get(solver, UNSTATED)
+    name, text = f"suite_{place}", with_interval(share, best["share"], best["low"], best["high"])
     values = [best[key] for key in ("solver", "share", "low", "high", "wall_s")]
-    shown = solver if engine == UNSTATED else engine
-    return {name: f"{shown}\n{text}"} | {
+    return {name: f"{named}{text}"} | {
         f"{name}_{key}": value for key, value in zip(_NUMBERS, values, strict=True)
     }
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-from typing import Any
-
 import numpy as np
 import pandas as pd
 
@@ -14,16 +11,14 @@ from dubins_study.report.data.attempts import (
     UNDECIDED,
     is_true,
     methods,
-    presolved,
     questions,
 )
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
-from dubins_study.report.elements.formats import ABSENT, seconds, sentences, share, some
+from dubins_study.report.elements.formats import seconds, sentences, share, some
 from dubins_study.report.elements.identity import best_first, method_columns, with_share
 from dubins_study.report.elements.identity import questions as question_count
-from dubins_study.report.statistics.intervals import bootstrap, medians
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.topics.summary import best_solvers
 
@@ -65,31 +60,15 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     return frame[asked | (frame["denied"] > 0)].reset_index(drop=True)
 
 
-def engine_times(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median time at questions without a path that reached an engine, by solver, with its interval.
-
-    Columns solver, estimate, low, high (s), of the medians over repeats.
-    """
-    reached = ~rows["answerable"] & ~presolved(rows) & rows["verdict"].ne("undecided")
-    reached &= rows["outcome"].ne("unavailable")
-    chosen = rows[reached]
-    if chosen.empty:
-        return pd.DataFrame(columns=["solver", "estimate", "low", "high"])
-    question = ["scenario_id", "experiment", "branch", "initial_guess"]
-    table = chosen.groupby([*question, "solver"])["wall_s"].median().unstack("solver")
-    table.index = table.index.get_level_values("scenario_id")
-    return bootstrap(table, medians).reset_index()
-
-
 _LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
     *columns(question_count, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
-    *columns(kind="cell", time_text="median time"),
+    *columns(seconds, wall_s="median time"),
     *columns(kind="cell", denied_text="denies a path"),
 )
 _NUMBERS = (
-    *("solver", "unasked", "reached", "wall_s", "wall_low_s", "wall_high_s", "presolve_s"),
+    *("solver", "unasked", "reached", "presolve_s"),
     *(f"{name}_{end}" for name in ("right", "silent", "wrong") for end in ("share", "low", "high")),
     *("questions", "denied", "denied_share", "denied_low", "denied_high"),
 )
@@ -100,27 +79,9 @@ def existence_section(results: Results) -> Section | None:
     frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
-    frame = _with_times(frame, engine_times(results.rows))
     text = _text(frame)
     blocks = best_first(_table(frame), frame["solver"], best_solvers(results))
     return Section("existence", "Where no path exists", text, blocks, _LEAD)
-
-
-def _with_times(frame: pd.DataFrame, times: pd.DataFrame) -> pd.DataFrame:
-    """The frame with the median (s) that has an interval, its ends, and the three as text."""
-    ends = times.rename(columns={"low": "wall_low_s", "high": "wall_high_s"})
-    joined = frame.merge(ends, on="solver", how="left")
-    joined["wall_s"] = joined["estimate"].astype(float).fillna(joined["wall_s"])
-    texts = [_time_text(row) for row in joined.to_dict("records")]
-    return joined.assign(time_text=texts)
-
-
-def _time_text(row: Mapping[Hashable, Any]) -> str:
-    if not row["wall_s"] >= 0:  # no attempt reached the engine
-        return ABSENT
-    low, high = row["wall_low_s"], row["wall_high_s"]
-    interval = f",\n{seconds(low)} to {seconds(high)}" if low >= 0 else ""
-    return f"{seconds(row['wall_s'])}{interval}"
 
 
 def _text(frame: pd.DataFrame) -> str:
@@ -151,10 +112,9 @@ def _table(frame: pd.DataFrame) -> Table:
         "Questions without a path, solver by solver. By presolve: elementary geometry excluded "
         "them, and no engine was asked. Of those that reached the engine, right: it claims that "
         "none exists; silent: it failed, reached a limit or claims nothing; wrong: it claims a "
-        "path. Median time of the attempts that reached the engine, whatever they say, with its "
-        "95 % bootstrap interval over scenarios. Denies a path: of the questions that have "
-        "one, the share that it calls infeasible. Shares with their 95 % interval (Wilson), for as "
-        "many trials as there are questions; a repeat is a part of a question."
+        "path; and the median time of these attempts, whatever they say. Denies a path: of the "
+        "questions that have one, the share that it calls infeasible. Shares with their 95 % "
+        "interval (Wilson), for as many trials as there are questions; a repeat is a part of one."
     )
     bad = frame.assign(wrong_text=frame["wrong"] > 0, denied_text=frame["denied"] > 0)
     return Table(

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import is_true
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
@@ -119,6 +119,8 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
     if words is None or not shares:
         return None
     coarse, solver = max(shares)
+    if coarse.questions < ENOUGH_TO_CHOOSE:
+        return None
     return Finding(
         "Do not expect the shortest length from direct transcription: on "
         f"{coarse.percent_text()} of the questions the path of {evidence.name(solver)} turns as "
@@ -197,7 +199,7 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     ratio = evidence.time_ratio(prover, local)
     proven = evidence.rates[prover] == 1.0
     right = evidence.share_of(evidence.rates.loc[proven, local])
-    if ratio is None or right is None or not ratio.low > 1:
+    if ratio is None or right is None or not ratio.low > 1 or ratio.questions < ENOUGH_TO_CHOOSE:
         return None
     return Finding(
         "Buy a proof only where a wrong answer costs more than time: "

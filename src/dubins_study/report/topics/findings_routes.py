@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT
 from dubins_study.report.elements.formats import digits, seconds, some
 from dubins_study.report.statistics.intervals import medians, scenario_shares
 from dubins_study.report.topics.findings_evidence import (
@@ -64,7 +64,7 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     right = rows[rows["right"] & rows["solver"].isin([EXACT, name])]
     times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
     both = times.dropna()
-    if proved is None or len(both) < ENOUGH or name in evidence.at_floor:
+    if proved is None or len(both) < ENOUGH_TO_CHOOSE or name in evidence.at_floor:
         return None
     ratio = estimate_of(
         evidence.compared.bootstrap(both, medians, "value", name).loc[[EXACT]], "value", len(both)
@@ -106,9 +106,10 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     if own.empty or not own["right"].mean() > share.high / 100:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
+    named = f", {_named(evidence, name, chosen)}," if share.questions >= ENOUGH_TO_CHOOSE else ""
     return Finding(
-        f"Do not trust any engine alone with routes of many {label}: of {legs} the surest, "
-        f"{_named(evidence, name, chosen)}, finds the shortest on {share.percent_text()}; the "
+        f"Do not trust any engine alone with routes of many {label}: of {legs} the surest{named} "
+        f"finds the shortest on {share.percent_text()}; the "
         f"search proves it on {int(own['right'].sum())} of {len(own)}.",
         share,
         PERCENT,

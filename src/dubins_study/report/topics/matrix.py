@@ -10,22 +10,21 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import TRIAL
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, TRIAL, own_name
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import (
     BENCHMARK,
     Picture,
     Section,
     Table,
     Topic,
-    picture,
+    panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, seconds, sentences, some
+from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.identity import (
-    INTERVAL_TEXT,
-    METHOD,
     best_first,
     percent,
     questions,
@@ -33,6 +32,7 @@ from dubins_study.report.elements.identity import (
 from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import (
     BLUE,
+    HALF,
     INK,
     MAP_PAPER,
     MUTED,
@@ -40,6 +40,7 @@ from dubins_study.report.elements.style import (
     PAPER,
     WIDE,
     Style,
+    new_figure,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, stratum_order
@@ -95,6 +96,8 @@ def _engines(entries: Sequence[MatrixEntry], best: pd.DataFrame) -> list[tuple[s
         kind_of.setdefault(entry.engine, entry.kind or _NO_KIND)
     for engine in sorted(set(best["engine"]), key=str.casefold):
         kind_of.setdefault(engine, _NO_KIND if entries else "")
+    mine = best.loc[best["solver"].map(own_name) != "", "engine"]
+    kind_of = dict.fromkeys(mine, "plug-in") | kind_of | dict.fromkeys(mine, "plug-in")
     kinds = list(dict.fromkeys(kind_of.values()))
     order = sorted(kind_of, key=lambda engine: kinds.index(kind_of[engine]))
     return [(kind_of[engine], engine) for engine in order]
@@ -190,8 +193,7 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
 def matrix_section(results: Results) -> Section | None:
     """Formulation x engine as a picture and two tables; the shares by stratum."""
     attempts = results.attempts
-    counts = attempts[attempts["answerable"]].groupby("solver")["evaluations"].median()
-    methods = solver_summary(attempts).merge(counts.reset_index(), on="solver", how="left")
+    methods = solver_summary(attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
     entries = [entry for run in results.folders for entry in run.manifest.matrix]
     cells = matrix(methods, entries)
@@ -201,7 +203,6 @@ def matrix_section(results: Results) -> Section | None:
     if cells["note"].any():
         blocks.append(_reasons(cells))
     best = best_solvers(results)
-    blocks += best_first(_methods(methods), methods["solver"], best)
     strata_table = _stratum_table(results, methods, strata(results.rows))
     if strata_table is not None:
         blocks += best_first(strata_table, strata_table.frame["solver"], best)
@@ -214,7 +215,7 @@ def matrix_section(results: Results) -> Section | None:
 def _text(cells: pd.DataFrame) -> str:
     engines, formulations = cells["engine"].nunique(), cells["formulation"].nunique()
     filled = cells[cells["filled"]]
-    spanned = filled[~filled["few"]]
+    spanned = filled[~filled["few"] & (filled["right_of"] >= ENOUGH_TO_CHOOSE)]
     spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
         "A result belongs to a formulation, an engine and an initial guess.",
@@ -246,17 +247,19 @@ def _span(filled: pd.DataFrame, key: str) -> str:
 def _picture(cells: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions." if cells["few"].any() else ""
     drawn = cells.loc[cells["filled"], "engine"].nunique()
-    return picture(
-        "matrix",
-        plot_matrix,
-        cells,
-        caption="Percent of the questions with a path that are answered right, with the best of "
-        "the pair's initial guesses and settings. Empty: the pair has no row; the table of reasons "
-        f"says why.{star}",
-        alt="Map of right answers, engines by formulations",
-        height=min(HIGHEST, 0.75 + 0.175 * max(drawn, 5)),
-        width=WIDE,
+    caption = (
+        "Percent of the questions with a path that are answered right, with the best of the pair's "
+        "initial guesses and settings. Empty: the pair has no row; the table of reasons says "
+        f"why.{star}"
     )
+    high, alt = 0.75 + 0.175 * max(drawn, 5), "Map of right answers, engines by formulations"
+    return panels_picture("matrix", caption, _figure, alt, cells, min(HIGHEST, high))
+
+
+def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
+    figure = new_figure(HALF if narrow else WIDE, height)
+    plot_matrix(figure.add_subplot(), cells)
+    return figure
 
 
 def _cell(row: Mapping[Hashable, Any]) -> str:
@@ -289,8 +292,8 @@ def _table(cells: pd.DataFrame) -> Table:
     caption = (
         "Every formulation with every engine: questions with a path that are answered right, the "
         "95 % interval (Wilson, a trial a question), and the median time of an attempt, failures "
-        "included; with the guess and settings that are most surely right, which the table of all "
-        "methods names. Chosen after the fact, the best of several guesses flatters a little. The "
+        "included; with the guess and settings that are most surely right, which the summary "
+        "names. Chosen after the fact, the best of several guesses flatters a little. The "
         "number of questions stands where it is less than half that of others. A number in "
         "brackets is the reason why a pair has no row."
     )
@@ -307,23 +310,6 @@ def _reasons(cells: pd.DataFrame) -> Table:
         *columns(count, pairs="pairs"),
     )
     return Table("matrix-reasons", "Reasons for pairs without rows.", frame, shown)
-
-
-def _methods(methods: pd.DataFrame) -> Table:
-    shown = (
-        *METHOD[:-1],
-        SOLVER,
-        *columns(kind="cell", right_text="right of n, 95 %"),
-        *columns(count, wrong_basins="wrong basins", false_claims="false claims"),
-        *columns(seconds, wall_s="median time"),
-        *columns(digits(3), evaluations="evaluations, median"),
-    )
-    caption = (
-        f"Questions that have a path. {INTERVAL_TEXT} Wrong basins and false claims "
-        "count attempts. A dash: the engine does not count its evaluations."
-    )
-    numbers = ("attempts", "right_of", "right_share", "right_low", "right_high", "settings")
-    return Table("methods", caption, methods, shown, marks(methods, "false_claims"), numbers)
 
 
 TOPIC = Topic("formulation by engine", matrix_section, BENCHMARK)

@@ -1,4 +1,4 @@
-"""The paper's tables next to ours, every solver's score, and the printed solve times."""
+"""The paper's tables next to ours, and every solver's score."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import (
     General,
     Place,
@@ -18,12 +18,11 @@ from dubins_study.report.elements.content import (
     Table,
     Topic,
 )
-from dubins_study.report.elements.formats import count, digits, seconds
-from dubins_study.report.paper.printed import PRINTED, QUANTITIES, TIMES, compare
-from dubins_study.report.statistics.metrics import solver_order, success
+from dubins_study.report.elements.formats import count, digits
+from dubins_study.report.paper.printed import QUANTITIES, compare
+from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path
 
-TICK_S = 1 / 64  # of the clock that the paper's solve times were read from
 _MISPRINTED = ("misprint", "differs")
 # Decimals of exact lengths; a double below 100 has no more than the latter.
 _PLACES, _MOST_PLACES = 6, 17
@@ -92,39 +91,6 @@ def scores(results: Results) -> pd.DataFrame:
     return pd.DataFrame.from_records(records, columns=columns)
 
 
-def printed_times(results: Results) -> pd.DataFrame:
-    """The solve times that the paper prints, each beside the medians of right cold attempts.
-
-    One row per time that some solver has too. Columns label, path, word, printed_s (s), ticks (of
-    `TICK_S`), exact_s (the closed form's; None if it was not asked), fastest and slowest (solvers
-    besides the closed form, None if there are none), fastest_s and slowest_s (s).
-    """
-    rows = results.rows
-    right = rows[success(rows) & (rows["initial_guess"] == "cold")]
-    groups = right.groupby(["label", "branch", "solver"], observed=True)
-    medians = groups["wall_s"].median().reset_index()
-    words = {(row.label, row.path): row.word for row in PRINTED}
-    records = []
-    for time in TIMES:
-        word = words[time.label, time.path]
-        ours = medians[(medians["label"] == time.label) & (medians["branch"] == word)]
-        if ours.empty:
-            continue
-        exact = ours.loc[ours["solver"] == EXACT, "wall_s"]
-        others = ours[ours["solver"] != EXACT].sort_values("wall_s")
-        printed_s = float(time.seconds)
-        record = {"label": time.label, "path": time.path, "word": word, "printed_s": printed_s}
-        record |= {
-            "ticks": round(printed_s / TICK_S),
-            "exact_s": exact.iloc[0] if len(exact) else None,
-        }
-        for name, place in (("fastest", 0), ("slowest", -1)):
-            record[name] = others["solver"].iloc[place] if len(others) else None
-            record[f"{name}_s"] = others["wall_s"].iloc[place] if len(others) else None
-        records.append(record)
-    return pd.DataFrame.from_records(records)
-
-
 _TITLES = {
     "6.1": "Test problem 1: start (0, 0, 2π/3), target (10, 5), R = 1.",
     "6.2": "Test problem 2: start (0, 0, 2π/3), target (−6, 3), R = 1.",
@@ -135,16 +101,13 @@ _TITLES = {
 
 
 def paper_section(results: Results) -> Section | None:
-    """Tables 6.1-6.5 cell by cell, every solver's score, and the printed times."""
+    """Tables 6.1-6.5 cell by cell, and every solver's score."""
     paths = word_paths(results, EXACT)
     if not paths:
         return None
     cells = compare(paths)
     blocks = [_side_by_side(cells, number) for number in _TITLES]
     blocks.append(_scores(scores(results)))
-    times = printed_times(results)
-    if len(times):
-        blocks.append(_times(times))
     right = int((cells["verdict"] == "correct").sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
@@ -194,25 +157,6 @@ def _scores(frame: pd.DataFrame) -> Table:
         "in the scenario's length unit."
     )
     return Table("paper-scores", caption, frame, shown)
-
-
-def _times(frame: pd.DataFrame) -> Table:
-    shown = (
-        *columns(kind="text", label="scenario", path="path", word="word"),
-        *columns(lambda s: f"{s:.3f} s", printed_s="printed"),
-        *columns(count, ticks="ticks of 1/64 s"),
-        *columns(seconds, exact_s="closed form"),
-        Column("fastest", "fastest solver", kind="solver"),
-        *columns(seconds, fastest_s="its median"),
-        Column("slowest", "slowest solver", kind="solver"),
-        *columns(seconds, slowest_s="its median"),
-    )
-    caption = (
-        "The solve times that the paper's text prints, and the median times of our solvers for "
-        "the same word, right answers only. Other machines and other clocks: only the orders of "
-        "magnitude compare."
-    )
-    return Table("paper-times", caption, frame, shown)
 
 
 _ENTERS = (General.POOLED, General.COMPARED)

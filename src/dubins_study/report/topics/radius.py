@@ -1,4 +1,4 @@
-"""The radius sweep: length, time and word against radius, and what a warm start saves."""
+"""The radius sweep: length and word against radius, and what a warm start saves."""
 
 from __future__ import annotations
 
@@ -10,24 +10,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from dubins_study.report.data.attempts import EXACT, SUCCESSES, counted
+from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.looks import LINES, Palette
-from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.elements.style import (
     INK,
     MUTED,
-    WIDE,
     Style,
-    duration,
-    log_axis,
     mark_limit,
     plain_log_axis,
 )
-from dubins_study.report.statistics.methods import MOST_CURVES, best_of_formulations, foremost
 from dubins_study.report.statistics.metrics import (
     QUESTION,
     by_solver,
@@ -35,7 +30,6 @@ from dubins_study.report.statistics.metrics import (
     runs_of,
     success,
 )
-from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 
@@ -46,7 +40,6 @@ _VISIBLE = f"{100 * VISIBLE:g} %"
 _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}  # of the paper's two words
-_BINS = 8  # of the time's figure, in a decade of radii
 
 COLUMNS = (
     SOLVER,
@@ -92,12 +85,6 @@ def _place(rows: pd.DataFrame) -> dict[str, Any]:
     return {key: float(rows[key].iloc[0]) for key in _PLACE}
 
 
-def cold(rows: pd.DataFrame) -> pd.DataFrame:
-    """The cold attempts; all of them if there are none."""
-    chosen = rows[rows["initial_guess"] == "cold"]
-    return chosen if len(chosen) else rows
-
-
 def answers(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: how its answers along the sweeps are wrong.
 
@@ -120,7 +107,6 @@ def radius_section(results: Results) -> Section | None:
         return None
     rows, palette = pd.concat(list(sweeps.values())), Palette.of_page(results)
     blocks: list[Picture | Table] = []
-    times = []
     for number, ((_, label), group) in enumerate(sweeps.items(), start=1):
         # The radius at which a turning circle passes through the target; else infinite.
         circle = circle_radius(**_place(group))
@@ -128,12 +114,6 @@ def radius_section(results: Results) -> Section | None:
         caption, alt = f"{name}. Length units; R* = {digits(5)(circle)}.", "Length over radius"
         style: Style = {"caption": caption, "alt": f"{alt}, {label}", "height": 2.9}
         blocks.append(picture(f"radius-{number}", _draw_sweep, group, circle, palette, **style))
-        if np.isfinite(circle):
-            placed = cold(group.assign(place=group["radius"] / circle))
-            medians = placed.groupby(["solver", "place"], observed=True)["wall_s"].median()
-            times.append(medians.reset_index())
-    if times:
-        blocks.append(_time_picture(pd.concat(times), drawn_solvers(cold(rows)), palette))
     caption = (
         "What the solvers answer along the sweeps, cold and warm: the shortest path within the "
         "check's tolerance, a longer one, or none that arrives. The gap is relative."
@@ -150,18 +130,11 @@ def radius_section(results: Results) -> Section | None:
         "the foot those that do not arrive."
     )
     lead = (
-        "See where the target enters a turning circle, at R*: there the word changes, the length "
-        "jumps where the target was ahead, and some solvers take longer."
+        "See where the target enters a turning circle, at R*: there the word changes, and the "
+        "length jumps where the target was ahead."
     )
-    title = "Length, time and word against radius"
+    title = "Length and word against radius"
     return Section("radius", title, text, tuple(blocks), lead)
-
-
-def drawn_solvers(rows: pd.DataFrame) -> list[str]:
-    """The closed form, and of each formulation the solver that is most surely right."""
-    summary = solver_summary(counted(rows))
-    sure = summary.set_index("solver")["right_low"].reindex(best_of_formulations(summary))
-    return [EXACT, *foremost(sure, MOST_CURVES - 1)]
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
@@ -218,24 +191,6 @@ def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
         ax.legend(loc="lower right", fontsize=6.5, handletextpad=0.3)
 
 
-def _time_picture(times: pd.DataFrame, solvers: list[str], palette: Palette) -> Picture:
-    """The median time of all sweeps over R / R* (the column place), a line per solver."""
-    times = times[times["solver"].isin(solvers)]
-    bins = 10 ** (np.round(_BINS * np.log10(times["place"])) / _BINS)
-    table = by_solver(times.groupby(["solver", bins])["wall_s"].median().reset_index())
-    table["name"] = table["solver"].map(palette.names(solvers))
-    caption = (
-        "Median time of a cold attempt over all sweeps, against R / R*: of the closed form and of "
-        "each formulation's solver that is most surely right. Right of 1 the target lies inside "
-        "the circle."
-    )
-    axes = "turning radius R / R*", "median time"
-    figure = parameter_lines(table, "place", "wall_s", palette, *axes, width=WIDE)
-    log_axis(figure.axes[0].yaxis, duration)
-    mark_limit(figure.axes[0], 1.0)
-    return Picture("radius-time", caption, figure, "Median time over the radius")
-
-
 def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     """Cold against warm starts: one row per solver that has both for the same questions.
 
@@ -275,5 +230,5 @@ def warm_section(results: Results) -> Section | None:
     return Section("warm", "Cold against warm starts", text, blocks, lead)
 
 
-TOPIC = Topic("length, time and word against radius", radius_section, General.EVERY)
+TOPIC = Topic("length and word against radius", radius_section, General.EVERY)
 WARM_TOPIC = Topic("cold against warm starts", warm_section, General.EVERY)

@@ -10,20 +10,30 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
 
-from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED
+from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import General, Picture, Place, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Place,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
 from dubins_study.report.elements.identity import questions, with_share
 from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, draw_cells
 from dubins_study.report.elements.style import (
     BLUE,
+    HALF,
     INK,
     MAP_PAPER,
     ON_MAP,
@@ -130,40 +140,66 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
     summary = solver_summary(results.attempts)
     summary = summary[summary["solver"] != EXACT]
     engines = best_methods(summary, ["formulation"])["solver"]
-    drawn = [EXACT, *engines]
+    drawn = [*own(summary["solver"]), EXACT, *engines]
     solvers = list(dict.fromkeys(cells["solver"]))
     if len(solvers) > _LINES:
         known = results.rows.groupby("solver", observed=True)["guesses"].first()
         kinds = summary.assign(guesses=summary["solver"].map(known).fillna(""))
-        kept = {EXACT, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
+        kept = {*drawn, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         solvers = [solver for solver in solvers if solver in kept]
         cells = cells[cells["solver"].isin(solvers)]
-    heights = (0.14 * len(solvers), 1.45)
-    figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
-    panels = figure.subplots(2, len(strata), sharey="row", squeeze=False, height_ratios=heights)
     limit = max(time_limits(results).values(), default=None)
-    for (above, below), label in zip(panels.T, strata, strict=True):
-        chosen = cells[cells["label"] == label]
-        plot_success(above, chosen, solvers)
-        above.set_title(label, fontsize=7.5, pad=3)
-        lines = plot_times(below, chosen[chosen["solver"].isin(drawn)], palette)
-        if limit is not None:
-            mark_limit(below, limit, "y")
-    panels[0, 0].set_yticks(range(len(solvers)), map(palette.label, solvers), fontsize=6.5)
-    panels[1, 0].set_ylabel("median time")
-    panels[1, len(strata) // 2].set_xlabel("legs")
-    patches = [Patch(facecolor=colour, edgecolor=RULE, label=name) for _, name, colour in GAPS]
-    style: Style = {"fontsize": 7, "columnspacing": 1.2}
-    above = {"title": "median gap", "alignment": "left", "loc": "outside upper left", "ncols": 5}
-    figure.legend(handles=patches, **above, **style)
-    figure.legend(handles=lines, loc="outside lower left", ncols=3, **style)
     caption = (
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
         "and as colour the median gap; of each formulation and guess the surest engine. Below, "
         "median times of each formulation's surest engine, "
         "failures included; an engine's floor is at most that at one leg. Dotted: the limit."
     )
-    return Picture("routes", caption, figure, "Success, gap and time against the number of legs")
+    alt = "Success, gap and time against the number of legs"
+    data = cells, strata, solvers, set(drawn), palette, limit
+    return panels_picture("routes", caption, plot_routes, alt, *data)
+
+
+def plot_routes(
+    cells: pd.DataFrame,
+    strata: list[str],
+    solvers: list[str],
+    timed: set[str],
+    palette: Palette,
+    limit: float | None,
+    *,
+    narrow: bool,
+) -> Figure:
+    """A map of the solvers and the times of some for each stratum, side by side unless `narrow`.
+
+    `cells` is the table of `by_legs`; `limit` is in s.
+    """
+    count = len(strata)
+    heights = (0.14 * len(solvers), 1.1 if narrow else 1.45)
+    if narrow:
+        figure = new_figure(HALF, count * (sum(heights) + 0.7) + 1.2)
+        pairs = figure.subplots(2 * count, height_ratios=heights * count).reshape(count, 2)
+    else:
+        figure, shape = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3)), (2, count)
+        pairs = figure.subplots(*shape, sharey="row", squeeze=False, height_ratios=heights).T
+    for place, ((above, below), label) in enumerate(zip(pairs, strata, strict=True)):
+        chosen = cells[cells["label"] == label]
+        plot_success(above, chosen, solvers)
+        above.set_title(label, fontsize=7.5, pad=3)
+        lines = plot_times(below, chosen[chosen["solver"].isin(timed)], palette)
+        if limit is not None:
+            mark_limit(below, limit, "y")
+        if narrow or place == 0:
+            above.set_yticks(range(len(solvers)), map(palette.label, solvers), fontsize=6.5)
+            below.set_ylabel("median time")
+        if narrow or place == count // 2:
+            below.set_xlabel("legs")
+    patches = [Patch(facecolor=colour, edgecolor=RULE, label=name) for _, name, colour in GAPS]
+    style: Style = {"fontsize": 7, "columnspacing": 1.2}
+    key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
+    figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
+    figure.legend(handles=lines, loc="outside lower left", ncols=2 if narrow else 3, **style)
+    return figure
 
 
 def plot_success(ax: Axes, cells: pd.DataFrame, solvers: list[str]) -> None:
@@ -205,8 +241,10 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
         lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
-    ax.set(xscale="log", yscale="log")
-    log_axis(ax.yaxis, duration)
+    ax.set_xscale("log")
+    if (cells["wall_s"] > 0).any():
+        ax.set_yscale("log")
+        log_axis(ax.yaxis, duration)
     ax.set_xticks(sorted(cells["legs"].unique()), minor=False)
     ax.xaxis.set_major_formatter(lambda legs, _: f"{legs:g}")
     ax.xaxis.set_minor_locator(NullLocator())

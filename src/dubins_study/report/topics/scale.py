@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import LogLocator
 
+from dubins_study.report.data.attempts import own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, Topic
@@ -82,7 +83,9 @@ def scale_section(results: Results) -> Section | None:
     table, palette = dependence(spreads(rows)), Palette.of_page(results)
     level = table["invariant"] == table["scenarios"]
     # The solvers that depend on the unit have a curve, then others.
-    first = [*table[~level]["solver"], *table[level]["solver"]][:MOST_CURVES]
+    mine = own(table["solver"])
+    first = [*dict.fromkeys([*mine, *table[~level]["solver"], *table[level]["solver"]])]
+    first = first[:MOST_CURVES]
     text = sentences(
         "Nothing in the problem has a size: with start and target given in radii, the path in "
         "radii is the same at every radius. Each scenario is solved at "

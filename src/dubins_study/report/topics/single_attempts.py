@@ -18,12 +18,11 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
-from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES
-from dubins_study.report.data.command import ROUTE, solve_command
+from dubins_study.report.data.attempts import PRESOLVED, SUCCESSES, own_name
+from dubins_study.report.data.command import ROUTE
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns
-from dubins_study.report.elements.content import General, Section, Table, Topic, Widget
-from dubins_study.report.elements.formats import count, digits
+from dubins_study.report.elements.content import General, Section, Topic, Widget
+from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.topics.failures import time_limits
@@ -32,8 +31,8 @@ from dubins_study.study.rows.schema import METHOD, ROW, names
 from dubins_study.study.scenario import NUMBERS, VIA, Pose
 from dubins_study.study.scenario_frame import numbers_of
 
-# The page stays below 5 MB; the embedded attempts take at most so many bytes of it, as base64 of
-# gzip. More points than these would also be slow to draw.
+# The embedded attempts take at most so many bytes of the page, as base64 of gzip. More points than
+# these would also be slow to draw.
 _MOST_BYTES, _MOST_ATTEMPTS = 1_500_000, 30_000
 _FEWEST_ATTEMPTS = 1_000
 _BASE64 = 4 / 3
@@ -67,8 +66,8 @@ def attempts_section(results: Results) -> Section | None:
     widgets = (
         Widget(
             "worst",
-            f"The {WORST} worst attempts of a solver at different questions: false claims first, "
-            "then longer paths, then paths that miss the target or turn too sharply, then none. "
+            f"The {WORST} worst of a solver's attempts that are not right, at different questions: "
+            "false claims first, then longer paths, then paths that miss the target, then none. "
             "Solid: the solver's path; dashed: the shortest path, of a route a right answer.",
             Markup(scripts + '<div id="attempts-worst"></div>'),
         ),
@@ -81,39 +80,7 @@ def attempts_section(results: Results) -> Section | None:
         ),
     )
     lead = "Choose a solver, and click an attempt to see its path and the command that repeats it."
-    blocks = (*widgets, _worst_table(rows))
-    return Section("attempts", "Single attempts", _text(rows, results), blocks, lead)
-
-
-_WORST_COLUMNS = (
-    SOLVER,
-    Column("claim", "claim", kind="text"),
-    Column("verdict", "verdict", kind="text"),
-    *columns(digits(3), gap="gap", miss_R="miss (R)", beyond="too sharp by (1/R)"),
-    Column("label", "scenario", kind="text"),
-    Column("region", "region", kind="text"),
-)
-
-
-def _worst_table(rows: pd.DataFrame) -> Table:
-    """The very worst attempt of each solver; the CSV file also holds its question and command."""
-    worst = rows[rows["worst"] == 1]
-    frame = worst.assign(
-        miss_R=worst["miss"] / worst["radius"],
-        beyond=worst["curvature_excess"],
-        label=worst["label"].replace("", None),
-        command=[solve_command(row) for row in worst.to_dict("records")],
-    ).reset_index(drop=True)
-    caption = (
-        "The worst attempt of each solver; a false claim is red. Gaps are relative to the "
-        "reference. The CSV file also holds the questions and the commands that repeat them."
-    )
-    more = (*NUMBERS, "branch", "false_claim", "command")
-    marked = {(row, "verdict"): "bad" for row in frame.index[frame["false_claim"].eq(True)]}
-    frame["verdict"] = frame["verdict"].where(
-        ~frame["false_claim"].eq(True), frame["verdict"].astype(str) + ": a false claim"
-    )
-    return Table("worst-attempts", caption, frame, _WORST_COLUMNS, marked, more)
+    return Section("attempts", "Single attempts", _text(rows, results), widgets, lead)
 
 
 def _text(rows: pd.DataFrame, results: Results) -> str:
@@ -150,7 +117,7 @@ def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
         shape, angle = _MARKERS.get(marker, _MARKERS["o"])
         mark = {"colour": VARIABLES.get(colour, "--ink"), "marker": shape, "angle": angle}
         method = {name: str(row[name]) for name in ("label", "formulation", "engine")}
-        solvers.append({"spec": spec} | method | mark)
+        solvers.append({"spec": spec, "own": bool(own_name(spec))} | method | mark)
     return solvers
 
 
@@ -164,7 +131,7 @@ def _library(name: str) -> bytes:
     return (scripts / f"{name}.min.js").read_bytes()
 
 
-# Attempts of each solver that are always embedded.
+# Wrong attempts of each solver that are always embedded.
 WORST = 10
 
 _KINDS = {"string": "text", "bool": "flag"}
@@ -179,7 +146,7 @@ _LEVELS = {"longer": 3, "misses": 2, **dict.fromkeys((*SUCCESSES, PRESOLVED), 0)
 
 
 def sample(results: Results, most: int) -> pd.DataFrame:
-    """The worst attempts of each solver, and about `most` others, spread evenly over the strata.
+    """The worst wrong attempts of each solver, and about `most` others, spread over the strata.
 
     A stratum is what one solver made of one region with one verdict. Of each stratum the first
     attempts by scenario are taken: a scenario's id is a hash, so they are a random sample, and
@@ -210,7 +177,9 @@ def _largest_share(strata: np.ndarray, most: int) -> int:
 
 
 def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
-    """The rank of each row among its solver's worst, one row a question; 0 beyond `WORST`.
+    """The rank of each row among its solver's worst, one row a question; 0 of the others.
+
+    Only the first `WORST` have a rank, and none that is right.
 
     A false claim is worse than a longer path, that than a path that misses, that than none at all.
     """
@@ -219,7 +188,8 @@ def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
     ranked = rows.assign(level=level, size=sizes.max(axis="columns").fillna(0.0).clip(lower=0.0))
     order = ["level", "size", "scenario_id", "branch", "repeat"]
     worst = ranked.sort_values(order, ascending=[False] * 4 + [True], kind="stable")
-    rank = worst.drop_duplicates(_QUESTION).groupby("solver", sort=False).cumcount() + 1
+    wrong = worst[worst["level"] > 0]
+    rank = wrong.drop_duplicates(_QUESTION).groupby("solver", sort=False).cumcount() + 1
     return rank[rank <= WORST].reindex(rows.index, fill_value=0)
 
 

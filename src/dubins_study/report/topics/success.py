@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import General, Picture, Section, Show, Table, Topic
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
@@ -82,8 +88,7 @@ def success_section(results: Results) -> Section | None:
     if len(each) > 1:
         blocks.append(_experiment_table(each))
     table = _quantile_table(in_page_order(quantiles, results))
-    *short, every = best_first(table, table.frame["solver"], best_solvers(results))
-    blocks += [*short, replace(every, show=Show.FILE) if short else every]
+    blocks += best_first(table, table.frame["solver"], best_solvers(results))
     text = (
         "Questions that have a path; every attempt at them counts, failed ones too. The gap is "
         "(length − reference) / max(reference, R) and only a path that arrives has one; the others "
@@ -140,13 +145,10 @@ def _profile_picture(
         rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
         rest = rest if grey > 0 else ""
     limit = "" if tolerance is None else "Dotted: optimal up to here."
-    figure = share_curves(
-        *(panels, names, palette, "gap to the shortest length (relative)"),
-        "share of all attempts",
-        limit=tolerance,
-    )
+    data = panels, names, palette, "gap to the shortest length (relative)", "share of all attempts"
     name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
-    return Picture(name, sentences(caption, limit, rest), figure, alt)
+    caption = sentences(caption, limit, rest)
+    return panels_picture(name, caption, share_curves, alt, *data, limit=tolerance)
 
 
 def _quantile_table(frame: pd.DataFrame) -> Table:

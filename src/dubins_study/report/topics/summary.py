@@ -9,42 +9,19 @@ from dubins_study.report.data.attempts import (
     LATE,
     PRESOLVED,
     SUCCESSES,
-    TRIAL,
     UNDECIDED,
     VERDICTS,
     is_true,
     methods,
+    own,
     questions,
-    weights,
 )
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
-from dubins_study.report.elements.looks import in_page_order
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of, once
-
-STARTS = ("cold", "warm")
-
-
-def by_start(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, with shares right for cold and warm as of `with_share`.
-
-    Of questions that have a path and that the solver was asked both cold and warm.
-    """
-    starts = attempts["initial_guess"]
-    kept = attempts["answerable"] & starts.isin(STARTS)
-    for start in STARTS:
-        trials = starts.eq(start).groupby([attempts[name] for name in ("solver", *TRIAL)])
-        kept &= trials.transform("any")
-    asked = attempts.assign(weight=weights(attempts, "initial_guess"))[kept]
-    frame = pd.DataFrame(index=pd.Index(sorted(asked["solver"].unique()), name="solver"))
-    for start in STARTS:
-        cold = asked["initial_guess"].eq(start)
-        right = questions(asked, cold & asked["verdict"].isin(SUCCESSES))
-        frame = with_share(frame, start, right, questions(asked, cold))
-    return frame.reset_index()
 
 
 def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -93,8 +70,9 @@ _NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "rig
 
 @once
 def best_solvers(results: Results) -> tuple[str, ...]:
-    """The closed form, and of each formulation the solver that is most surely right."""
-    return (EXACT, *best_of_formulations(solver_summary(results.attempts)))
+    """Plug-ins' solvers, the closed form, and of each formulation the most surely right one."""
+    summary = solver_summary(results.attempts)
+    return (*own(summary["solver"]), EXACT, *best_of_formulations(summary))
 
 
 def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
@@ -144,20 +122,7 @@ def summary_section(results: Results) -> Section | None:
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
     table = summary_table("summary", caption, frame, ())
-    started = in_page_order(by_start(attempts), results)
-    tables = (table, _start_table(started)) if len(started) else (table,)
-    return Section("summary", "Summary", text, tables, lead)
-
-
-def _start_table(frame: pd.DataFrame) -> Table:
-    caption = (
-        "Cold and warm starts apart, at the questions that a solver was asked both ways. Warm: the "
-        "search began at the answer to a neighbouring question. Shares with their 95 % interval "
-        "(Wilson); a trial is a scenario with a branch, repeats are its parts."
-    )
-    shown = (SOLVER, *columns(kind="cell", cold_text="right, cold", warm_text="right, warm"))
-    numbers = tuple(f"{start}_{end}" for start in STARTS for end in ("share", "low", "high"))
-    return Table("summary-by-start", caption, frame, shown, numbers=numbers)
+    return Section("summary", "Summary", text, (table,), lead)
 
 
 TOPIC = Topic("summary", summary_section, General.POOLED)

@@ -6,7 +6,14 @@ import pandas as pd
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import General, Picture, Section, Table, Topic
+from dubins_study.report.elements.content import (
+    General,
+    Picture,
+    Section,
+    Table,
+    Topic,
+    panels_picture,
+)
 from dubins_study.report.elements.formats import count, seconds
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
@@ -81,12 +88,13 @@ def _quartiles(table: pd.DataFrame, palette: Palette, several: bool) -> Picture:
             "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
             f"{DRAWN_TEXT}"
         )
-        figure = quartile_lines(table, WHOLE, palette, label, panels=True)
+        marks: tuple[Mark, ...] = WHOLE
     else:
         caption = "Time of one cold attempt: median (mark) and quartiles (bar)."
         named = table.assign(name=table["solver"].map(palette.label))
-        figure = quartile_lines(named, PARTS, palette, label)
-    return Picture("times", caption, figure, "Median times and quartiles, one line per method")
+        table, marks = named, PARTS
+    alt, data = "Median times and quartiles, one line per method", (table, marks, palette, label)
+    return panels_picture("times", caption, quartile_lines, alt, *data, panels=several)
 
 
 TOPIC = Topic("time", time_section, General.COMPARED)

@@ -7,7 +7,6 @@ from pathlib import Path as FilePath
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, load
@@ -16,7 +15,6 @@ from dubins_study.report.elements.content import Picture, Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
 from dubins_study.report.elements.style import (
-    BLUE,
     INK,
     MUTED,
     VERMILION,
@@ -25,8 +23,6 @@ from dubins_study.report.elements.style import (
     duration,
     log_axis,
     new_figure,
-    only_grid,
-    plain_log_axis,
 )
 from dubins_study.report.page.render import Head, write_page
 from dubins_study.report.two_runs.changes import (
@@ -198,7 +194,7 @@ def _solvers(comparison: Comparison) -> Section:
     )
     text = sentences(f"{some(len(frame), 'solver')} in both runs.", _unpaired(comparison))
     lead = "Read the column verdict first; what is worse is marked."
-    return Section("compared", "Solver by solver", text, (changes_picture(frame), *tables), lead)
+    return Section("compared", "Solver by solver", text, tables, lead)
 
 
 def _unpaired(comparison: Comparison) -> str:
@@ -250,64 +246,6 @@ def _else(comparison: Comparison) -> Section:
     )
     lead = "A difference here may explain a change above."
     return Section("differences", "What else differs", text, blocks, lead)
-
-
-# More solvers than these have no line of their own: those that changed most are drawn.
-_MOST = 24
-_LINE, _MARGINS = 0.22, 1.0  # inches
-_WIDE_RANGE = 5  # ratios of times that differ by more need a logarithmic axis
-_LONGEST = 48  # characters of a name
-
-
-def changes_picture(frame: pd.DataFrame) -> Picture:
-    """Change of success and ratio of times, one line per solver, with intervals."""
-    change = frame["right_change"].abs().fillna(0) * 100 + np.log(frame["time_ratio"]).abs().fillna(
-        0
-    )
-    drawn = frame.loc[change.sort_values(ascending=False, kind="stable").index[:_MOST]].sort_index()
-    left_out = len(frame) - len(drawn)
-    caption = (
-        "Left: change of the share of right answers, in percentage points; right: time of the new "
-        "run by the base's, with 95 % intervals. Triangles: an interval that does not meet the "
-        "vertical line, of a solver whose code changed."
-        + (f" The {left_out} solvers that changed least are not drawn." if left_out else "")
-    )
-    figure = new_figure(WIDE, min(7.0, _MARGINS + _LINE * len(drawn)))
-    change_ax, ratio_ax = figure.subplots(1, 2, sharey=True)
-    _plot_intervals(change_ax, drawn, "right_change", 100.0, 0.0)
-    _plot_intervals(ratio_ax, drawn, "time_ratio", 1.0, 1.0)
-    change_ax.set(xlabel="change of right answers, percentage points")
-    ratio_ax.set(xlabel="time, new / base")
-    if drawn["time_ratio"].max() > _WIDE_RANGE * drawn["time_ratio"].min():
-        ratio_ax.set_xscale("log")
-        plain_log_axis(ratio_ax.xaxis)
-    names = [str(solver)[:_LONGEST] for solver in drawn["solver"]]
-    change_ax.set_yticks(np.arange(len(drawn))[::-1], names, fontsize=7)
-    change_ax.set_ylim(-0.6, len(drawn) - 0.4)
-    alt = "change of success and ratio of times, one line per solver"
-    return Picture("changes", caption, figure, alt)
-
-
-def _plot_intervals(
-    ax: Axes, frame: pd.DataFrame, key: str, scale: float, unchanged: float
-) -> None:
-    """One line per solver; an interval beyond `unchanged` is coloured and has another marker.
-
-    More right answers are better, more time is worse.
-    """
-    middle, low, high = ((frame[f"{key}{end}"] * scale).to_numpy() for end in ("", "_low", "_high"))
-    below, above = high < unchanged, low > unchanged
-    worse, better = (below, above) if key == "right_change" else (above, below)
-    if key == "time_ratio":  # what became of the same code is the machine's doing
-        changed = ~frame["same_code"].to_numpy(bool)
-        worse, better = worse & changed, better & changed
-    places = np.arange(len(frame))[::-1]
-    looks = ((worse, VERMILION, "v"), (better, BLUE, "^"), (~(worse | better), MUTED, "o"))
-    for chosen, colour, marker in looks:
-        ax.hlines(places[chosen], low[chosen], high[chosen], colors=colour, linewidth=1.6)
-        ax.scatter(middle[chosen], places[chosen], c=colour, marker=marker, s=20, zorder=3)
-    ax.axvline(unchanged, color=INK, linewidth=0.8)
-    only_grid(ax, "x")
 
 
 def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None:

@@ -101,7 +101,7 @@
 
   // The form, and what it says: {x, y, chosen, others, texts: [[column, set of texts], ...]}.
   function choice(data, changed) {
-    const state = {x: "margin", y: "gap", chosen: [data.telling()], others: true, texts: []};
+    const state = {x: "margin", y: "gap", chosen: data.opening(), others: true, texts: []};
     const form = element("form", {className: "choice"});
     form.addEventListener("submit", (event) => event.preventDefault());
     form.append(element("div", {className: "axes"},

@@ -88,8 +88,24 @@ window.attempts = (() => {
       return rows.sort((a, b) => worst[a] - worst[b]);
     }
 
-    // The solver with most false claims whose paths can be seen to be wrong.
+    // A plug-in's solver, else that with most false claims whose paths can be seen to be wrong.
     telling() {
+      const own = this.solvers.findIndex((solver) => solver.own);
+      return own >= 0 ? own : this.mostFalse();
+    }
+
+    // Those that the plot opens with: at most three, each with a colour and a marker of its own.
+    opening() {
+      const own = this.solvers.map((_, k) => k).filter((k) => this.solvers[k].own), chosen = [];
+      for (const k of [...own, this.mostFalse()]) {
+        const alike = (other) => this.solvers[other].colour === this.solvers[k].colour
+          || this.solvers[other].marker === this.solvers[k].marker;
+        if (chosen.length < 3 && !chosen.some(alike)) chosen.push(k);
+      }
+      return chosen;
+    }
+
+    mostFalse() {
       const {gap, miss} = this.columns;
       const seen = (i) => this.has("false_claim", i) && this.path(i)
         && (gap[i] > 0.05 || miss[i] > 0.05 * this.ofScenario("radius", i));

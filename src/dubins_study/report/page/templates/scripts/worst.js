@@ -42,11 +42,15 @@
   async function start() {
     const data = await open();
     const select = choice(data), list = element("ol", {className: "cards"});
-    const update = () => list.replaceChildren(
-      ...data.worst(Number(select.value)).map((i) => card(data, i)));
+    const none = element("p", {className: "note"}, "None of its attempts is wrong.");
+    const update = () => {
+      const worst = data.worst(Number(select.value));
+      list.replaceChildren(...worst.map((i) => card(data, i)));
+      none.hidden = worst.length > 0;
+    };
     select.addEventListener("change", update);
     select.value = String(data.telling());
-    place.append(element("label", {htmlFor: select.id}, "solver "), select, list);
+    place.append(element("label", {htmlFor: select.id}, "solver "), select, list, none);
     update();
     place.dataset.ready = "yes";
     document.dispatchEvent(new Event("laidout"));

@@ -1,0 +1,105 @@
+"""Rows of another set-up, judged anew from their controls when they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, NamedTuple
+
+import pandas as pd
+import pyarrow as pa
+
+from dubins_study.report.data.attempts import UNTAKEN
+from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.verdict import judge
+from dubins_study.study.path import Path
+from dubins_study.study.rows.manifest import Manifest
+from dubins_study.study.rows.schema import Certificate, Judgement
+from dubins_study.study.scenario_frame import is_missing, scenario_of
+from dubins_study.study.tolerances import PROFILES
+from dubins_study.study.words import FROZEN, Claim, Proof
+
+# What the check finds and other libraries' sines may change; smaller differences are rounding.
+_RELATIVE, _ABSOLUTE = 1e-6, 1e-9
+# What is compared; the other columns follow from them.
+_NAMED = ("verdict", "false_claim", "wrong_basin", "proof", "false_bound", "length", "gap", "miss")
+# Of a convex problem alone, whose answers are not in the rows.
+_CONVEX = ("dual_residual", "duality_gap", "certified_gap")
+_FOUND = [f.name for f in (*fields(Judgement), *fields(Certificate)) if f.name not in _CONVEX]
+
+
+class Recheck(NamedTuple):
+    """How many rows of a folder were judged anew, how many were not, and what differed."""
+
+    judged: int
+    left: int  # answers to convex problems, which rows do not hold
+    changed: int  # rows of which something differs
+    differing: dict[str, int]  # column -> rows in which it differs from what the folder says
+
+
+def set_up(manifest: Manifest) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The machine and the versions of a folder's runs."""
+    return manifest.machine, manifest.versions
+
+
+def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
+    """The rows with what the check finds here, and how that differs from what the folder says.
+
+    An attempt that did not return has the verdict `none`. Questions that a solver does not take,
+    and convex problems, stay as they are.
+    """
+    records = rows.to_pylist()
+    left = sum(row["branch"] == FROZEN for row in records)
+    asked = [
+        place
+        for place, row in enumerate(records)
+        if row["branch"] != FROZEN and row["outcome"] != UNTAKEN
+    ]
+    found = {place: _found(records[place], manifest) for place in asked}
+    differs = pd.DataFrame(
+        [
+            {name: not _agree(records[place][name], new[name]) for name in _NAMED}
+            for place, new in found.items()
+        ],
+        columns=list(_NAMED),
+        dtype=bool,
+    )
+    for name in _FOUND:
+        values = [found.get(place, row)[name] for place, row in enumerate(records)]
+        field = rows.schema.field(name)
+        rows = rows.set_column(
+            rows.schema.get_field_index(name), field, pa.array(values, field.type)
+        )
+    counts = {name: int(differs[name].sum()) for name in _NAMED if differs[name].any()}
+    changed = int(differs.any(axis=1).sum())
+    return rows, Recheck(len(asked), left, changed, counts)
+
+
+def _found(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
+    """The columns that the check fills, from a row's controls and claim."""
+    scenario, branch = scenario_of(row), row["branch"]
+    usual = PROFILES.get(row["profile"], PROFILES["default"])
+    limit = usual.search_s if is_missing(row["limit_s"]) else min(row["limit_s"], usual.search_s)
+    allowed = replace(usual, gap=manifest.gap_tolerance, search_s=limit)
+    path = None
+    if row["outcome"] == "returned" and row["curvatures"] is not None:
+        path = Path(scenario.start, row["curvatures"], row["lengths"])
+    claim = Claim(row["claim"]) if row["outcome"] == "returned" else Claim.NONE
+    judgement = judge(scenario, path, claim, branch, allowed)
+    both = row["multiplier_x"], row["multiplier_y"]
+    certificate = certify(
+        *(scenario, path, judgement, branch),
+        lower_bound=row["lower_bound"],
+        multipliers=None if any(map(is_missing, both)) else both,
+        tolerances=allowed,
+    )
+    found = vars(judgement) | vars(certificate)
+    if row["presolved"]:
+        found["proof"] = Proof.NONE
+    return {name: None if is_missing(found[name]) else found[name] for name in _FOUND}
+
+
+def _agree(said: Any, found: Any) -> bool:
+    if said is None or found is None or isinstance(found, str | bool):
+        return bool(said == found)
+    return bool(abs(said - found) <= _ABSOLUTE + _RELATIVE * abs(found))

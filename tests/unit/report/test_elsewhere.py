@@ -1,0 +1,101 @@
+"""Folders made elsewhere: judged anew from their controls, counted where that differs.
+
+`elsewhere` was made by a run with two threads and another scipy (and so other code digests).
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path as FilePath
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from dubins_study import load_results
+from dubins_study.report.data.results import load
+from dubins_study.study.words import FROZEN
+from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
+from tests.unit.report.topic_page import topic_page
+
+ELSEWHERE = FilePath(__file__).parent / "elsewhere"
+
+
+@pytest.fixture
+def here(tmp_path):
+    rows = [attempt(scenario, "ipopt") for scenario in paper_scenarios()]
+    return write_folder(tmp_path / "here", "here", rows)
+
+
+def changed(place: FilePath, change) -> FilePath:
+    """A copy of the folder whose first answer is changed."""
+    shutil.copytree(ELSEWHERE, place)
+    (file,) = (place / "parts").iterdir()
+    table = pq.read_table(file)
+    records = table.to_pylist()
+    answer = next(record for record in records if record["outcome"] == "returned")
+    answer |= change(answer)
+    pq.write_table(pa.Table.from_pylist(records, schema=table.schema), file)
+    return place
+
+
+def recheck_of(*folders: FilePath):
+    *_, last = load(folders).folders
+    return last.recheck
+
+
+def test_its_rows_are_what_the_check_finds_here(here):
+    """Legs, poses and a route, from two engines; what a solver does not take is not judged."""
+    recheck = recheck_of(here, ELSEWHERE)
+
+    assert (recheck.judged, recheck.left, recheck.changed) == (19, 0, 0)
+    rows = load_results([here, ELSEWHERE])
+    assert set(rows.loc[rows["experiment"] == "theirs", "threads"]) == {2}
+
+
+@pytest.mark.parametrize(
+    ("change", "differing"),
+    [
+        (lambda row: {"verdict": "longer"}, {"verdict": 1}),
+        (lambda row: {"length": 0.5 * row["length"], "gap": -0.5}, {"length": 1, "gap": 1}),
+        (lambda row: {"false_claim": True}, {"false_claim": 1}),
+        (lambda row: {"branch": FROZEN}, {}),
+    ],
+)
+def test_what_differs_is_counted_and_corrected(here, tmp_path, change, differing):
+    """The page has the check's numbers; a convex problem's answer is not in its row."""
+    theirs = changed(tmp_path / "theirs", change)
+    recheck = recheck_of(here, theirs)
+    answers = "experiment == 'theirs' and outcome == 'returned'"
+    row = load_results([here, theirs]).query(answers).iloc[0]
+
+    assert recheck.differing == differing
+    assert (recheck.changed, recheck.left) == ((1, 0) if differing else (0, 1))
+    if differing:
+        assert (row["verdict"], row["false_claim"]) == ("optimal", False)
+        assert abs(row["gap"]) < 1e-4
+
+
+def test_what_did_not_return_has_no_path(here, tmp_path):
+    theirs = changed(tmp_path / "theirs", lambda row: {"outcome": "crashed"})
+    row = load_results([here, theirs]).query("outcome == 'crashed'").iloc[0]
+
+    assert row["verdict"] == "none"
+
+
+def test_a_folder_of_the_same_set_up_is_believed(here, tmp_path):
+    """One's own runs are judged when they are made; so is the first folder, whoever made it."""
+    theirs = changed(tmp_path / "theirs", lambda row: {"verdict": "longer"})
+
+    assert recheck_of(ELSEWHERE, theirs) is None
+    assert load([theirs, here]).folders[0].recheck is None
+
+
+def test_the_page_says_what_differs_with_machine_and_versions(here, tmp_path):
+    theirs = changed(tmp_path / "theirs", lambda row: {"verdict": "longer"})
+    page = topic_page([here, theirs], tmp_path / "out", "summary").read_text(encoding="utf-8")
+
+    assert "(made elsewhere)" in page
+    assert "1 row of 19 differ from what the folder says (verdict 1)" in page
+    assert "AMD EPYC" in page
+    assert "scipy 1.16.3" in page
