@@ -92,11 +92,13 @@ def slsqp_by_hand(work: list[Job]) -> None:
 
 
 def ipopt_by_hand(work: list[Job], solver: Any) -> None:
+    """casadi and Ipopt, and whether it succeeded, which no result says without being asked."""
     for X, Y, free, start in work:
         upper = [0.0, 0.0, 0.0]
         for i in free:
             upper[i] = FULL_TURN if i < 2 else math.inf
         solver(x0=start, p=(X, Y), lbx=0, ubx=upper, lbg=0, ubg=0)
+        solver.stats()["success"]
 
 
 def casadi_solver() -> Any:

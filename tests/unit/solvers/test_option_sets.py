@@ -218,3 +218,25 @@ def test_every_search_goes_downhill_with_every_set(engine, options):
     Task(function, np.array([1.0, 1.5]), np.random.default_rng(0)).search(engine, options)
 
     assert function.value < 1e-3
+
+
+def test_scip_as_its_makers_have_it(monkeypatch):
+    """docs/engines.md: with these settings SCIP has its own defaults, but for the gap: 0."""
+    pyscipopt = pytest.importorskip("pyscipopt")
+    given: dict[str, Any] = {}
+    kept = pyscipopt.Model.setParam
+    defaults = pyscipopt.Model().getParams()
+
+    class Model(pyscipopt.Model):
+        def setParam(self, name: str, value: Any) -> None:  # noqa: N802
+            given[name] = value
+            kept(self, name, value)
+
+    monkeypatch.setattr(pyscipopt, "Model", Model)
+    solver = load("global-nlp[engine=scip,gap=1e-12,feastol=1e-6,emphasis=default]")
+    attempt(solver, Question(PAPER["problem 1"]), 20.0)
+
+    differing = {name for name, value in given.items() if value != defaults[name]}
+    assert differing <= {"limits/gap", "limits/time", "misc/catchctrlc"}
+    assert (given["limits/gap"], defaults["limits/gap"]) == (1e-12, 0.0)
+    assert given["numerics/feastol"] == defaults["numerics/feastol"]

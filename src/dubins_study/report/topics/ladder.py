@@ -69,8 +69,8 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     """Every attempt with its place on the ladder and its finding.
 
     `right`: optimal, and as long as the scenario's shortest path. `by its miss`: the check accepts
-    it as optimal, since it relaxes the reference over the miss, but it is shorter than the
-    scenario's shortest path. `coarse`: longer, but with the same shape. `wrong basin`: longer, with
+    it as optimal, since it is the shortest to where it ends, but it is shorter than the scenario's
+    shortest path. `coarse`: longer, but with the same shape. `wrong basin`: longer, with
     another shape. `no path`: no path was returned, or it does not arrive.
 
     Columns solver, side, rung (margin as a power of ten), finding, false_claim, miss (radii).

@@ -88,7 +88,8 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Nothing is checked but shapes: a row with NaN or a radius that is not positive yields NaN.
+    Nothing is checked but shapes: a row with NaN yields NaN, and one whose radius is not positive
+    means nothing.
     """
     scenarios = ScenarioArrays(*map(loop_input, columns))
     n = scenarios.x.size
