@@ -222,9 +222,14 @@ def test_links_land_on_their_heading(new_tab, report_page: Path, viewport):
             const places = [];
             for (const link of document.querySelectorAll('#contents a[href^="#"]')) {
                 window.location.hash = link.hash;
-                await new Promise((done) => setTimeout(done, 60));
+                let heading = {top: NaN};
+                for (let still = 0, looks = 0; still < 4 && looks < 50; looks++) {
+                    await new Promise((done) => setTimeout(done, 60));
+                    const before = heading.top;  // what comes near is drawn, and then it is still
+                    heading = document.querySelector(`${link.hash} h2`).getBoundingClientRect();
+                    still = heading.top === before ? still + 1 : 0;
+                }
                 const bar = document.getElementById("contents").getBoundingClientRect();
-                const heading = document.querySelector(`${link.hash} h2`).getBoundingClientRect();
                 const all = document.scrollingElement;
                 places.push([link.hash, heading.top - (innerWidth < 1100 ? bar.bottom : 0),
                     all.scrollTop + innerHeight >= all.scrollHeight - 2]);
