@@ -63,10 +63,10 @@ def test_points_of_a_file(points, tmp_path):
 
 
 REFUSED = {
-    "x;y\n": "line 1 is 'x;y'; expected column names such as x,y, with a comma between them",
-    "X,Y\n": "line 1 is 'X,Y'; expected column names",
-    "": "line 1 is ''; expected column names",
-    "x,y,x\n1,2,3\n": "line 1 is 'x,y,x'; expected column names",
+    "x;y\n": "line 1 is 'x;y'; expected the column names x and y, once each, with commas",
+    "X,Y\n": "line 1 is 'X,Y'; expected the column names x and y",
+    "": "line 1 is ''; expected the column names x and y",
+    "x,y,x\n1,2,3\n": "line 1 is 'x,y,x'; expected the column names x and y",
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is ''; expected a number",

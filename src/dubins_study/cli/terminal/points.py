@@ -21,8 +21,8 @@ def read_points(file: FilePath) -> list[Point]:
             reader = csv.DictReader(text, skipinitialspace=True, restval="")
             head = list(reader.fieldnames or ())
             if head.count("x") != 1 or head.count("y") != 1:
-                found = f"{','.join(head)!r:.60}; expected column names such as x,y, with a comma"
-                raise CommandError(f"{file}: line 1 is {found} between them")
+                found = f"{','.join(head)!r:.60}; expected the column names x and y, once each"
+                raise CommandError(f"{file}: line 1 is {found}, with commas between names")
             for row in reader:
                 place = f"{file}: line {reader.line_num}"
                 if None in row:  # as of numbers with a decimal comma
