@@ -49,12 +49,12 @@ BUDGETS = {
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
     "study": Size(9_490, 54),
-    "solvers": Size(10_530, 66),
+    "solvers": Size(10_535, 66),
     "experiments": Size(5_760, 40),
     "conformance": Size(1_700, 9),
     "report": Size(13_070, 80),
     "package": Size(42_430, 260),
-    "tests": Size(33_240, 217),
+    "tests": Size(33_245, 217),
 }
 
 _LEAVES = (

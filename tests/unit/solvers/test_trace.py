@@ -40,6 +40,17 @@ def test_a_trace_is_what_smaller_budgets_give(engine):
         assert short.length == pytest.approx(traced.trace_lengths[place], rel=1e-12)
 
 
+def test_runs_from_several_guesses_are_counted_one_after_another():
+    """What the second run finds has been paid for by all of the first."""
+    spec = "headings[engine=nelder-mead,initial_guess=random,seed=1,trace=true,count={}]"
+    one, both = (solve(ROUTE, spec.format(count)) for count in (1, 2))
+
+    later = [n for n in both.trace_evaluations if n > one.trace_evaluations[-1]]
+    assert both.length < one.length
+    assert later
+    assert min(later) > one.evaluations
+
+
 def test_a_trace_travels_with_its_reply():
     """As plain values, path by path."""
     reply = ask(load("headings[engine=nelder-mead,trace=true]"), Question(ROUTE))

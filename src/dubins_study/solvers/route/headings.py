@@ -159,7 +159,7 @@ class Headings(SearchSolver):
             functions = functions._replace(objective=counted)
         result = engine(program(route, functions), guess, until - began)
         if self.trace:
-            _add(trace, counted.trace)
+            _add(trace, counted, 0.0)
         length = route_length(route, result.x)
         return Run("headings", perf_counter() - began, *result, length=length)
 
@@ -179,7 +179,7 @@ class Headings(SearchSolver):
         begin = np.full(k, _HALF_TURN) if self.guided else None
         claim, message = Task(function, begin, random).search(self.engine, self.options)
         seconds, counts = perf_counter() - began, (None, function.evaluations)
-        _add(trace, [(count, low + point) for count, point in function.trace])
+        _add(trace, function, low)
         point = low + function.best
         return Run(
             *("headings", seconds, point, claim, None, *counts, claim.value, message),
@@ -216,10 +216,12 @@ def _path(scenario: Scenario, route: Route, unknown: FloatArray) -> Path:
     return path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel())
 
 
-def _add(trace: Trace, run: Trace) -> None:
-    """Add the trace of one more run, whose evaluations come after those before it."""
-    before = trace[-1][0] if trace else 0
-    trace += [(before + count, point) for count, point in run]
+def _add(trace: Trace, run: CountedFunction, low: FloatArray | float) -> None:
+    """Add the trace of one more run, whose evaluations come after all those before it."""
+    if run.trace:
+        before = trace[-1][0] if trace else 0
+        trace += [(before + count, low + point) for count, point in run.trace]
+        trace.append((before + run.evaluations, trace[-1][1]))
 
 
 def _thinned(trace: Trace) -> Trace:
