@@ -15,6 +15,7 @@ import pytest
 pytest.importorskip("distributed", reason="Dask's distributed is not installed")
 
 import dask_here as here
+from distributed import Client
 from live_run import wait_for
 
 from dubins_study import run
@@ -52,6 +53,8 @@ def address(tmp_path_factory):
     """Two workers that several runs use one after another."""
     two = ("--nworkers", "2", "--nthreads", "1")
     with here.scheduler(tmp_path_factory.mktemp("dask")) as at, here.worker(at, *two):
+        with Client(at) as client:  # a run takes the workers that are there when it begins
+            client.wait_for_workers(2, timeout=60)
         yield at
 
 
