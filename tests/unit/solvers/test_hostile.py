@@ -19,6 +19,7 @@ from dubins_study.solvers.attempt import QuestionError, attempt
 from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.protocol import MAX_ARCS, FrameSolution, Question, Solution, Solver
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.reply import ask
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
@@ -273,6 +274,25 @@ def test_a_limit_that_is_none_is_refused(limit):
 def test_any_number_is_a_limit():
     for limit in (5, np.int64(5), np.float32(1), Fraction(5, 2)):
         assert solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit).verdict == "optimal"
+
+
+@pytest.mark.parametrize(("building", "left"), [(0.0, 0.95), (0.5, 0.45), (3.0, 0.05)])
+def test_a_solver_is_told_what_is_left_of_its_limit(monkeypatch, building, left):
+    """Less a twentieth, so that what is found at the last moment is handed over in time."""
+    told: list[float] = []
+
+    class Listens(Solver):
+        name = "listens"
+
+        def solve(self, model, limit):
+            told.append(limit)
+            return Solution(Claim.FAILED)
+
+    readings = iter([0.0, building, building])
+    monkeypatch.setattr("dubins_study.solvers.reply.perf_counter", lambda: next(readings))
+    ask(Listens(), Question(ASKED), limit=1.0)
+
+    assert told == [pytest.approx(left)]
 
 
 @pytest.mark.parametrize(
