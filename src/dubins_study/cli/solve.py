@@ -57,8 +57,7 @@ def solve(
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
     time_limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", help="seconds that the solve may take"),
+        float, typer.Option(metavar="SECONDS", help="seconds that the solve may take")
     ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[
