@@ -70,6 +70,9 @@ REFUSED = {
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is ''; expected a number",
+    "x,y\n1,2\n3,nan\n": "line 3: y is nan; expected a finite number",
+    "x,y\n1,2\n-1e200,3\n": "line 3: x is -1e+200; expected a number of size up to 1e+150",
+    "x,y,z\n1,2,a\n\n1.0,2,b\n": "line 4: x,y is 1.0,2.0, the same point as in line 2; expected",
     "x,y\n4,5,2\n": "line 2 has more cells than the first line",
 }
 
@@ -92,10 +95,7 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
         (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
         (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
         (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),
-        (
-            ("3", "4", "--geojson", "no/where.json"),
-            "--geojson: cannot write no/where.json: No such",
-        ),
+        (("3", "4", "--geojson", "no/a.json"), "--geojson: cannot write no/a.json: No such"),
         (("3", "4", "--geojson", "."), "--geojson: cannot write .: Is a directory"),
         (("3", "4", "--plot", "no/where.svg"), "cannot write no/where.svg: No such"),
     ],

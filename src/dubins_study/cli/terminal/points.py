@@ -13,9 +13,11 @@ from dubins_study.cli.terminal.arguments import CommandError, Point, number
 def read_points(file: FilePath) -> list[Point]:
     """The points of a CSV file in the order of its lines: UTF-8, commas, a line of column names.
 
-    The columns `x` and `y` are read; all others are passed over, and so are empty lines.
+    The columns `x` and `y` are read; all others are passed over, and so are empty lines. Refused:
+    what is no finite number, and a point equal to the one before it.
     """
-    points = []
+    points: list[Point] = []
+    line_before = 0  # the line of the last point
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             reader = csv.DictReader(text, skipinitialspace=True, restval="")
@@ -29,7 +31,11 @@ def read_points(file: FilePath) -> list[Point]:
                     raise CommandError(f"{place} has more cells than the first line")
                 if any(cell.strip() for cell in row.values()):
                     x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
+                    if points[-1:] == [(x, y)]:
+                        again = f"x,y is {x},{y}, the same point as in line {line_before}"
+                        raise CommandError(f"{place}: {again}; expected a point apart from it")
                     points.append(Point(x, y))
+                    line_before = reader.line_num
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:
@@ -41,7 +47,9 @@ def read_points(file: FilePath) -> list[Point]:
 
 
 def _coordinate(place: str, name: str, text: str) -> float:
+    from dubins_study.study.scenario import checked_number  # numpy, which no help waits for
+
     try:
-        return number(text)
+        return checked_number(f"{place}: {name}", number(text))
     except typer.BadParameter as error:
         raise CommandError(f"{place}: {name} is {error.message}") from None
