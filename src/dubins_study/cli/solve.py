@@ -79,15 +79,15 @@ def solve(
     target, via = _points(x, y, via, via_file)
     scenario = arguments.scenario_of(*target, start, radius, speed, via, final_heading)
     check_request(branch, time_limit, "--time-limit")
+    for option, file in (("--plot", plot), ("--geojson", geojson)):
+        if file is not None and file in (via_file, None if option == "--plot" else plot):
+            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
+        if file is not None and (reason := unwritable(file)):  # before a solve that takes long
+            raise arguments.CommandError(f"{option}: cannot write {file}: {reason}")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    for option, file in (("--plot", plot), ("--geojson", geojson)):
-        if file is not None and file in (via_file, None if option == "--plot" else plot):
-            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
-    if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
-        raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)

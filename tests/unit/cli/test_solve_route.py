@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -95,15 +96,30 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
         (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
         (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
         (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),
-        (("3", "4", "--geojson", "no/a.json"), "--geojson: cannot write no/a.json: No such"),
-        (("3", "4", "--geojson", "."), "--geojson: cannot write .: Is a directory"),
-        (("3", "4", "--plot", "no/where.svg"), "cannot write no/where.svg: No such"),
     ],
 )
 def test_a_request_that_is_refused(arguments, message, points):
     words = [word.replace("FILE", str(points)) for word in arguments]
     with pytest.raises(DubinsStudyError, match=message):
         asked("solve", *words)
+
+
+@pytest.mark.parametrize("option", ["--plot", "--geojson"])
+@pytest.mark.parametrize(
+    ("file", "reason"),
+    [
+        ("no/a.svg", "No such file"),
+        (".", "Is a directory"),
+        ("a" * 300 + ".svg", "File name too long"),
+        ("/proc/a.svg", ""),  # the folder's mode lets root write
+    ],
+)
+def test_a_file_that_cannot_be_written_is_refused_before_the_solve(option, file, reason):
+    """The refusal is about the file: the solver, which does not exist, is not looked for."""
+    with pytest.raises(
+        DubinsStudyError, match=re.escape(f"{option}: cannot write {file}: {reason}")
+    ):
+        asked("solve", "3", "4", option, file, "--solver", "nonesuch")
 
 
 def test_the_path_as_geojson(tmp_path):
