@@ -13,12 +13,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.elements.style import (
-    drawing,
-    figure_bytes,
-    fix_layout,
-    new_figure,
-)
+from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
 from dubins_study.report.topics.paper_figures import plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.closed_form.shortest import shortest_path

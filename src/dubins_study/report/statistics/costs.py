@@ -170,10 +170,7 @@ def shares_within(table: pd.DataFrame, points: ArrayLike) -> pd.DataFrame:
 
 
 def target_ecdf(
-    gaps: pd.DataFrame,
-    costs: pd.DataFrame,
-    at: ArrayLike,
-    targets: Sequence[float] = GAP_TARGETS,
+    gaps: pd.DataFrame, costs: pd.DataFrame, at: ArrayLike, targets: Sequence[float] = GAP_TARGETS
 ) -> pd.DataFrame:
     """The share of (question, target) pairs reached within a cost, over a set of gap targets.
 

@@ -216,11 +216,7 @@ class Compared:
         return self.methods[self.methods.index != EXACT]
 
     def bootstrap(
-        self,
-        table: pd.DataFrame,
-        statistic: Statistic,
-        name: str,
-        base: str | None = None,
+        self, table: pd.DataFrame, statistic: Statistic, name: str, base: str | None = None
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
 
