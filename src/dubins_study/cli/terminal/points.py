@@ -10,13 +10,14 @@ import typer
 from dubins_study.cli.terminal.arguments import CommandError, Point, number
 
 
-def read_points(file: FilePath) -> list[Point]:
-    """The points of a CSV file in the order of its lines: UTF-8, commas, a line of column names.
+def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
+    """Points and their names, by the lines of a CSV file: UTF-8, commas, a line of column names.
 
-    The columns `x` and `y` are read; all others are passed over, and so are empty lines. Refused:
-    what is no finite number, and a point equal to the one before it.
+    The columns `x`, `y` and, if there is one, `name` are read; all others are passed over, and so
+    are empty lines. Refused: what is no finite number, and a point equal to the one before it.
     """
     points: list[Point] = []
+    names: list[str] = []
     line_before = 0  # the line of the last point
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
@@ -35,6 +36,7 @@ def read_points(file: FilePath) -> list[Point]:
                         again = f"x,y is {x},{y}, the same point as in line {line_before}"
                         raise CommandError(f"{place}: {again}; expected a point apart from it")
                     points.append(Point(x, y))
+                    names.append(row.get("name", "").strip())
                     line_before = reader.line_num
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
@@ -43,7 +45,7 @@ def read_points(file: FilePath) -> list[Point]:
         raise CommandError(f"{file}: cannot be read: {reason}") from None
     if not points:
         raise CommandError(f"{file}: no points; expected a line each")
-    return points
+    return points, names
 
 
 def _coordinate(place: str, name: str, text: str) -> float:
