@@ -1,8 +1,4 @@
-"""The command line `dubins-study`: one module per command, joined here.
-
-Results go to stdout, everything else to stderr. Exit code 0: done; 1: done, but something is wrong;
-2: the request was bad; 130: interrupted.
-"""
+"""The command line `dubins-study`: one module per command, joined here; `_HELP` says the rest."""
 
 from __future__ import annotations
 

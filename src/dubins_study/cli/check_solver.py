@@ -12,20 +12,15 @@ from dubins_study.cli.terminal.arguments import Json, Profile
 
 
 def check_solver(
-    solver: Annotated[
-        str,
-        typer.Argument(metavar="SOLVER", help="a name, or file.py:Class"),
-    ],
+    solver: Annotated[str, typer.Argument(metavar="SOLVER", help="a name, or file.py:Class")],
     check: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="only this check; may be repeated")
     ] = None,
     time_limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", help="seconds that a question may take"),
+        float, typer.Option(metavar="SECONDS", help="seconds that a question may take")
     ] = 5.0,
     total_time_limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", help="seconds that all questions may take"),
+        float, typer.Option(metavar="SECONDS", help="seconds that all questions may take")
     ] = 600.0,
     profile: Profile = "default",
     as_json: Json = False,

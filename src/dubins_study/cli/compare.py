@@ -23,8 +23,7 @@ def compare(
         FilePath | None, typer.Option(metavar="DIR", help="write a page with tables and figures")
     ] = None,
     slower: Annotated[
-        float,
-        typer.Option(metavar="RATIO", help="times as long that count as slower"),
+        float, typer.Option(metavar="RATIO", help="times as long that count as slower")
     ] = 1.1,
     fail_on_regression: Annotated[
         bool, typer.Option("--fail-on-regression", help="exit code 1 if anything became worse")

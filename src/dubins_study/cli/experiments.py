@@ -18,10 +18,7 @@ scenarios of a file:  dubins-study run --scenarios my.csv --solver ipopt"""
 
 
 def experiments(
-    experiment: Annotated[
-        str | None,
-        typer.Argument(metavar="EXPERIMENT", help=_HELP),
-    ] = None,
+    experiment: Annotated[str | None, typer.Argument(metavar="EXPERIMENT", help=_HELP)] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
     """List the experiments that `run` knows by name."""

@@ -14,9 +14,7 @@ import typer
 
 from dubins_study.cli.status import status_text
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import (
-    CommandError,
-)
+from dubins_study.cli.terminal.arguments import CommandError
 from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
@@ -33,25 +31,17 @@ _JSON = "print the folder's status as one JSON object"
 
 def run(
     experiment: Annotated[
-        str | None,
-        typer.Argument(metavar="EXPERIMENT", help=_EXPERIMENT),
+        str | None, typer.Argument(metavar="EXPERIMENT", help=_EXPERIMENT)
     ] = None,
     scenarios: Annotated[FilePath | None, typer.Option(metavar="FILE", help=_SCENARIOS)] = None,
     out: Annotated[
         FilePath | None, typer.Option(metavar="DIR", help="default: results/<experiment or file>")
     ] = None,
-    solver: Annotated[
-        list[str] | None,
-        typer.Option(metavar="SPEC", help=_SOLVERS),
-    ] = None,
-    jobs: Annotated[
-        int,
-        typer.Option(metavar="N", help="processes; 1 where times are quoted"),
-    ] = 1,
+    solver: Annotated[list[str] | None, typer.Option(metavar="SPEC", help=_SOLVERS)] = None,
+    jobs: Annotated[int, typer.Option(metavar="N", help="processes; 1 where times are quoted")] = 1,
     time_limit: Annotated[float | None, typer.Option(metavar="SECONDS", help=_LIMIT)] = None,
     memory_limit: Annotated[
-        float | None,
-        typer.Option(metavar="GIB", help="GiB that a solve may hold"),
+        float | None, typer.Option(metavar="GIB", help="GiB that a solve may hold")
     ] = None,
     repeats: Annotated[int | None, typer.Option(metavar="N", help="attempts per cell")] = None,
     restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,

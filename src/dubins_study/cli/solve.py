@@ -8,6 +8,7 @@ import math
 import shlex
 import sys
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,6 +21,7 @@ from dubins_study.study.words import Outcome
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
+    from dubins_study.study.path import Path
 
 # Fields of an answer in the JSON object, which also has `via`, `final_heading`, `segments` and
 # `tied_words`.
@@ -57,8 +59,7 @@ def solve(
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
     time_limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", help="seconds that the solve may take"),
+        float, typer.Option(metavar="SECONDS", help="seconds that the solve may take")
     ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[
@@ -66,7 +67,7 @@ def solve(
     ] = None,
     geojson: Annotated[
         FilePath | None,
-        typer.Option(metavar="FILE", help="write the path as GeoJSON, in the scenario's x and y"),
+        typer.Option(metavar="FILE", help="write path and points as GeoJSON, in their x and y"),
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
@@ -77,18 +78,18 @@ def solve(
     from dubins_study.solvers.attempt import check_request
     from dubins_study.study.values import unwritable
 
-    target, via = _points(x, y, via, via_file)
+    target, via, names = _points(x, y, via, via_file)
     scenario = arguments.scenario_of(*target, start, radius, speed, via, final_heading)
     check_request(branch, time_limit, "--time-limit")
+    for option, file in (("--plot", plot), ("--geojson", geojson)):
+        if file is not None and file in (via_file, None if option == "--plot" else plot):
+            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
+        if file is not None and (reason := unwritable(file)):  # before a solve that takes long
+            raise arguments.CommandError(f"{option}: cannot write {file}: {reason}")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    for option, file in (("--plot", plot), ("--geojson", geojson)):
-        if file is not None and file in (via_file, None if option == "--plot" else plot):
-            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
-    if geojson is not None and (reason := unwritable(geojson)):  # before a solve that takes long
-        raise arguments.CommandError(f"--geojson: cannot write {geojson}: {reason}")
     _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
@@ -100,8 +101,8 @@ def solve(
         raise arguments.CommandError(message)
     if not as_json and (faster := _faster(answer, profile)):
         print(f"dubins-study: a faster setting: --solver {shlex.quote(faster)}", file=sys.stderr)
-    drawn = plot is None or _save(answer, plot, "drawn")
-    written = geojson is None or _save(answer, geojson, "written")
+    drawn = plot is None or _save(answer, plot, None)
+    written = geojson is None or _save(answer, geojson, names)
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -125,42 +126,59 @@ def _faster(answer: Answer, profile: str) -> str | None:
 
 def _points(
     x: float | None, y: float | None, via: list[arguments.Point], file: FilePath | None
-) -> tuple[arguments.Point, list[arguments.Point]]:
-    """Target and via points, of which a file may have all."""
+) -> tuple[arguments.Point, list[arguments.Point], list[str]]:
+    """Target and via points, of which a file may have all; the names that the file gives them."""
     if file is None:
         if x is None or y is None:
             missing = "the target is missing" if x is None else "the target is a single number"
             raise arguments.CommandError(f"{missing}; expected X Y, or --via-file")
-        return arguments.Point(x, y), via
+        return arguments.Point(x, y), via, [""] * (len(via) + 1)
     if via:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
-    points = read_points(file)
+    points, names = read_points(file)
     if x is None:
-        return points[-1], points[:-1]
+        return points[-1], points[:-1], names
     if y is None:
         raise arguments.CommandError("the target is a single number; expected X Y, or neither")
-    return arguments.Point(x, y), points
+    return arguments.Point(x, y), points, [*names, ""]
 
 
-def _save(answer: Answer, file: FilePath, done: str) -> bool:
-    """Draw the path of an answer, or write it as GeoJSON; False, and why, if there is none."""
+def _save(answer: Answer, file: FilePath, names: Sequence[str] | None) -> bool:
+    """Draw an answer's path, or write it with names as GeoJSON; False, and why, without a path."""
     if answer.length is None or answer.path is None:
         reason = "there is no path" if answer.path is None else "the path is not finite"
-        print(f"dubins-study: {file} is not {done}: {reason}", file=sys.stderr)
+        print(f"dubins-study: {file} is not written: {reason}", file=sys.stderr)
         return False
-    if done == "drawn":
+    if names is None:
         from dubins_study.report.path_plot import plot_path
 
         plot_path(answer, file)
         return True
-    properties = {name: getattr(answer, name) for name in _GEOJSON}
-    feature = answer.path.to_geojson(radius=answer.scenario.radius, **properties)
+    features = answer_geojson(answer, answer.path, names)
     try:
-        file.write_text(json.dumps(feature, allow_nan=False) + "\n", encoding="utf-8")
+        file.write_text(json.dumps(features, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         message = f"--geojson: cannot write {file}: {error.strerror}"
         raise arguments.CommandError(message) from None
     return True
+
+
+def answer_geojson(answer: Answer, path: Path, names: Sequence[str]) -> dict[str, Any]:
+    """A FeatureCollection: the path, then its via points and the target, with a name for each.
+
+    A point has the path's heading there, or null if the path is not known to pass all points.
+    """
+    properties = {"kind": "path"} | {name: getattr(answer, name) for name in _GEOJSON}
+    features = [path.to_geojson(radius=answer.scenario.radius, **properties)]
+    points = answer.scenario.points[1:].tolist()
+    at = [*(answer.visits or ()), path.length]
+    headings = path.at(at)[:, 2].tolist() if len(at) == len(points) else [None] * len(points)
+    for index, (name, point, heading) in enumerate(zip(names, points, headings, strict=True), 1):
+        kind = "target" if index == len(points) else "via"
+        shown = {"kind": kind, "index": index, "name": name or None, "heading_rad": heading}
+        geometry = {"type": "Point", "coordinates": point}
+        features.append({"type": "Feature", "geometry": geometry, "properties": shown})
+    return {"type": "FeatureCollection", "features": features}
 
 
 def answer_json(answer: Answer) -> str:

@@ -17,10 +17,7 @@ _HELP = "one solver, with its settings; default: a list of all"
 
 
 def solvers(
-    solver: Annotated[
-        str | None,
-        typer.Argument(metavar="SPEC", help=_HELP),
-    ] = None,
+    solver: Annotated[str | None, typer.Argument(metavar="SPEC", help=_HELP)] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print a JSON list")] = False,
 ) -> None:
     """List every solver: available, or why not."""

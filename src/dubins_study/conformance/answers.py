@@ -255,11 +255,6 @@ class Cause(NamedTuple):
     length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.lengths
 
 
-def _inverse(path: Path) -> np.ndarray:
-    turning = path.curvatures != 0
-    return np.where(turning, 1 / np.where(turning, path.curvatures, 1.0), 0.0)
-
-
 CAUSES = (
     Cause(
         "left and right are swapped: curvature is positive to the left",
@@ -267,7 +262,7 @@ CAUSES = (
     ),
     Cause(
         "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius",
-        curvature=lambda s, p: _inverse(p),
+        curvature=lambda s, p: np.array([1 / k if k else 0.0 for k in p.curvatures]),
     ),
     Cause(
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "

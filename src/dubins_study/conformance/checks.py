@@ -36,8 +36,6 @@ from dubins_study.study.values import did_you_mean, short
 from dubins_study.study.words import FROZEN, Outcome
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
-
-
 _ALL = (Kind.CONTROLS, Kind.CLAIM, Kind.BOUND, Kind.LENGTH)
 
 
@@ -188,7 +186,8 @@ def check_solver(
             checked.append(replace(result, findings=findings))
             if progress is not None:
                 progress(len(checked), len(names))
-    return ConformanceReport(spec, tuple(checked), interview.counts(), monotonic() - began)
+    seconds, counts = monotonic() - began, interview.counts()
+    return ConformanceReport(spec, tuple(checked), counts, seconds, interview.worst_gap())
 
 
 def _asked_in(profile: str, finding: Finding) -> Finding:

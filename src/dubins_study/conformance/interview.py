@@ -159,12 +159,7 @@ class Interview:
     """
 
     def __init__(
-        self,
-        spec: str,
-        source: InProcess | Worker,
-        profile: str,
-        limit: float,
-        total_limit: float,
+        self, spec: str, source: InProcess | Worker, profile: str, limit: float, total_limit: float
     ):
         self.spec, self.declared, self.limit = spec, source.declared, limit
         self.tolerances = PROFILES[profile]
@@ -189,6 +184,13 @@ class Interview:
             for seen in self.seen
         )
         return {name: ended[name] for name in (*map(str, Verdict), UNANSWERED)}
+
+    def worst_gap(self) -> float | None:
+        """The largest gap of the paths that are longer than the shortest; None if there is none."""
+        answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
+        return max(
+            (one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER), default=None
+        )
 
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""

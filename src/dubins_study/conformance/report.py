@@ -10,6 +10,7 @@ from textwrap import TextWrapper, indent
 from typing import Any
 
 from dubins_study.study.values import plain, printable_text
+from dubins_study.study.words import Verdict
 
 
 class Status(StrEnum):
@@ -107,12 +108,14 @@ class ConformanceReport:
         answers: how many of its answers have each verdict; `unanswered` are those where it raised,
             crashed or hung.
         seconds: how long that took.
+        worst_gap: of the paths that are longer than the shortest, the largest gap; None without.
     """
 
     solver: str
     results: tuple[CheckResult, ...]
     answers: dict[str, int]
     seconds: float
+    worst_gap: float | None = None
 
     @property
     def passed(self) -> bool:
@@ -141,12 +144,12 @@ class ConformanceReport:
             | {"findings": [asdict(found) for found in one.findings]}
             for one in self.results
         ]
-        counts = {status: len(self.with_status(status)) for status in reversed(Status)}
         return {
             "solver": self.solver,
             "passed": self.passed,
-            "counts": counts,
+            "counts": {status: len(self.with_status(status)) for status in reversed(Status)},
             "answers": self.answers,
+            "worst_gap": self.worst_gap,
             "seconds": round(self.seconds, 3),
             "checks": checks,
         }
@@ -228,8 +231,13 @@ def _verdict(report: ConformanceReport) -> tuple[str, str]:
         if (results := report.with_status(status))
     )
     ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    asked = f"{sum(report.answers.values())} questions in {report.seconds:.1f} s"
+    asked, longer = f"{sum(report.answers.values())} questions", ""
+    if report.worst_gap is not None:
+        shares = (
+            f"{report.answers[Verdict.LONGER]} of {asked}, worst {100 * report.worst_gap:.3g} %"
+        )
+        longer = f"; paths longer than the shortest on {shares}"
     return (
-        f"{'passed' if report.passed else 'FAILED'}: {counts}",
-        f"{asked}: {ended}" if ended else asked,
+        f"{'passed' if report.passed else 'FAILED'}: {counts}{longer}",
+        f"{asked} in {report.seconds:.1f} s" + (f": {ended}" if ended else ""),
     )

@@ -13,12 +13,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.elements.style import (
-    drawing,
-    figure_bytes,
-    fix_layout,
-    new_figure,
-)
+from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
 from dubins_study.report.topics.paper_figures import plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.closed_form.shortest import shortest_path
@@ -76,7 +71,9 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
     name, path, scenario = _subject(drawn)
     if not scenario.one_free_leg:
         return _figure(partial(plot_route, path=path, scenario=scenario, name=name), place)
-    named_paths = {_in_lines(name): path}
+    # a long spec is broken between its settings: the legend is as wide as the figure
+    lines = textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
+    named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}
     shared = {
@@ -121,11 +118,6 @@ def check_format(file: str | FilePath) -> FilePath:
     if reason := unwritable(place):  # before a solve that may take long
         raise PlotError(f"cannot write {place}: {reason}")
     return place
-
-
-def _in_lines(name: str) -> str:
-    """A long spec, broken between its settings: the legend is as wide as the figure."""
-    return textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
 
 
 def _reference(drawn: object) -> Path | None:

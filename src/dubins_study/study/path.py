@@ -187,7 +187,7 @@ class Path:
 
         Returns:
             A Feature. Its properties are `length`, `word`, `radius` (the smallest of its arcs; null
-            for a straight path), `start_heading` and `end_heading` (rad), `chord_error` (length
+            for a straight path), `start_heading_rad` and `end_heading_rad`, `chord_error` (length
             unit), and those given.
 
         Raises:
@@ -209,8 +209,8 @@ class Path:
                 "length": self.length,
                 "word": self.word(),
                 "radius": radius,
-                "start_heading": self.start.heading,
-                "end_heading": self.end.heading,
+                "start_heading_rad": self.start.heading,
+                "end_heading_rad": self.end.heading,
                 "chord_error": share * radius if radius else 0.0,
                 **properties,
             },

@@ -75,13 +75,18 @@ def plain(text: str, kept: str = "") -> str:
 
 
 def unwritable(file: Path) -> str | None:
-    """Why a file cannot be written, as far as that shows before the work whose result it is for."""
-    if file.is_dir():
-        return os.strerror(errno.EISDIR)
-    if not file.parent.is_dir():
-        return os.strerror(errno.ENOENT)
-    allowed = os.access(file if file.exists() else file.parent, os.W_OK)
-    return None if allowed else os.strerror(errno.EACCES)
+    """Why a file cannot be written; one that does not exist is made to find out, and removed."""
+    try:
+        if file.is_dir():
+            return os.strerror(errno.EISDIR)
+        if file.exists():
+            return None if os.access(file, os.W_OK) else os.strerror(errno.EACCES)
+        if not file.is_symlink():  # a link to a file that is not there stays as it is
+            file.touch()
+            file.unlink()
+    except OSError as error:
+        return error.strerror
+    return None
 
 
 _SHORT = 60  # characters

@@ -62,7 +62,7 @@ def test_a_plot_of_no_path(form, tmp_path):
 
     assert done.exit_code == 1
     assert "none exists" in done.stdout
-    assert done.stderr == f"dubins-study: {file} is not drawn: there is no path\n"
+    assert done.stderr == f"dubins-study: {file} is not written: there is no path\n"
     assert not file.exists()
 
 

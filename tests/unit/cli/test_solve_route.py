@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,7 @@ from typer.testing import CliRunner
 
 from dubins_study import Path, Scenario, plot_path, solve
 from dubins_study.cli.app import app
+from dubins_study.cli.solve import _GEOJSON, answer_geojson
 from dubins_study.errors import DubinsStudyError
 
 START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
@@ -70,6 +72,9 @@ REFUSED = {
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is ''; expected a number",
+    "x,y\n1,2\n3,nan\n": "line 3: y is nan; expected a finite number",
+    "x,y\n1,2\n-1e200,3\n": "line 3: x is -1e+200; expected a number of size up to 1e+150",
+    "x,y,z\n1,2,a\n\n1.0,2,b\n": "line 4: x,y is 1.0,2.0, the same point as in line 2; expected",
     "x,y\n4,5,2\n": "line 2 has more cells than the first line",
 }
 
@@ -92,12 +97,6 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
         (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
         (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
         (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),
-        (
-            ("3", "4", "--geojson", "no/where.json"),
-            "--geojson: cannot write no/where.json: No such",
-        ),
-        (("3", "4", "--geojson", "."), "--geojson: cannot write .: Is a directory"),
-        (("3", "4", "--plot", "no/where.svg"), "cannot write no/where.svg: No such"),
     ],
 )
 def test_a_request_that_is_refused(arguments, message, points):
@@ -106,19 +105,62 @@ def test_a_request_that_is_refused(arguments, message, points):
         asked("solve", *words)
 
 
-def test_the_path_as_geojson(tmp_path):
-    """A line from the start to the target past every point, with what is proven of it."""
+@pytest.mark.parametrize("option", ["--plot", "--geojson"])
+@pytest.mark.parametrize(
+    ("file", "reason"),
+    [
+        ("no/a.svg", "No such file"),
+        (".", "Is a directory"),
+        ("a" * 300 + ".svg", "File name too long"),
+        ("/proc/a.svg", ""),  # the folder's mode lets root write
+    ],
+)
+def test_a_file_that_cannot_be_written_is_refused_before_the_solve(option, file, reason):
+    """The refusal is about the file: the solver, which does not exist, is not looked for."""
+    with pytest.raises(
+        DubinsStudyError, match=re.escape(f"{option}: cannot write {file}: {reason}")
+    ):
+        asked("solve", "3", "4", option, file, "--solver", "nonesuch")
+
+
+def test_a_route_as_geojson(points, tmp_path):
+    """A line past every point, with what is proven of it; the points with the names of the file."""
     file = tmp_path / "route.json"
-    answer = json.loads(asked(*ROUTE, "--json", "--geojson", str(file)).stdout)
-    feature = json.loads(file.read_text())
-    line, properties = np.array(feature["geometry"]["coordinates"]), feature["properties"]
+    points.write_text(points.read_text().replace("more", "name"))
+    asking = (*START, "--via-file", str(points), "--json", "--geojson", str(file))
+    answer = json.loads(asked(*asking).stdout)
+    path, *marks = json.loads(file.read_text())["features"]
+    line, properties = np.array(path["geometry"]["coordinates"]), path["properties"]
 
     for point in [(0, 0), (4, 1), (6, -2), (10, 5)]:
         assert np.hypot(*(line - point).T).min() < 0.1  # arcs have a point every 5 degrees
     np.testing.assert_allclose(line[-1], (10, 5), atol=1e-9)
     same = ("word", "length", "verdict", "proof", "reference_low", "reference_high", "miss")
     assert {name: properties[name] for name in same} == {name: answer[name] for name in same}
-    assert properties["radius"] == 1.0
+    assert (properties["kind"], properties["radius"]) == ("path", 1.0)
+    assert properties["start_heading_rad"] == math.radians(30)
+    places = [(mark["geometry"]["type"], *mark["geometry"]["coordinates"]) for mark in marks]
+    assert places == [("Point", 4, 1), ("Point", 6, -2), ("Point", 10, 5)]
+    shown = [[mark["properties"][key] for key in ("kind", "index", "name")] for mark in marks]
+    assert shown == [["via", 1, "first"], ["via", 2, "second"], ["target", 3, "last"]]
+    for mark in marks:  # the heading is that of the chord that ends at the point, or nearly
+        chord = np.hypot(*(line - mark["geometry"]["coordinates"]).T)[1:].argmin() + 1
+        dx, dy = line[chord] - line[chord - 1]
+        turned = mark["properties"]["heading_rad"] - math.atan2(dy, dx)
+        assert abs(math.remainder(turned, 2 * math.pi)) < 0.1
+
+
+def test_points_without_names_as_geojson(tmp_path):
+    """Names are null; so are headings at points that a path is not known to pass in order."""
+    file = tmp_path / "route.json"
+    asked(*ROUTE, "--geojson", str(file))
+    marks = json.loads(file.read_text())["features"][1:]
+    answer = solve(Scenario(target_x=3, target_y=0, via=[(2, 0)]))
+    missed = SimpleNamespace(**dict.fromkeys([*_GEOJSON, "visits"]), scenario=answer.scenario)
+    unseen = answer_geojson(missed, answer.path, ["", ""])["features"][1:]
+
+    assert [mark["properties"]["name"] for mark in marks] == [None] * 3
+    assert [mark["properties"]["heading_rad"] for mark in unseen] == [None] * 2
 
 
 def test_no_path_is_no_geojson(tmp_path):

@@ -34,7 +34,7 @@ from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.tolerances import ProfileError
 
 ANSWERS = [name for name in CHECKS if name not in ("limits", "state")]
@@ -264,10 +264,21 @@ def test_a_path_that_does_not_move_is_no_kept_answer():
 
 
 def test_a_longer_path_is_a_note_of_an_honest_solver():
+    """The verdict says on how many questions, and how much longer the longest is."""
     report = checked(Modest)
 
     assert report.passed, report
     assert {one.name for one in report.with_status(Status.NOTE)} == {"discs", "circles"}
+    gaps = []
+    for scenario in [*DISCS.values(), *CIRCLES.values()]:
+        best, *words = (shortest_path(scenario, branch) for branch in ("best", "LS", "RS"))
+        excess = min(path.length for path in words if path is not None) - best.length
+        gaps.append(excess / max(best.length, scenario.radius))
+    worst = max(gaps)
+    longer, asked = report.answers["longer"], sum(report.answers.values())
+    shares = f"longer than the shortest on {longer} of {asked} questions, worst {100 * worst:.3g} %"
+    assert shares in " ".join(str(report).split())
+    assert "longer than" not in str(checked(Right, ["claims"]))
 
 
 def test_a_longer_path_contradicts_a_guarantee():

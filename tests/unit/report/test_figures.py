@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 
+import pandas as pd
 import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.looks import common_part
+from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import INK, RULE, drawing, figure_bytes, fix_layout
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
@@ -137,6 +139,20 @@ def test_what_all_names_of_a_panel_share_goes_to_its_title():
     assert common_part(["HiGHS", *shared]) == ("", ["HiGHS", *shared])
     assert common_part(["SCIP", "Ipopt, bearing start"]) == (" (bearing start)", ["SCIP", "Ipopt"])
     assert common_part(["Ipopt, presolve"]) == ("", ["Ipopt, presolve"])
+
+
+def test_bars_of_all_columns_have_one_length():
+    """However long the names beside them; names of 44 characters are whole, in fewer columns."""
+    long, short = "Uno filterSQP, words start, options=default", "SCIP"
+    for names, across in (((short, long, short), 3), ((long, long, long), 2)):
+        table = pd.DataFrame({"formulation": [*"abc"], "short": names, "note": "38*", "right": 1.0})
+        with drawing():
+            figure = stacked_shares(table, [Mark("right", colour=INK)], "share")
+            fix_layout(figure)
+        lengths = [ax.get_window_extent().width for ax in figure.axes]
+        texts = [label.get_text() for ax in figure.axes for label in ax.get_yticklabels()]
+        assert (texts, len(figure.subfigs)) == ([*names], across)
+        assert max(lengths) < 1.1 * min(lengths)  # the labels of the axes are not counted
 
 
 @pytest.fixture(scope="module")

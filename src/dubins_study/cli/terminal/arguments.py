@@ -57,7 +57,7 @@ _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
 ViaFile = Annotated[
     FilePath | None,
-    typer.Option(metavar="CSV", help="points to pass on the way: columns x and y, in order"),
+    typer.Option(metavar="CSV", help="points to pass on the way: columns x, y, maybe name"),
 ]
 FinalHeading = Annotated[
     str | None,
@@ -70,8 +70,7 @@ Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 # who answers
 _SPEC = "name, name[setting=value] or file.py:Class"
 Spec = Annotated[str, typer.Option("--solver", metavar="SPEC", help=_SPEC)]
-_PROFILE = "default, fast or accurate"
-Profile = Annotated[str, typer.Option(metavar="NAME", help=_PROFILE)]
+Profile = Annotated[str, typer.Option(metavar="NAME", help="default, fast or accurate")]
 # what is printed
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
@@ -89,9 +88,8 @@ def scenario_of(
     from dubins_study.study.scenario import Scenario
 
     try:
-        start_x, start_y = number(start[0]), number(start[1])
+        pose = number(start[0]), number(start[1]), start[2]
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    pose = start_x, start_y, start[2]
     return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)

@@ -10,12 +10,15 @@ import typer
 from dubins_study.cli.terminal.arguments import CommandError, Point, number
 
 
-def read_points(file: FilePath) -> list[Point]:
-    """The points of a CSV file in the order of its lines: UTF-8, commas, a line of column names.
+def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
+    """Points and their names, by the lines of a CSV file: UTF-8, commas, a line of column names.
 
-    The columns `x` and `y` are read; all others are passed over, and so are empty lines.
+    The columns `x`, `y` and, if there is one, `name` are read; all others are passed over, and so
+    are empty lines. Refused: what is no finite number, and a point equal to the one before it.
     """
-    points = []
+    points: list[Point] = []
+    names: list[str] = []
+    line_before = 0  # the line of the last point
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             reader = csv.DictReader(text, skipinitialspace=True, restval="")
@@ -29,7 +32,12 @@ def read_points(file: FilePath) -> list[Point]:
                     raise CommandError(f"{place} has more cells than the first line")
                 if any(cell.strip() for cell in row.values()):
                     x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
+                    if points[-1:] == [(x, y)]:
+                        again = f"x,y is {x},{y}, the same point as in line {line_before}"
+                        raise CommandError(f"{place}: {again}; expected a point apart from it")
                     points.append(Point(x, y))
+                    names.append(row.get("name", "").strip())
+                    line_before = reader.line_num
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:
@@ -37,11 +45,13 @@ def read_points(file: FilePath) -> list[Point]:
         raise CommandError(f"{file}: cannot be read: {reason}") from None
     if not points:
         raise CommandError(f"{file}: no points; expected a line each")
-    return points
+    return points, names
 
 
 def _coordinate(place: str, name: str, text: str) -> float:
+    from dubins_study.study.scenario import checked_number  # numpy, which no help waits for
+
     try:
-        return number(text)
+        return checked_number(f"{place}: {name}", number(text))
     except typer.BadParameter as error:
         raise CommandError(f"{place}: {name} is {error.message}") from None

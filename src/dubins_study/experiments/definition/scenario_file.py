@@ -10,14 +10,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from dubins_study.experiments.definition.messages import Problem, refusal
-from dubins_study.study.scenario import (
-    COLUMNS,
-    DEFAULTS,
-    NUMBERS,
-    VIA,
-    Scenario,
-    ScenarioError,
-)
+from dubins_study.study.scenario import COLUMNS, DEFAULTS, NUMBERS, VIA, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import check_frame, column_problems, numbers_of, scenario_of
 from dubins_study.study.values import nearest, plain, short
 

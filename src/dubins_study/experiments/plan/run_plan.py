@@ -17,11 +17,7 @@ from dubins_study.experiments.definition.experiment import (
 )
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.experiments.definition.scenario_block import ListedBlock, tables
-from dubins_study.experiments.definition.scenario_file import (
-    comment_on,
-    read_scenarios,
-    text_about,
-)
+from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
 from dubins_study.study.rows.schema import Key

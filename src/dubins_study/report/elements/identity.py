@@ -43,7 +43,8 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
     for key, show in shows.items():
         values = zip(*(frame[name] for name in interval_keys(key)), strict=True)
         each = [with_interval(show, *line) for line in values]
-        texts[f"{key}_text"] = [cell_text(text) for text in each]
+        two_lines = (text.replace(" (", "\n(", 1) for text in each)  # which break nowhere else
+        texts[f"{key}_text"] = [text.replace(" ", "\u00a0") for text in two_lines]
     return frame.assign(**texts)
 
 
@@ -56,11 +57,6 @@ def method_table(
     """
     texts, every = with_interval_texts(frame, **shows), (*method_columns(frame), *shown)
     return Table(name, caption, texts, every, numbers=interval_keys(*shows), dense=True)
-
-
-def cell_text(text: str) -> str:
-    """A number and its interval in two lines that break nowhere else."""
-    return text.replace(" (", "\n(", 1).replace(" ", "\u00a0")
 
 
 def with_interval(show: Format, value: float, low: float, high: float) -> str:

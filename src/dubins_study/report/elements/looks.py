@@ -99,7 +99,7 @@ def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     return {solver: names[solver] for solver in labels}
 
 
-_MOST_IN_PANEL = 36  # characters of a name beside a small panel
+_MOST_IN_PANEL = 44  # characters of a name beside a small panel
 _USUAL_START = "bearing start"
 
 

@@ -7,7 +7,7 @@ Matplotlib's constrained layout finds the places.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -17,9 +17,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
 from numpy.typing import NDArray
@@ -153,7 +155,10 @@ def named_lines(
     size, inches = (8.0, 0.27) if not panels else (6.5, 0.15) if narrow else (6.0, 0.145)
     groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
     heights = np.array([inches * len(rows) + (0.3 if panels else 0) for _, _, rows in groups])
-    columns = _columns(heights, 1 if narrow else _ACROSS)
+    beside = [
+        _inches(names, size) + _inches(rows.get("note", ()), size) for _, names, rows in groups
+    ]
+    columns, widths = _bars_alike(heights, np.array(beside), narrow=narrow)
     tallest = max(heights[places].sum() for places in columns)
     lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
     if not panels:  # names of several lines need more room
@@ -162,7 +167,7 @@ def named_lines(
     figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     if panels:
         figure.supxlabel(label, fontsize=8, color=MUTED)
-    parts = figure.subfigures(1, len(columns), squeeze=False)[0]
+    parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=widths)[0]
     drawn = []
     for part, places in zip(parts, columns, strict=True):
         empty = max(tallest - heights[places].sum(), 1e-3)
@@ -189,6 +194,32 @@ def named_lines(
                 )
             drawn.append((ax, rows))
     return figure, drawn
+
+
+def _inches(lines: Iterable[str], size: float) -> float:
+    """The width of the longest of some lines, in letters of a size (points); 0 of none."""
+    font, extents = FontProperties(size=size), text_to_path.get_text_width_height_descent
+    return max((float(extents(line, font, ismath=False)[0]) / 72 for line in lines), default=0.0)
+
+
+_SHORTEST_BAR = 0.7  # inches, with the blanks around it
+
+
+def _bars_alike(
+    heights: FloatArray, beside: FloatArray, *, narrow: bool
+) -> tuple[list[NDArray[np.intp]], FloatArray]:
+    """The places of panels in columns, and the columns' widths, which give all bars one length.
+
+    `beside` is the width (inches) of the texts beside a panel's bars. There are fewer columns where
+    the bars would be too short to be read.
+    """
+    for most in range(1 if narrow else _ACROSS, 0, -1):
+        columns = _columns(heights, most)
+        texts = np.array([beside[places].max() for places in columns])
+        bar = ((HALF if narrow else WIDE) - texts.sum()) / len(columns)
+        if bar >= _SHORTEST_BAR:
+            break
+    return columns, texts + max(bar, _SHORTEST_BAR)
 
 
 def _columns(heights: FloatArray, most: int) -> list[NDArray[np.intp]]:

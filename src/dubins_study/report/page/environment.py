@@ -14,14 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from dubins_study.report.elements import style
-from dubins_study.report.elements.content import (
-    Block,
-    Picture,
-    Place,
-    Section,
-    Table,
-    Widget,
-)
+from dubins_study.report.elements.content import Block, Picture, Place, Section, Table, Widget
 from dubins_study.report.page.glossary import Glossed
 from dubins_study.report.page.markup import markdown, to_markdown
 from dubins_study.study.check.certificate import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE

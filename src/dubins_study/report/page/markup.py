@@ -22,12 +22,9 @@ _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of t
 
 def markdown(text: str) -> str:
     """Escape text so that Markdown, and HTML made from it, show it unchanged."""
-    plain = _one_line(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    one_line = text.replace("\n", " ").replace("\r", " ")
+    plain = one_line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return _MARKDOWN.sub(r"\\\1", plain)
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split("\n")).replace("\r", " ")
 
 
 def to_csv(table: Table) -> str:

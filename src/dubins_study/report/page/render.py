@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
+import pandas as pd
 from jinja2 import Environment
 
 from dubins_study.errors import DubinsStudyError
@@ -32,6 +33,7 @@ from dubins_study.report.paper.printed import CITATION, TITLE
 from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
 from dubins_study.study.rows.parts import folder_paths
+from dubins_study.study.words import FROZEN
 
 
 class Head(NamedTuple):
@@ -41,20 +43,32 @@ class Head(NamedTuple):
     asked: str
 
 
-REPORT_HEAD = Head(
-    "The shortest bounded-curvature path",
-    "From a start pose to a target, with no turn tighter than the radius R and any heading at the "
-    "end: which formulation, engine and initial guess find the shortest path, how surely, how "
-    "fast, and who proves it?",
-)
-
-
-def head_of(folders: Sequence[Folder]) -> Head:
+def head_of(folders: Sequence[Folder], results: Results | None) -> Head:
     """Title and question of the experiment; of several the report's."""
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
-        return REPORT_HEAD
-    return Head(first.title, first.manifest.experiment.question or REPORT_HEAD.asked)
+        return Head("The shortest bounded-curvature path", _asked(results))
+    return Head(first.title, first.manifest.experiment.question or _asked(results))
+
+
+def _asked(results: Results | None) -> str:
+    """The question of the rows, which may have points on the way and final headings."""
+    way, rule = "", "with no turn tighter than the radius R"
+    if results is not None:
+        rows = results.rows[results.rows["branch"] != FROZEN]
+        ways = ("", ", past given points", ", directly or past given points")
+        way = _of_part(rows["via_x"].notna(), *ways)
+        end = _of_part(rows["final_heading"].notna(), "any", "a given", "any or a given")
+        rule += f" and {end} heading at the end"
+    return (
+        f"From a start pose to a target{way}, {rule}: which formulation, engine and initial guess "
+        "find the shortest path, how surely, how fast, and who proves it?"
+    )
+
+
+def _of_part(rows: pd.Series[bool], none: str, every: str, some: str) -> str:
+    """The text for what is true of none, every or some of the rows."""
+    return none if not rows.any() else every if rows.all() else some
 
 
 Progress = Callable[[str], None]
@@ -90,7 +104,9 @@ def render(
         results, empty = load_with_rows(given)
         target = given[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
-        return write_page(target, lambda: _sections(results, progress), every, head_of(every))
+        return write_page(
+            target, lambda: _sections(results, progress), every, head_of(every, results)
+        )
     finally:
         gc.set_threshold(*thresholds)
 
@@ -99,7 +115,7 @@ def write_page(
     out: str | FilePath,
     draw: Callable[[], Sequence[Section]],
     folders: Sequence[Folder],
-    head: Head = REPORT_HEAD,
+    head: Head,
 ) -> FilePath:
     """Write sections as a page about results folders, tables and figures; returns `index.html`.
 

@@ -103,10 +103,6 @@ class Extremal(NamedTuple):
     qualifies: bool  # it meets H = 0 at the start and the control law
 
 
-def _extremals() -> list[Extremal]:
-    return [_extremal(problem, word) for problem in PROBLEMS.values() for word in _WORDS]
-
-
 def _extremal(problem: Problem, word: str) -> Extremal:
     """A word of a scenario.
 
@@ -129,7 +125,8 @@ def _extremal(problem: Problem, word: str) -> Extremal:
 
 def statements() -> list[Record]:
     """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
-    paths, crossings = _extremals(), algorithm()
+    paths = [_extremal(problem, word) for problem in PROBLEMS.values() for word in _WORDS]
+    crossings = algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
     met = all(path.arrives for path in paths)
     radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)

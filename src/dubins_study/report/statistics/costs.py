@@ -115,16 +115,13 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
         (factor, penalty): shifted_geometric_means(penalised(costs, limit, penalty), factor * shift)
         for factor, penalty in itertools.product(SHIFT_FACTORS, PENALTIES)
     }
-    ranks = pd.DataFrame({choice: ranks_of(each) for choice, each in means.items()})
+    # 1 for the smallest; equal means share the better rank, NaN has none (<NA>)
+    ranked = {choice: each.rank(method="min") for choice, each in means.items()}
+    ranks = pd.DataFrame(ranked).astype("Int64")
     best, worst = ranks.min(axis=1).astype("Int64"), ranks.max(axis=1).astype("Int64")
     frame = pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
     tenth, _, tenfold = (ranks[factor, 1.0] for factor in SHIFT_FACTORS)
     return frame.assign(rank_tenth=tenth, rank_tenfold=tenfold)
-
-
-def ranks_of(means: pd.Series) -> pd.Series:
-    """Ranks, 1 for the smallest; equal means share the better rank, NaN has none (<NA>)."""
-    return means.rank(method="min").astype("Int64")
 
 
 def performance_ratios(table: pd.DataFrame) -> pd.DataFrame:
@@ -170,10 +167,7 @@ def shares_within(table: pd.DataFrame, points: ArrayLike) -> pd.DataFrame:
 
 
 def target_ecdf(
-    gaps: pd.DataFrame,
-    costs: pd.DataFrame,
-    at: ArrayLike,
-    targets: Sequence[float] = GAP_TARGETS,
+    gaps: pd.DataFrame, costs: pd.DataFrame, at: ArrayLike, targets: Sequence[float] = GAP_TARGETS
 ) -> pd.DataFrame:
     """The share of (question, target) pairs reached within a cost, over a set of gap targets.
 

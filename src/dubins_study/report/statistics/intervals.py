@@ -76,11 +76,7 @@ def _tail(of: int = 1) -> float:
 
 
 def scenario_shares(
-    rows: pd.DataFrame,
-    *,
-    by: Sequence[str],
-    success: str,
-    scenario: Sequence[str],
+    rows: pd.DataFrame, *, by: Sequence[str], success: str, scenario: Sequence[str]
 ) -> pd.DataFrame:
     """The share of successes in every group of attempts; repeats of a scenario are one trial.
 

@@ -123,14 +123,11 @@ def drawn_methods(frame: pd.DataFrame) -> pd.DataFrame:
     engines = engines if len(engines) else frame
     best = best_methods(engines, ["formulation", "engine"])
     best = best.assign(place=range(len(best)))
-    first = _ranked(best).sort_values("solver", key=_others, kind="stable")
+    first = _ranked(best).sort_values(  # plug-ins' solvers first
+        "solver", key=lambda solvers: solvers.map(own_name).eq(""), kind="stable"
+    )
     kept = first.groupby("formulation", sort=False).head(MOST_ENGINES)
     return kept.sort_values("place", kind="stable").drop(columns="place")
-
-
-def _others(solvers: pd.Series[str]) -> pd.Series[bool]:
-    """A key that sorts plug-ins' solvers first."""
-    return solvers.map(own_name).eq("")
 
 
 def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
@@ -216,11 +213,7 @@ class Compared:
         return self.methods[self.methods.index != EXACT]
 
     def bootstrap(
-        self,
-        table: pd.DataFrame,
-        statistic: Statistic,
-        name: str,
-        base: str | None = None,
+        self, table: pd.DataFrame, statistic: Statistic, name: str, base: str | None = None
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
 

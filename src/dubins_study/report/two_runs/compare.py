@@ -34,12 +34,7 @@ from dubins_study.report.two_runs.changes import (
     unchanged_solvers,
     unpaired,
 )
-from dubins_study.report.two_runs.comparison import (
-    Comparison,
-    differences,
-    regressions,
-    unanswered,
-)
+from dubins_study.report.two_runs.comparison import Comparison, differences, regressions, unanswered
 
 SLOWER = 1.1
 

@@ -18,11 +18,7 @@ from dubins_study.study.check.extremal import MEASURED, measure, measure_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.two_arcs import FULL_RATE
-from dubins_study.study.check.verdict_frame import (
-    VERDICTS,
-    FrameJudgement,
-    three_arcs,
-)
+from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, three_arcs
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
