@@ -115,11 +115,12 @@ def routes(
     slow: float = 1.0,
     power: float = 1.0,
     right: Callable[[int], bool] = lambda _: True,
+    sizes: tuple[int, ...] = (2, 5, 10, 20),
 ) -> list[Row]:
-    """Routes of 2, 5, 10 and 20 legs by the search and by an engine; the effect is one of them."""
+    """Routes of four sizes by the search and by an engine; the effect is one of them."""
     made = []
     for q in range(n):
-        legs = (2, 5, 10, 20)[q % 4]
+        legs = sizes[q % 4]
         same: Row = {"label": "short", "via_x": [1.0] * (legs - 1)}
         mine = slow if effect else 1.0
         other = legs ** (power if effect else 1.0)
@@ -170,7 +171,7 @@ CASES = [
     ),
     Case(
         found.growth,
-        partial(routes, power=2.0),
+        partial(routes, power=2.0, sizes=(10, 20, 50, 100)),
         ("Ipopt (bearing) on one NLP a word grows with the power 2.0 (", "with 1.0 ("),
         2.0,
     ),
@@ -226,6 +227,13 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     assert ratio == ("that both answer, medians" in finding.question)
     for rows in (case.made(MANY, False), case.made(FEW, True), one, failed):
         assert case.find(evidence(rows)) is None
+
+
+def test_who_is_asked_only_what_has_a_path_has_no_share_of_false_denials():
+    """Each of its denials is false, whatever it knows of infeasibility."""
+    rows = [one for one in infeasible(MANY, True) if one["answerable"]]
+
+    assert found.infeasible_claims(evidence(rows)) is None
 
 
 @pytest.mark.parametrize(

@@ -50,9 +50,12 @@ DRAWN_TEXT = (
     "A panel per formulation: of each engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
+MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
+NAMED_TEXT = f"Grey: behind the first {MOST_NAMED} of a panel."
+
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
-_MOST_BELOW = 48  # characters of a name below a narrow panel
+_MOST_BELOW, _MOST_BESIDE = 48, 34  # characters of a name below a narrow panel, and one of three
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -272,22 +275,31 @@ def share_curves(
     The panels of a `narrow` figure stand in one column.
 
     `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
-    solver; curves of solvers that are not in `names` are grey. A dotted line is drawn at `limit`.
+    solver; curves of solvers that are not in `names` are grey, and so are those behind the first
+    `MOST_NAMED` of one of several panels. A dotted line is drawn at `limit`.
     """
     across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
     down, small = -(-len(shares) // across), 6.5
-    high = 0.3 + 1.5 * down if several else 2.9
-    entries = sum(solver in names for table in shares.values() for solver in table)
-    tall = 0.5 + 1.3 * down + 0.13 * entries
-    figure = new_figure(HALF, tall) if narrow else new_figure(WIDE, min(HIGHEST, high))
+    chosen = {
+        title: sorted((str(solver) for solver in table if solver in names), key=_not_own)
+        for title, table in shares.items()
+    }
+    if several:
+        chosen = {title: solvers[:MOST_NAMED] for title, solvers in chosen.items()}
+    below = narrow or several
+    entries = [len(solvers) for solvers in chosen.values()]
+    lines = sum(max(entries[row : row + across]) for row in range(0, len(entries), across))
+    tall = 0.5 + (1.3 if narrow else 1.35) * down + 0.13 * lines
+    figure = new_figure(HALF if narrow else WIDE, tall if below else 2.9)
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
-        ax, named = panels[place], [str(solver) for solver in table if solver in names]
+        ax, named = panels[place], chosen[title]
         shared, shown = "", [names[solver] for solver in named]
         if several:
             shared, shown = common_part(shown)
-        shown = [one_line(name, _MOST_BELOW) for name in shown] if narrow else shown
-        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=narrow)
+        if below:
+            shown = [one_line(name, _MOST_BELOW if narrow else _MOST_BESIDE) for name in shown]
+        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=below)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
@@ -301,6 +313,10 @@ def share_curves(
     figure.supxlabel(xlabel, fontsize=8, color=MUTED)
     figure.supylabel(ylabel, fontsize=8, color=MUTED)
     return figure
+
+
+def _not_own(solver: str) -> bool:
+    return not own_name(solver)
 
 
 def _draw_shares(

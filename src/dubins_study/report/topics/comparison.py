@@ -27,7 +27,7 @@ from dubins_study.report.elements.identity import (
     with_interval,
 )
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.plots import share_curves
+from dubins_study.report.elements.plots import MOST_NAMED, share_curves
 from dubins_study.report.statistics.costs import (
     chosen_shift,
     cost_table,
@@ -146,7 +146,6 @@ def shared_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> dict[str, pd.Data
 
 
 # Curves with a colour and a name in a panel: more cannot be told apart.
-_MOST = 8
 
 
 def pictures(
@@ -176,7 +175,7 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         if len(group) < 2:
             continue
         best = pd.concat([ranked["mean"][group].rank(), -ranked["right"][group]], axis=1)
-        named[name] = foremost(-best.rank(method="first").min(axis=1), _MOST)
+        named[name] = foremost(-best.rank(method="first").min(axis=1), MOST_NAMED)
         ratios = performance_ratios(shared[group]).to_numpy()
         largest = np.max(ratios[np.isfinite(ratios)], initial=1.0)
         profiles[name] = performance_profile(
@@ -189,7 +188,7 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
         "the left: how often a method is the fastest; at the right: how often it is right at all. "
         "Read only the highest curve as best. Formulations with a single method are in the "
         "figures below.",
-        f"Named: in each the {_MOST} with the least means or most often right; grey: "
+        f"Named: in each the {MOST_NAMED} with the least means or most often right; grey: "
         f"{some(grey, 'method')} more."
         if grey
         else "",

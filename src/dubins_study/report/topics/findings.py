@@ -86,6 +86,7 @@ def _difference(
         return None
     first, second = ([pair[side] for pair in pairs] for side in (0, 1))
     differences = evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy()
+    each = 100 * np.nanmean(differences, axis=0)
     table = pd.DataFrame(100 * differences, evidence.rates.index, first)
     points = evidence.estimate_over_engines(table)
     if points is None or points.low <= 0 <= points.high:
@@ -93,10 +94,12 @@ def _difference(
     better, worse = names
     if points.value < 0:
         points = Estimate(-points.value, -points.high, -points.low, points.questions)
-        better, worse = worse, better
+        better, worse, each = worse, better, -each
     methods = some(len(pairs), "method")
     asked = f"{some(points.questions, 'question')} with a path, {methods}, in pairs"
     text = sentence.format(better=better, worse=worse, points=points.text())
+    if len(pairs) > 1:
+        text += f" Pair by pair the difference is {each.min():.0f} to {each.max():.0f} points."
     return Finding(text, points, POINTS, asked, MATRIX)
 
 
@@ -246,9 +249,13 @@ def false_proof(evidence: Evidence) -> Finding | None:
 
 
 def infeasible_claims(evidence: Evidence) -> Finding | None:
-    """Of the questions that a local engine calls infeasible, the share that has a path."""
-    rows = evidence.claims[evidence.claims["claim"] == "infeasible"]
-    rows = rows[~rows["solver"].isin(evidence.provers)]
+    """Of the questions that a local engine calls infeasible, the share that has a path.
+
+    Of those engines that were asked questions with a path and questions without one.
+    """
+    asked = evidence.claims.groupby("solver")["answerable"].nunique()
+    rows = evidence.claims[evidence.claims["solver"].map(asked) == 2]
+    rows = rows[(rows["claim"] == "infeasible") & ~rows["solver"].isin(evidence.provers)]
     false = rows[rows["answerable"]]
     if false.empty:
         return None

@@ -7,7 +7,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT
 from dubins_study.report.elements.formats import digits, seconds, some
-from dubins_study.report.statistics.intervals import medians, scenario_shares
+from dubins_study.report.statistics.intervals import geometric_means, scenario_shares
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
     PERCENT,
@@ -24,6 +24,8 @@ from dubins_study.study.scenario_frame import numbers_of
 
 _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least
+_BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
+_MANY = 50  # legs from which a time is not averaged with those of short routes
 _RESAMPLES, _SEED = 2000, 0
 
 
@@ -66,11 +68,16 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     both = times.dropna()
     if proved is None or len(both) < ENOUGH_TO_CHOOSE or name in evidence.at_floor:
         return None
-    ratio = estimate_of(
-        evidence.compared.bootstrap(both, medians, "value", name).loc[[EXACT]], "value", len(both)
-    )
-    if ratio.low <= 1 <= ratio.high:
+    legs = own.groupby("question")["legs"].first().reindex(both.index)
+    parts = [both[legs < _MANY], both[legs >= _MANY]]
+    ratios = [_time_ratio(evidence, part, name) for part in parts if len(part) >= ENOUGH]
+    if all(ratio.low <= 1 <= ratio.high for ratio in ratios):
         return None
+    sizes = [f"of fewer than {_MANY} legs", "of more"] if legs.max() >= _MANY else [""]
+    times_ = " and ".join(
+        f"{ratio.text()} times its time on routes {size}".removesuffix(" on routes ")
+        for ratio, size in zip(ratios, sizes, strict=False)
+    )
     line = surest.iloc[0]
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
     own_s, rival_s = seconds(both[EXACT].median()), seconds(both[name].median())
@@ -79,13 +86,19 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
         f"{seconds(own.loc[own['legs'] == own['legs'].max(), 'wall_s'].median())}. The surest "
         f"engine, {_named(evidence, name, rows)}, finds {rival.percent_text()} and proves none; "
-        f"where both are right the search takes {ratio.text()} times its median time.",
-        ratio,
+        f"where both are right the search takes {times_} (geometric means).",
+        ratios[0],
         TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that both answer, medians {own_s} and "
         f"{rival_s}",
         TITLE,
     )
+
+
+def _time_ratio(evidence: Evidence, both: pd.DataFrame, name: str) -> Estimate:
+    """The geometric mean of the search's time over that of another solver."""
+    ratios = evidence.compared.bootstrap(both, geometric_means(0.0), "value", name).loc[[EXACT]]
+    return estimate_of(ratios, "value", len(both))
 
 
 def where_engines_stop(evidence: Evidence) -> Finding | None:
@@ -128,7 +141,7 @@ def growth(evidence: Evidence) -> Finding | None:
     if rows.empty:
         return None
     label = rows.groupby("label")["legs"].max().idxmax()
-    rows = rows[rows["label"] == label]
+    rows = rows[(rows["label"] == label) & (rows["legs"] >= _BEND)]
     solvers = [EXACT, *(s for s in evidence.usual.index if s not in evidence.at_floor)]
     powers: list[tuple[Estimate, str]] = []
     chosen: dict[str, pd.DataFrame] = {}
@@ -154,7 +167,8 @@ def growth(evidence: Evidence) -> Finding | None:
     shown = digits(2)
     proof = f"; that of the search with a proof with {own.text(shown)}" if own else ""
     return Finding(
-        f"Plan for size by the power of the legs, not by one time: with {label} the time of "
+        f"Plan for size by the power of the legs, not by one time: with {label}, from "
+        f"{rows['legs'].min()} legs on, the time of "
         f"{named(most[1])} grows with the power {most[0].text(shown)} of the number of legs, that "
         f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
         most[0],
