@@ -9,6 +9,7 @@ from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, own_name
 from dubins_study.report.elements.looks import Palette, labels_of
 from dubins_study.report.elements.style import ENGINE_HUES, VERMILION
 from dubins_study.report.statistics.metrics import solver_order
+from dubins_study.report.topics.belief import belief_section
 from dubins_study.report.topics.comparison import comparison_section
 from dubins_study.report.topics.decision import decision_section
 from dubins_study.report.topics.summary import best_solvers, solver_summary
@@ -64,19 +65,49 @@ def test_it_is_drawn_where_few_of_many_are(load_rows):
     assert VERMILION not in {hue.light for hue in ENGINE_HUES}
 
 
-def test_few_questions_choose_no_winner(load_rows):
-    """Then every method has a line; of enough questions the surest engine has that of its kind."""
+def test_two_of_them_are_told_apart(load_rows):
+    """By hue and marker: a class each."""
+    other = "my_solver.py:Another"
+    looks = Palette.of_page(load_rows("mine", rows(2, MINE, other))).looks([MINE, other])
+
+    assert len({(look.colour, look.marker) for look in looks.values()}) == 2
+    assert looks[MINE].colour != looks[other].colour
+
+
+def test_it_takes_no_place_of_others_claims(load_rows, monkeypatch):
+    """Among the bars of claims the engines are those that stand there without it."""
+    monkeypatch.setattr("dubins_study.report.topics.belief._MOST_BARS", 1)
+    bars = {}
+    for specs in ((), (MINE,)):
+        figure = belief_section(load_rows(str(specs), rows(4, *specs))).blocks[0].figure
+        bars[specs] = {text.get_text() for ax in figure.axes for text in ax.get_yticklabels()}
+
+    assert bars[MINE,] == bars[()] | {"MySolver"}
+
+
+def test_few_questions_choose_no_winner(load_rows, monkeypatch):
+    """Then every method has a line; of enough questions the surest engine has that of its kind.
+
+    Unless a reader's own solver is there, and few others: they are what it was put beside.
+    """
     few, enough = (
         load_rows(str(number), rows(number, MINE), section="benchmark")
         for number in (ENOUGH_TO_CHOOSE - 1, ENOUGH_TO_CHOOSE)
     )
-    every, chosen = (decision_section(each).blocks[0] for each in (few, enough))
+    every, beside = (decision_section(each).blocks[0] for each in (few, enough))
+    monkeypatch.setattr("dubins_study.report.topics.decision._MOST_LINES", 3)
+    chosen = decision_section(enough).blocks[0]
     lines = ["MySolver", "closed form", "Ipopt, word NLPs", "SLSQP, word NLPs"]
 
     assert sorted(every.frame["method"]) == sorted(lines)
     assert "choose no engine" in every.caption
     assert not every.frame["suite_0"].str.contains("\n").iloc[0]
+    assert sorted(beside.frame["method"]) == sorted(lines)
     assert chosen.frame["method"].tolist() == ["MySolver", "closed form", WORDS]
+    assert [text.partition("\n")[0] for text in chosen.frame["suite_0"][1:]] == [
+        "analytic",
+        "ipopt",
+    ]
     assert "The least mean time" not in comparison_section(few).text
     assert "over 30 questions has" in comparison_section(enough).text
 

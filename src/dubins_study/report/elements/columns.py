@@ -17,8 +17,8 @@ class Column:
     Its kind is `number` (aligned right), `text`, `prose` (long text), `code` (such as a spec),
     `command` (a long line for a shell, which the page shows when asked), `section` (the title of a
     section, perhaps with a colon and a part of it; the page links it), `cell` (a number with its
-    interval, over several lines), `pick` (a name, and numbers below it), or `solver` (a spec, of
-    which the page shows the short name).
+    interval, over several lines), `pick` (a name and numbers below it; `pick spec`: a spec),
+    or `solver` (a spec, of which the page shows the short name).
     """
 
     key: str  # name of the column in the frame and in the CSV file

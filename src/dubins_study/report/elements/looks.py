@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import Any, NamedTuple, Self
 
 import pandas as pd
@@ -127,7 +128,8 @@ LineStyle = str | tuple[int, tuple[float, ...]]
 LINES: tuple[LineStyle, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 # Ten hues and eleven markers: their combinations repeat only after 110 engines.
 _MARKERS = ("^", "s", "D", "v", "P", "X", "p", "*", "<", ">", "h")
-_OWN = ("*", "P", "X", "h")  # of plug-ins' solvers, which have a hue that no engine has
+_OWN = ("*", "P", "X", "h")  # of plug-ins' solvers, which have hues that no engine has
+_OWN_HUES = (style.VERMILION, style.GREEN)
 # Engines in the order in which they get hues and markers; those that meet in most figures come
 # first, so that they differ in hue. Engines that the list does not name follow by name.
 _ENGINES = (
@@ -175,7 +177,8 @@ class Palette:
         """The palette of all engines of a page, by its solvers' specs."""
         engines = {str(s): str(engine) for s, engine in names_of(results)["engine"].items()}
         own = dict.fromkeys(filter(None, map(own_name, engines)))
-        hues = {name: (style.VERMILION, marker) for name, marker in zip(own, _OWN, strict=False)}
+        looks = zip(cycle(_OWN_HUES), cycle(_OWN), strict=False)
+        hues = dict(zip(own, looks, strict=False))
         return cls(cls.of(engines.values()).hues | hues, engines, labels_of(results))
 
     @classmethod

@@ -49,12 +49,13 @@ def breakable(text: str) -> Markup:
     return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
 
 
-def choice(text: str) -> Markup:
-    """A choice as HTML: the first line stands out."""
+def choice(text: str, kind: str) -> Markup:
+    """A choice as HTML: the first line stands out, as a spec to be typed if its kind says so."""
     first, *rest = text.split("\n")
     if not rest:
         return Markup.escape(text)
-    return Markup("<strong>{}</strong><br>{}").format(first, Markup("<br>").join(rest))
+    named = Markup("<code>{}</code>").format(breakable(first)) if "spec" in kind else first
+    return Markup("<strong>{}</strong><br>{}").format(named, Markup("<br>").join(rest))
 
 
 def linked(text: str, sections: Sequence[Section], page: str) -> Markup:

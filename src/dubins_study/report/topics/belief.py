@@ -193,15 +193,16 @@ def _liars(table: pd.DataFrame) -> str:
 
 
 def _picture(table: pd.DataFrame) -> Picture:
-    engines = table[table.index != EXACT].sort_values("false", ascending=False)
+    mine = own(table.index)  # beside what is shown without them
+    engines = table[~table.index.isin([EXACT, *mine])].sort_values("false", ascending=False)
     shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
-    shown = table[table.index.isin([*own(table.index), *shown.index])]
     left_out = len(engines) - len(shown)
+    shown = table[table.index.isin([*mine, *shown.index])]
     rest = (
         f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
     )
     few = shown["questions"] < FEW * shown["questions"].max()
-    star = " A star: asked less than half as many questions as others." if few.any() else ""
+    star = " A dagger: asked less than half as many questions as others." if few.any() else ""
     caption = (
         "What the claims are worth, as shares of the questions, those without a path included; "
         f"at the right the number of attempts with a false claim.{star}{rest} A narrow "
@@ -209,7 +210,7 @@ def _picture(table: pd.DataFrame) -> Picture:
     )
     alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
-    notes = [(count(n) if n else "") + ("*" if is_few else "") for n, is_few in numbers]
+    notes = [(count(n) if n else "") + ("†" if is_few else "") for n, is_few in numbers]
     return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))
 
 

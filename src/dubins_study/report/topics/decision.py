@@ -18,11 +18,14 @@ from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
+from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.study.scenario_frame import numbers_of
 
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
+_SEVERAL_BLIND = "several blind"
+_MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
 _NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
 
 
@@ -38,6 +41,12 @@ def surest(rows: pd.DataFrame) -> pd.DataFrame:
     ranked = shares.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
     found = ranked.reset_index().drop_duplicates(keys[:-1]).set_index(keys[:-1])
     return found[["solver", "share", "low", "high", "trials", "wall_s"]]
+
+
+def kinds_of_guesses(rows: pd.DataFrame) -> pd.Series[str]:
+    """What the guesses know of the answer; ten random ones are not compared with one line."""
+    several = rows["guess"].eq("random") & rows["guesses"].eq("blind")
+    return rows["guesses"].fillna("").mask(several, _SEVERAL_BLIND)
 
 
 def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
@@ -137,11 +146,13 @@ def decision_section(results: Results) -> Section | None:
     stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
     labels, questions = labels_of(results), rows.groupby("experiment")["question"].nunique()
     few = questions.min() < ENOUGH_TO_CHOOSE
+    mine = rows["solver"].map(own_name).ne("")
+    each = few or (bool(mine.any()) and len(attempts.methods) <= _MOST_LINES)
     formulation = rows["solver"].map(stated)
-    alone = rows["solver"].map(own_name).ne("") | formulation.isna() | few
+    alone = mine | formulation.isna() | each
     rows = rows.assign(
         formulation=formulation.mask(alone, rows["solver"].map(labels)),
-        guesses=rows["guesses"].fillna("").mask(alone, ""),
+        guesses=kinds_of_guesses(rows).mask(alone, ""),
     )
     if rows.empty:
         return Section("decision", TITLE, "", (), "No question that was asked has a path.")
@@ -153,7 +164,7 @@ def decision_section(results: Results) -> Section | None:
         if len(engines) and not rows.loc[rows["solver"] != EXACT, "right"].any()
         else "",
     )
-    tables = *_tables(attempts, rows, labels, few=few), cases_table(results)
+    tables = *_tables(attempts, rows, labels, few=few, each=each), cases_table(results)
     return Section("decision", TITLE, text, tables, _lead(rows))
 
 
@@ -163,18 +174,22 @@ def _lead(rows: pd.DataFrame) -> str:
     if own.empty:
         return "If you only need the path, use the closed form."
     right = int(own.groupby("question")["right"].min().sum())
+    routes = rows["via_x"].map(lambda via: bool(numbers_of("via_x", via))).any()
+    where = ", or the search with a proof where there are via points" if routes else ""
     return (
-        "If you only need the path, use the closed form, or the search with a proof where there "
-        f"are via points: right in time on {count(right)} of "
-        f"{some(own['question'].nunique(), 'question')}. Of all others see what each must know."
+        f"If you only need the path, use the closed form{where}: right in time on "
+        f"{count(right)} of {some(own['question'].nunique(), 'question')}. "
+        "Of all others see what each must know."
     )
 
 
 def _tables(
-    attempts: Compared, rows: pd.DataFrame, labels: Mapping[str, str], *, few: bool
+    attempts: Compared, rows: pd.DataFrame, labels: Mapping[str, str], *, few: bool, each: bool
 ) -> tuple[Table, ...]:
     """A line for each formulation and kind of guess; first those of the surest kind alone."""
-    best, ended, stop = surest(rows), ends(rows), stops(rows, attempts.strata)
+    best, stop = surest(rows), stops(rows, attempts.strata)
+    # an engine at other options is asked a sample only, and would count twice
+    ended = ends(rows) | ends(rows[rows["solver"].map(_equal)])
     knows = rows.groupby("solver", observed=True)["knows"].first()
     experiments = list(dict.fromkeys(rows["experiment"]))
     by_kind: dict[tuple[str, str], dict[str, Any]] = {}
@@ -185,12 +200,10 @@ def _tables(
         line.setdefault("knows", knows[method["solver"]] or "")
         line["lows"].append(method["low"])
         line["mine"] = bool(own_name(str(method["solver"])))
-        engine = attempts.methods["engine"].get(method["solver"], UNSTATED)
         # the line has the name of one solver alone
-        alone = kind[0] == labels[str(method["solver"])] and (line["mine"] or kind[0] != engine)
-        line |= _cell(
-            method, experiments.index(method["experiment"]), "" if alone else f"{engine}\n"
-        )
+        alone = line["mine"] or kind[0] == method["solver"]
+        named = "" if alone else f"{method['solver']}\n"
+        line |= _cell(method, experiments.index(method["experiment"]), named)
     for kind, line in by_kind.items():
         end = ended[kind]
         line["errs"] = " / ".join(
@@ -202,8 +215,8 @@ def _tables(
         ["mine", "asked", "sure"], ascending=False, ignore_index=True
     )
     shown = (
-        *columns(kind="text", method="method" if few else "formulation, guesses", knows="knows"),
-        *(Column(f"suite_{n}", name, kind="pick") for n, name in enumerate(experiments)),
+        *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
+        *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / late, %"),
         *columns(count, false_claims="false claims"),
         *(columns(kind="cell", stops="legs") if stop else ()),
@@ -214,16 +227,24 @@ def _tables(
         f"The share right, with its 95 % interval by Wilson, then how the attempts end. Fewer than "
         f"{ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
         if few
-        else "The engine that is most surely right (share, 95 % interval by Wilson), then how all "
-        "engines' attempts end.",
+        else "The share right, with its 95 % interval by Wilson, then how the attempts end."
+        if each
+        else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
+        "attempts of all engines end at equal options.",
         "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
     )
-    table = Table("decision", caption, frame, shown, numbers=numbers, stacked=True)
+    lies = {(n, "false_claims"): "bad" for n in frame.index[frame["mine"] & frame["false_claims"]]}
+    table = Table("decision", caption, frame, shown, lies, numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
     several = frame["asked"] >= min(2, len(experiments))
     first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
     which = "Of each formulation, if several suites ask it, the most surely right kind of guesses."
     return best_first(table, kinds, {*first}, which)
+
+
+def _equal(spec: str) -> bool:
+    """Whether a solver has the options `equal`, or engine and options are its own affair."""
+    return parse_spec(spec)[1].get("options", "equal") == "equal"
 
 
 def _cell(best: Mapping[Hashable, Any], place: int, named: str) -> dict[str, Any]:
