@@ -1,6 +1,7 @@
 """The directive `generated`: Markdown that is computed at build time, never typed by hand.
 
     ```{generated} settings nlp
+    What readers of the file itself see in its place.
     ```
 
 Its first word names a function of `SOURCES`; the rest of the line is that function's argument.
@@ -30,7 +31,7 @@ SOURCES = (
 class Generated(SphinxDirective):
     """What one function of `SOURCES` writes, read as Markdown of the page."""
 
-    required_arguments = 1
+    required_arguments, has_content = 1, True
     final_argument_whitespace = True
 
     def run(self) -> list[nodes.Node]:

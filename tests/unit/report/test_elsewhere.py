@@ -95,7 +95,7 @@ def test_the_page_says_what_differs_with_machine_and_versions(here, tmp_path):
     theirs = changed(tmp_path / "theirs", lambda row: {"verdict": "longer"})
     page = topic_page([here, theirs], tmp_path / "out", "summary").read_text(encoding="utf-8")
 
-    assert "(made elsewhere)" in page
+    assert "(judged anew)" in page
     assert "1 row of 19 differ from what the folder says (verdict 1)" in page
     assert "AMD EPYC" in page
     assert "scipy 1.16.3" in page

@@ -19,7 +19,7 @@ from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
 from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
-from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding
+from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding, chosen_share
 from dubins_study.report.topics.findings_routes import exponent
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import Claim
@@ -91,14 +91,6 @@ def lying(q: int) -> Row:
     return {"false_bound": q % 5 == 0, "lower_bound": 5.0}
 
 
-def near_and_away(n: int, effect: bool) -> list[Row]:
-    """Half of the questions lie next to a circle."""
-    return [
-        row(q, "ipopt", margin=0.3 if q % 2 else 1e-6, right=bool(q % 2) or not effect)
-        for q in range(2 * n)
-    ]
-
-
 def infeasible(n: int, effect: bool) -> list[Row]:
     """Every question is called infeasible; with the effect three in four have a path."""
     changes = {"claim": "infeasible", "right": False, "verdict": "none", "gap": float("nan")}
@@ -150,7 +142,6 @@ CASES = [
         ("PIQP (bearing) on turn rates", "50.0 % ("),
         50.0,
     ),
-    Case(found.near_circles, near_and_away, ("Ipopt (bearing)", "0 % (0 to", "100 % ("), 0.0),
     Case(
         found.blind_start,
         of_two(ONE_GUESS, ONE_GUESS | BLIND, half_wrong),
@@ -221,8 +212,7 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     value, low, high, questions = finding.estimate
     assert value == pytest.approx(case.value, rel=0.03, abs=1e-12)
     assert low <= value <= high
-    some = (found.near_circles, found.where_engines_stop)
-    assert questions == MANY or case.find in some
+    assert questions == MANY or case.find is found.where_engines_stop
     ratio = finding.unit == found.TIMES and case.find is not found.presolve
     assert ratio == ("that both answer, medians" in finding.question)
     for rows in (case.made(MANY, False), case.made(FEW, True), one, failed):
@@ -286,22 +276,12 @@ def test_a_sentence_on_engines_holds_for_other_engines():
     assert found.words_against_joint(evidence(rows(1))) is None
 
 
-def test_the_worst_of_many_has_the_interval_of_all():
-    """One of twenty methods that is wrong next to circles, and one alone: 0 of 30 by chance."""
-    alone = found.near_circles(evidence(near_and_away(MANY, True)))
-    others = [
-        row(q, f"s{n}", engine=f"s{n}", margin=0.3 if q % 2 else 1e-6)
-        for n in range(19)
-        for q in range(2 * MANY)
-    ]
-    of_many = found.near_circles(evidence(near_and_away(MANY, True) + others))
+@pytest.mark.parametrize("of", [1, 20])
+def test_the_worst_of_many_has_the_interval_of_all(of):
+    """0 of 30 by chance: by Bonferroni."""
+    high = binomtest(0, MANY).proportion_ci(1 - 0.05 / of, "wilson").high
 
-    assert alone is not None
-    assert of_many is not None
-    assert "Of 20 methods 1 lose" in of_many.sentence
-    for finding, level in ((alone, 0.95), (of_many, 1 - 0.05 / 20)):
-        high = binomtest(0, MANY).proportion_ci(level, "wilson").high
-        assert finding.estimate.high == pytest.approx(100 * high)
+    assert chosen_share(0.0, MANY, of).high == pytest.approx(100 * high)
 
 
 @pytest.mark.parametrize(

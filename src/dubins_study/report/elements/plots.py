@@ -51,7 +51,6 @@ DRAWN_TEXT = (
     f"and at most {MOST_ENGINES} engines."
 )
 MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
-NAMED_TEXT = f"Grey: behind the first {MOST_NAMED} of a panel."
 
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
@@ -276,21 +275,23 @@ def share_curves(
 
     `shares` has for each panel's title shares in [0, 1], indexed by x (ascending), a column per
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
-    `MOST_NAMED` of one of several panels. A dotted line is drawn at `limit`.
+    few (`MOST_NAMED`) of one of several panels. A dotted line is drawn at `limit`.
     """
     across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
     down, small = -(-len(shares) // across), 6.5
+    below = narrow or several
+    # what a screen leaves for the names below each line of panels
+    fits = MOST_NAMED if narrow else max(2, int(((HIGHEST - 0.5) / down - 1) / 0.13))
+    most = min(MOST_NAMED, fits) if several else None
     chosen = {
-        title: sorted((str(solver) for solver in table if solver in names), key=_not_own)
+        title: sorted((str(s) for s in table if s in names), key=lambda s: not own_name(s))[:most]
         for title, table in shares.items()
     }
-    if several:
-        chosen = {title: solvers[:MOST_NAMED] for title, solvers in chosen.items()}
-    below = narrow or several
     entries = [len(solvers) for solvers in chosen.values()]
     lines = sum(max(entries[row : row + across]) for row in range(0, len(entries), across))
-    tall = 0.5 + (1.3 if narrow else 1.35) * down + 0.13 * lines
-    figure = new_figure(HALF if narrow else WIDE, tall if below else 2.9)
+    tall = 0.5 + 1.2 * down + 0.13 * lines
+    high = tall if narrow else min(HIGHEST, tall) if several else 2.9
+    figure = new_figure(HALF if narrow else WIDE, high)
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
         ax, named = panels[place], chosen[title]
@@ -313,10 +314,6 @@ def share_curves(
     figure.supxlabel(xlabel, fontsize=8, color=MUTED)
     figure.supylabel(ylabel, fontsize=8, color=MUTED)
     return figure
-
-
-def _not_own(solver: str) -> bool:
-    return not own_name(solver)
 
 
 def _draw_shares(

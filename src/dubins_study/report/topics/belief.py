@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from dubins_study.report.data.attempts import EXACT, is_true, own
 from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import Column, columns, marks
+from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
     General,
     Picture,
@@ -27,7 +27,6 @@ from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     interval_keys,
-    method_columns,
     method_table,
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
@@ -164,7 +163,7 @@ def belief_section(results: Results) -> Section | None:
         *best_first(_belief_table(table), table.index, best_solvers(results)),
     ]
     if len(false):
-        blocks += [_kind_table(table), _proof_table(false, names)]
+        blocks.append(_proof_table(false, names))
     text = sentences(
         "A claim is true if it says no more than the check finds; a local solver's longer path is "
         "a true claim of a local optimum. A claim is true to its tolerance if its bound is too "
@@ -233,22 +232,6 @@ def _belief_table(table: pd.DataFrame) -> Table:
     made = method_table("belief", caption, table, shown, **dict.fromkeys(TRUTHS, share))
     bad = {(row, "false_text"): "bad" for row, value in enumerate(table["false"]) if value}
     return replace(made, marks=bad, numbers=(*made.numbers, *PROOFS))
-
-
-def _kind_table(table: pd.DataFrame) -> Table:
-    """Of each method with false claims, or with bounds that its tolerance excuses, their kinds."""
-    present = {name: title for name, title in _SHORT.items() if table[name].any()}
-    frame = table[table[list(present)].any(axis="columns")].reset_index(names="solver")
-    shown = (
-        *method_columns(frame),
-        *(Column(name, title, count) for name, title in present.items()),
-    )
-    caption = (
-        "What is false in the false claims, in attempts: every repeat counts. A bound that is too "
-        "high by no more than the engine's tolerance is listed too, and is no false claim."
-    )
-    bad = marks(frame, *(name for name in present if name != _TOLERATED))
-    return Table("belief-kinds", caption, frame, shown, bad, numbers=("solver",))
 
 
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:

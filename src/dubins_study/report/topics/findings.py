@@ -12,7 +12,7 @@ from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, is_true
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
-from dubins_study.report.elements.formats import count, digits, some
+from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
@@ -37,9 +37,6 @@ WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
 TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
-STRATA = "Formulation by engine: strata"
-# Strata lie at 1e-4 radii from a circle, at 0.01, at 0.1, and farther.
-_NEAR, _AWAY = 2e-4, 0.05
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
@@ -136,33 +133,6 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
     )
 
 
-def near_circles(evidence: Evidence) -> Finding | None:
-    """The method that loses most next to a turning circle."""
-    rows = evidence.compared.answerable.drop_duplicates("question").set_index("question")
-    margin = rows["margin"].abs().reindex(evidence.rates.index)
-    groups = evidence.rates[margin <= _NEAR], evidence.rates[margin >= _AWAY]
-    losses: list[tuple[float, str, Estimate, Estimate]] = []
-    asked = [solver for solver in evidence.rates if solver in evidence.usual.index]
-    for solver in asked:
-        near, away = (evidence.share_of(group[solver], len(asked)) for group in groups)
-        if near is not None and away is not None and near.high < away.low:
-            losses.append((away.value - near.value, str(solver), near, away))
-    if not losses:
-        return None
-    _, solver, near, away = max(losses)
-    return Finding(
-        f"Distrust {evidence.name(solver)} next to a turning circle: within "
-        f"{digits(1)(_NEAR)} radii of one it is right on {near.percent_text()} of the questions, "
-        f"elsewhere on {away.percent_text()}. Of "
-        f"{some(len(asked), 'method')} {len(losses)} lose like that.",
-        near,
-        PERCENT,
-        f"{some(near.questions, 'question')} within {digits(1)(_NEAR)} radii of a circle, "
-        f"{away.questions} at least {digits(1)(_AWAY)} radii from one",
-        STRATA,
-    )
-
-
 def presolve(evidence: Evidence) -> Finding | None:
     """What dropping words by geometry divides the evaluations by, in all and method by method."""
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
@@ -187,9 +157,6 @@ def presolve(evidence: Evidence) -> Finding | None:
         "without it",
         "Cost where it arises: the presolve",
     )
-
-
-_NAMES = 3  # names in a sentence
 
 
 def price_of_proof(evidence: Evidence) -> Finding | None:
@@ -231,11 +198,7 @@ def false_proof(evidence: Evidence) -> Finding | None:
     share = chosen_share(worst["false"], int(worst["questions"]), len(evidence.provers))
     lies = rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]
     false = false_proofs(lies).to_dict("records")[0]
-    others = [evidence.name(solver) for solver in order[1 : _NAMES + 1]]
-    more = f" So do {', '.join(others)}." if others else ""
-    more += (
-        f" And {some(len(order) - 1 - _NAMES, 'method')} more." if len(order) > _NAMES + 1 else ""
-    )
+    more = f" So do {some(len(order) - 1, 'method')} more." if len(order) > 1 else ""
     return Finding(
         f"Check a proof as you check an answer: {evidence.name(order[0])} claims or bounds what "
         f"is false on {share.percent_text()} of the questions; on "
@@ -287,7 +250,6 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     price_of_proof,
     false_proof,
     infeasible_claims,
-    near_circles,
     coarse_transcription,
 )
 

@@ -20,7 +20,7 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.formats import count, digits, sentences, share, slug, some
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
-from dubins_study.report.elements.plots import DRAWN_TEXT, NAMED_TEXT, share_curves
+from dubins_study.report.elements.plots import DRAWN_TEXT, share_curves
 from dubins_study.report.statistics.methods import (
     MOST_ENGINES,
     MOST_METHODS,
@@ -136,7 +136,7 @@ def _profile_picture(
         groups = drawn.groupby("formulation", sort=False)["solver"]
         panels = {str(title): shares[list(solvers)] for title, solvers in groups}
         names = dict(zip(drawn["solver"], drawn["short"], strict=True))
-        rest = f"{DRAWN_TEXT} {NAMED_TEXT}"
+        rest = f"{DRAWN_TEXT} Grey: behind the first of a panel."
     else:
         named = foremost(
             shares.iloc[-1] if tolerance is None else shares[: 1.01 * tolerance].iloc[-1]
