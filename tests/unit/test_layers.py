@@ -52,8 +52,8 @@ BUDGETS |= {
     "solvers": Size(10_535, 66),
     "experiments": Size(5_760, 40),
     "conformance": Size(1_700, 9),
-    "report": Size(13_075, 80),
-    "package": Size(42_430, 260),
+    "report": Size(13_080, 80),
+    "package": Size(42_435, 260),
     "tests": Size(33_380, 217),
 }
 

@@ -157,6 +157,9 @@ def belief_section(results: Results) -> Section | None:
     table = names.join(beliefs(rows, ["solver"]), how="inner")
     table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
     table["attempts"] = table["attempts"].fillna(0)
+    sizes = rows.groupby("experiment")["question"].nunique()
+    suites = rows.groupby("solver")["experiment"].unique()
+    table["askable"] = suites.map(lambda names: sizes[names].sum())  # of the suites that ask it
     false = false_proofs(rows)
     blocks: list[Picture | Table] = [
         _picture(table),
@@ -168,27 +171,31 @@ def belief_section(results: Results) -> Section | None:
         "A claim is true if it says no more than the check finds; a local solver's longer path is "
         "a true claim of a local optimum. A claim is true to its tolerance if its bound is too "
         "high by no more than the engine's tolerance allows.",
-        _liars(table),
+        _liars(rows, table),
     )
     lead = "Crossed: claims that are false. Beside a bar stands the number of its false claims."
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 
-def _liars(table: pd.DataFrame) -> str:
-    liars = table[table["attempts"] > 0]
-    if liars.empty:
+def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
+    """How many methods make false claims, and in each experiment which one most often."""
+    number = int((table["attempts"] > 0).sum())
+    if not number:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
-    # of a method that was asked few questions the share says little: the figure stars it
-    asked = liars[liars["questions"] >= FEW * table["questions"].max()]
-    if asked.empty:
-        return f"{len(liars)} of {some(len(table), 'method')} make false claims."
-    worst = asked.sort_values("false", ascending=False).to_dict("records")[0]
-    return (
-        f"{len(liars)} of {some(len(table), 'method')} make false claims; most often, of "
-        f"those asked at least half as many questions as others, {worst['name']}: at "
-        f"{share(worst['false'])} of its {some(int(worst['questions']), 'question')}."
-    )
+    worst, several = [], rows["experiment"].nunique() > 1
+    for suite, asked in rows.groupby("experiment", sort=False):
+        each = beliefs(asked, ["solver"])
+        # of a method that was asked few questions the share says little: the figure marks it
+        each = each[each["questions"] >= FEW * each["questions"].max()]
+        solver, false = each["false"].idxmax(), each["false"].max()
+        if false > 0:
+            of = some(int(each["questions"][solver]), "question")
+            where = f"in {suite} " if several else ""
+            worst.append(f"{where}{table['name'][solver]} at {share(false)} of its {of}")
+    most = "; most often, of those asked at least half as many questions as others: "
+    said = f"{most}{'; '.join(worst)}" if worst else ""
+    return f"{number} of {some(len(table), 'method')} make false claims{said}."
 
 
 def _picture(table: pd.DataFrame) -> Picture:
@@ -200,7 +207,7 @@ def _picture(table: pd.DataFrame) -> Picture:
     rest = (
         f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
     )
-    few = shown["questions"] < FEW * shown["questions"].max()
+    few = shown["questions"] < FEW * shown["askable"]
     star = " A dagger: asked less than half as many questions as others." if few.any() else ""
     caption = (
         "What the claims are worth, as shares of the questions, those without a path included; "
