@@ -158,8 +158,9 @@ def belief_section(results: Results) -> Section | None:
     table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
     table["attempts"] = table["attempts"].fillna(0)
     sizes = rows.groupby("experiment")["question"].nunique()
-    suites = rows.groupby("solver")["experiment"].unique()
-    table["askable"] = suites.map(lambda names: sizes[names].sum())  # of the suites that ask it
+    suites = rows.drop_duplicates(["solver", "experiment"])
+    # by the suites that ask it
+    table["askable"] = suites["experiment"].map(sizes).groupby(suites["solver"]).sum()
     false = false_proofs(rows)
     blocks: list[Picture | Table] = [
         _picture(table),
