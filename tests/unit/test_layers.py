@@ -52,8 +52,8 @@ BUDGETS |= {
     "solvers": Size(10_535, 66),
     "experiments": Size(5_760, 40),
     "conformance": Size(1_700, 9),
-    "report": Size(13_080, 80),
-    "package": Size(42_435, 260),
+    "report": Size(13_085, 80),
+    "package": Size(42_440, 260),
     "tests": Size(33_380, 217),
 }
 

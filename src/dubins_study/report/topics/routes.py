@@ -305,8 +305,9 @@ def _unit(step: FloatArray) -> FloatArray:
 def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     """A path by its turns, with the numbered via points and both poses of a scenario.
 
-    Faint circles are those that the path drives on; arrows are headings, that at the target only
-    if it is given. The legend has the word and the length, and the kinds of pieces.
+    Of many points every tenth has its number. Faint circles are those that the path drives on;
+    arrows are headings, that at the target only if it is given. The legend has the word and the
+    length, and the kinds of pieces.
     """
     ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
@@ -329,6 +330,8 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
         zip(points, points[1:], points[2:], strict=False), 1
     ):
         ax.plot(*point, "o", color=INK, markersize=3.5, zorder=5)
+        if len(points) > 40 and number % 10:  # the numbers would overlap
+            continue
         outside = _unit(point - before) - _unit(after - point)  # of the bend
         size = np.hypot(*outside)
         lift = outside / size if size > 0.1 else np.array([0.0, 1.0])
