@@ -22,7 +22,7 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             reader = csv.DictReader(text, skipinitialspace=True, restval="")
-            head = list(reader.fieldnames or ())
+            reader.fieldnames = head = [name.strip().lower() for name in reader.fieldnames or ()]
             if head.count("x") != 1 or head.count("y") != 1:
                 found = f"{','.join(head)!r:.60}; expected the column names x and y, once each"
                 raise CommandError(f"{file}: line 1 is {found}, with commas between names")
