@@ -138,7 +138,6 @@ def test_the_section_and_what_has_none(asked):
     assert [block.name for block in section.blocks] == [
         "comparison-profiles",
         "comparison-evaluations",
-        "comparison-targets",
         "comparison-ranks",
         "comparison-tests-formulation",
         "comparison-tests-engine",

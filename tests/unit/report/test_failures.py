@@ -9,7 +9,6 @@ import pytest
 
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.failures import (
-    by_region,
     failures,
     failures_section,
     unreturned,
@@ -79,23 +78,6 @@ def test_messages_that_differ_in_numbers_are_one(folder):
     assert (said["message"], said["attempts"], said["repeat"]) == ("off by #", 2, 1)
 
 
-def test_where_failures_lie(folder):
-    """Twelve attempts, by region, and by kind; a question that was stopped has a place too."""
-    table = by_region(load([folder]).attempts).set_index("place")
-
-    assert table["attempts"].to_dict() == {
-        "outside, beyond 4 R of the start": 3,
-        "outside, within 4 R of the start": 6,
-        "in the left disc": 3,
-    }
-    assert table["failed"].tolist() == [2, 2, 2]
-    beyond = table.loc["outside, beyond 4 R of the start"]
-    assert beyond[["no return", "no path", "misses", "longer"]].tolist() == pytest.approx(
-        [1 / 3, 1 / 3, 0, 0]
-    )
-    assert table.loc["in the left disc", "misses"] == pytest.approx(1 / 3)
-
-
 def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
     section = failures_section(load([folder]))
     table = next(block for block in section.blocks if block.name == "failures")
@@ -128,8 +110,5 @@ def test_returned_failures_alone(load_rows):
     wrong = [attempt(NEAR, "b", path=astray(NEAR, 0.1), claim=Claim.LOCAL), attempt(FAR, "b")]
     section = failures_section(load_rows("e", wrong))
 
-    assert [block.name for block in section.blocks] == ["failures", "failures-by-region"]
-    assert section.lead == (
-        "See what solvers said in 1 failure, and where their targets lie; each of the 2 attempts "
-        "returned."
-    )
+    assert [block.name for block in section.blocks] == ["failures"]
+    assert section.lead == "See what solvers said in 1 failure; each of the 2 attempts returned."

@@ -90,7 +90,7 @@ def curves(ax):
 
 def test_the_page_has_figures_of_many_topics(pictures):
     assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
-    assert {"comparison-targets", "work-precision"} <= set(pictures)
+    assert "work-precision" in pictures
     assert len(pictures) > 15
 
 

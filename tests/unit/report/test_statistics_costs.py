@@ -157,33 +157,3 @@ def test_a_profile_of_no_question():
 
     assert empty.isna().all(axis=None)
     assert empty.shape == (5, 2)
-
-
-@given(
-    st.lists(st.tuples(st.sampled_from([0.0, 1e-3, 0.1, 1.0, INF, NAN]), cost), max_size=8),
-    st.lists(st.sampled_from([1e-9, 1e-3, 0.05, 0.1, 1.0]), min_size=1, max_size=4),
-)
-def test_target_ecdf_counts_pairs(runs, targets):
-    """Every pair of a run and a target, counted (Hansen et al. 2021)."""
-    gaps = pd.DataFrame({"a": [gap for gap, _ in runs]}, dtype=float)
-    paid = pd.DataFrame({"a": [cost for _, cost in runs]}, dtype=float)
-    at = [0.5, 3.0, 8.0, INF]
-    curve = costs.target_ecdf(gaps, paid, at, targets)["a"]
-
-    for point in at:
-        pairs = [
-            gap <= target and cost <= point and cost < INF
-            for gap, cost in runs
-            for target in targets
-        ]
-        expected = sum(pairs) / len(pairs) if pairs else NAN
-        assert curve[point] == pytest.approx(expected, nan_ok=True)
-
-
-def test_target_ecdf_is_of_the_questions_put_to_all():
-    """b was not asked the second, so that it counts for neither; b's path did not arrive."""
-    gaps = pd.DataFrame({"a": [0.05, 0.0], "b": [NAN, NAN]})
-    paid = pd.DataFrame({"a": [1.0, 10.0], "b": [1.0, NAN]})
-
-    curves = costs.target_ecdf(gaps, paid, [10.0], [0.1, 0.01])
-    assert (curves["a"].tolist(), curves["b"].tolist()) == ([0.5], [0.0])

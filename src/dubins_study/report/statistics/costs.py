@@ -25,8 +25,6 @@ from dubins_study.study.words import BRANCHES
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)
 PENALTIES = (1.0, 2.0, 10.0)
-# Relative gaps from 1 to 1e-8, five to a decade as in COCO.
-GAP_TARGETS = tuple(10.0 ** (-step / 5) for step in range(41))
 
 
 def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.DataFrame:
@@ -164,27 +162,6 @@ def shares_within(table: pd.DataFrame, points: ArrayLike) -> pd.DataFrame:
     shares = [np.searchsorted(column, reachable, "right") for column in ordered.T]
     counts = np.array(shares, dtype=np.float64).reshape(len(costs.columns), len(index)).T
     return pd.DataFrame(counts / len(costs) if len(costs) else np.nan, index, costs.columns)
-
-
-def target_ecdf(
-    gaps: pd.DataFrame, costs: pd.DataFrame, at: ArrayLike, targets: Sequence[float] = GAP_TARGETS
-) -> pd.DataFrame:
-    """The share of (question, target) pairs reached within a cost, over a set of gap targets.
-
-    The runtime distribution of COCO (Hansen, Auger, Ros, Mersmann, Tusar and Brockhoff 2021, "COCO:
-    a platform for comparing continuous optimizers in a black-box setting", Optim. Methods Softw.
-    36), without its simulated restarts. A run gives one final gap: it reaches every target
-    that is at least its gap, at its whole cost, and never reaches the others. It may have passed
-    the loose targets earlier, so a curve is a lower bound of the curve with a recorded history.
-
-    `gaps` (relative; NaN or infinite if no path arrived) and `costs` (of the run whatever its gap,
-    any unit; NaN where the solver was not asked) have the same questions and solvers; the shares
-    are of the questions put to every solver, at the costs `at`.
-    """
-    paid = shared_questions(costs)
-    final = gaps.loc[paid.index]
-    pairs = [paid.where(final <= target, np.inf) for target in targets]
-    return shares_within(pd.concat(pairs), at)
 
 
 # What evaluations and seconds go to. The run that gave the answer is the floor: the engine called

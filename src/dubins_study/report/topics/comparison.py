@@ -39,7 +39,6 @@ from dubins_study.report.statistics.costs import (
     shares_within,
     shifted_geometric_means,
     solved_by_all,
-    target_ecdf,
 )
 from dubins_study.report.statistics.intervals import (
     averages,
@@ -145,19 +144,15 @@ def shared_tests(table: pd.DataFrame, ranked: pd.DataFrame) -> dict[str, pd.Data
     }
 
 
-# Curves with a colour and a name in a panel: more cannot be told apart.
-
-
 def pictures(
     attempts: Compared, table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette
 ) -> Iterator[Picture]:
-    """Profiles by formulation, in evaluations, and gap targets over time."""
+    """Profiles by formulation in times, and of the best methods in evaluations."""
     if (ranked["formulation"].value_counts() > 1).any():
         yield _profiles(table, ranked, palette)
     counted = ranked[ranked.index.isin(evaluations(attempts).columns)]
     if len(counted):
         yield _evaluations(attempts, _drawn(counted), palette)
-    yield _targets(attempts, _drawn(ranked), palette)
 
 
 def _drawn(ranked: pd.DataFrame) -> list[str]:
@@ -220,27 +215,6 @@ def _evaluations(attempts: Compared, solvers: list[str], palette: Palette) -> Pi
     )
     alt = "Data profiles in evaluations"
     return _wide("comparison-evaluations", caption, shares, palette, alt, "function evaluations")
-
-
-def _targets(attempts: Compared, solvers: list[str], palette: Palette) -> Picture:
-    rows = attempts.answerable
-    rows = rows[rows["solver"].isin(solvers)]
-    groups = rows.groupby(["question", "solver"])
-    # The worst gap of the repeats, so that a target is reached only if all repeats reach it.
-    gaps = rows.assign(gap=rows["gap"].fillna(np.inf).clip(lower=0.0))
-    worst = gaps.groupby(["question", "solver"])["gap"].max().unstack()[solvers]
-    paid = groups["wall_s"].median().unstack().reindex_like(worst)
-    paid = paid.mask(paid.isna() & worst.notna(), attempts.limit_s)
-    shares = target_ecdf(worst, paid, _points(paid))
-    caption = (
-        "Runtime distribution as COCO draws it: the share of pairs of a question and a gap target "
-        "(41 targets from 1 to 1e-8, five to a decade) that the best method of each formulation "
-        "reaches within a time. A run's time counts for all targets that its answer reaches, the "
-        "worst of its repeats. A curve that ends below 100 % belongs to a method whose answers "
-        "stay too coarse, or do not arrive."
-    )
-    labels, alt = ("time of an attempt", "share of (question, target)"), "Gap targets over time"
-    return _wide("comparison-targets", caption, shares, palette, alt, *labels)
 
 
 def _points(table: pd.DataFrame) -> FloatArray:

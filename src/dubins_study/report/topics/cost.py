@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, own
@@ -24,7 +20,6 @@ from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     method_table,
-    with_interval,
 )
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
@@ -56,13 +51,6 @@ FACTORS = (
     interval_column("evaluations", "total / winning"),
     *columns(seconds, seconds_total="time", seconds_floor="winning run"),
     interval_column("seconds", "total / winning"),
-)
-SAVINGS = (
-    *columns(count, questions="questions"),
-    *columns(_RATIO, evaluations_off="evaluations / winning, without", evaluations_on="with"),
-    interval_column("evaluations", "saved factor"),
-    *columns(_RATIO, seconds_off="time / winning, without", seconds_on="with"),
-    interval_column("seconds", "saved factor"),
 )
 
 
@@ -116,30 +104,6 @@ def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
     ]
 
 
-def presolve_savings(compared: Compared, split: Split) -> pd.DataFrame:
-    """What the presolve divides the cost by: median over questions, with interval.
-
-    A row per pair of solvers: the columns of the method without it; questions that both answer; for
-    evaluations and seconds the ratio total without / total with (as `evaluations`) with `_low` and
-    `_high`, and total / winning run of both (`_off`, `_on`).
-    """
-    known = set(split.answers["solver"])
-    pairs = [pair for pair in presolve_pairs(compared.engines) if known.issuperset(pair)]
-    off, on = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
-    frame = compared.methods.reindex(off).assign(settings="").reset_index(drop=True)
-    for amount in AMOUNTS:
-        totals, floors = split.medians(split.amount(amount)["total"]), ratios(split, amount)
-        saved = totals[off].to_numpy() / totals[on].to_numpy()
-        savings = pd.DataFrame(saved, totals.index)
-        frame["questions"] = savings.notna().sum()
-        frame = frame.join(compared.bootstrap(savings, medians, amount))
-        both = savings.notna().to_numpy()
-        for suffix, solvers in (("_off", off), ("_on", on)):
-            table = pd.DataFrame(np.where(both, floors[solvers].to_numpy(), np.nan))
-            frame[f"{amount}{suffix}"] = table.median()
-    return frame
-
-
 def cost_section(results: Results) -> Section | None:
     """What evaluations and seconds go to, against one run of the engine."""
     attempts = compared(results)
@@ -149,20 +113,16 @@ def cost_section(results: Results) -> Section | None:
     if answers.answers.empty:
         return None
     table = factors(attempts, answers)
-    savings = presolve_savings(attempts, answers)
     parts = {amount: shares(attempts, answers, amount) for amount in AMOUNTS}
     blocks: list[Picture | Table] = [
         _picture(attempts, part, amount) for amount, part in parts.items() if len(part)
     ]
     blocks += best_first(_factor_table(table), table.index, best_solvers(results))
-    if len(savings):
-        blocks.append(_presolve_table(savings))
     text = sentences(
         "Besides the run that gives the answer, the cost goes to restarts, to words that lose, to "
         "words that have no path, and to building. Only right answers at questions with a path "
         "count. The floor is the winning run: the same engine called once, from the same guess.",
         _most_and_least(table),
-        _saved(savings),
     )
     lead = "See how little of the cost is the run that gives the answer (plain blue)."
     return Section("cost", "Cost where it arises", text, tuple(blocks), lead)
@@ -179,21 +139,6 @@ def _most_and_least(table: pd.DataFrame) -> str:
         f"{_RATIO(worst['evaluations'])} times the evaluations of its winning run, over "
         f"{count(best['questions'])} {best['name']} {_RATIO(best['evaluations'])} times."
     )
-
-
-def _of(row: Mapping[Any, Any], key: str) -> str:
-    return with_interval(_RATIO, row[key], row[f"{key}_low"], row[f"{key}_high"])
-
-
-def _saved(savings: pd.DataFrame) -> str:
-    order = savings.dropna(subset="evaluations").sort_values("evaluations").to_dict("records")
-    if not order:
-        return ""
-    ends = [order[-1]] if len(order) == 1 else [order[-1], order[0]]
-    parts = [f"of {row['name']} by {_of(row, 'evaluations')}" for row in ends]
-    between = " (the most) and " if len(parts) > 1 else ""
-    last = " (the least)" if len(parts) > 1 else ""
-    return f"The presolve divides the evaluations, in the median, {between.join(parts)}{last}."
 
 
 def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
@@ -233,15 +178,6 @@ def _factor_table(table: pd.DataFrame) -> Table:
         "A dash: the engine does not count evaluations."
     )
     return method_table("cost", caption, table, FACTORS, **_SHOWN)
-
-
-def _presolve_table(savings: pd.DataFrame) -> Table:
-    caption = (
-        "With and without the presolve, which drops the words that elementary geometry excludes, "
-        "on the questions that both answer: median of total / winning run, and median over "
-        "questions of the total without / with it, with its 95 % interval."
-    )
-    return method_table("cost-presolve", caption, savings, SAVINGS, **_SHOWN)
 
 
 TOPIC = Topic("cost where it arises", cost_section, BENCHMARK)

@@ -1,4 +1,4 @@
-"""The section on failures: what happened, what solvers said, where, and how to repeat one."""
+"""The section on failures: what happened, what solvers said, and how to repeat one."""
 
 from __future__ import annotations
 
@@ -19,23 +19,12 @@ from dubins_study.report.elements.formats import count, sentences, share, some
 OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unavailable", "not_asked")
 # What a failure is, the first that holds.
 KINDS = ("no return", "no path", "misses", "longer")
-# The least distance that counts as far, in radii from the start.
-REACH = 4.0
 # What names an example, in the order in which a plainer one is chosen.
 _EXAMPLE = (
     *("warm", "repeat", "distance", "x", "y", "heading", "target_x", "target_y"),
     *("radius", "branch", "profile", "experiment"),
 )
 _SAID = ["solver", "outcome", "claim", "verdict", "message"]
-# (region, near or None for both) -> its line in the table.
-_REGIONS = {
-    ("outside", False): f"outside, beyond {REACH:g} R of the start",
-    ("outside", True): f"outside, within {REACH:g} R of the start",
-    ("circle", None): "on a turning circle",
-    ("left disc", None): "in the left disc",
-    ("right disc", None): "in the right disc",
-}
-_UNKNOWN = "no region: a route, a final heading, or no answer judged"
 
 
 def gist(message: str) -> str:
@@ -111,29 +100,6 @@ def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd
     return table.assign(command=[solve_command(line) for line in lines])
 
 
-def by_region(attempts: pd.DataFrame) -> pd.DataFrame:
-    """The share of failures of each kind where the target lies, at questions that have a path.
-
-    place, in a fixed order; attempts, failed (a number), failed_share, and for each of `KINDS` its
-    share. Of a question that was never judged no region is known.
-    """
-    asked = attempts[attempts["answerable"]]
-    kinds, region, near = kinds_of(asked), asked["region"], _distance(asked) <= REACH
-    places = {
-        title: (region == name) & ((near == close) | (close is None))
-        for (name, close), title in _REGIONS.items()
-    }
-    places[_UNKNOWN] = ~region.isin([name for name, _ in _REGIONS])
-    lines = [
-        {"place": title, "attempts": here.sum(), "failed": (kinds[here] != "").sum()}
-        | {kind: kinds[here].eq(kind).mean() for kind in KINDS}
-        for title, here in places.items()
-        if here.any()
-    ]
-    table = pd.DataFrame(lines, columns=["place", "attempts", "failed", *KINDS])
-    return table.assign(failed_share=table["failed"] / table["attempts"])
-
-
 _MOST = 25
 _TITLE = "Failures"
 _NAMES = {name: name.replace("_", " ") for name in OUTCOMES}
@@ -146,7 +112,7 @@ _KIND_TEXT = {
 
 
 def failures_section(results: Results | None) -> Section:
-    """Outcomes by solver, messages with commands, and where; results are None of an empty run."""
+    """Outcomes by solver, and messages with commands; results are None of an empty run."""
     untaken = "" if results is None else _untaken_text(results.untaken)
     if results is None or results.rows.empty:
         lead = "No attempt was recorded, so nothing is known to have failed."
@@ -162,7 +128,6 @@ def failures_section(results: Results | None) -> Section:
     if failed:
         messages = failures(attempts).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages, limits)))
-        blocks.append(_region_table(by_region(attempts)))
     lead = _lead(len(attempts), stopped, failed, int(kinds["no return"]))
     text = sentences(_text(kinds, asked, failed) if blocks else "", untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
@@ -187,7 +152,7 @@ def _lead(total: int, stopped: pd.DataFrame, failed: int, silent: int) -> str:
         )
     every = "the only attempt" if total == 1 else f"each of the {count(total)} attempts"
     if failed:
-        return f"See {others}, and where their targets lie; {every} returned."
+        return f"See {others}; {every} returned."
     return f"Nothing failed: {every} returned, and the check accepts every path that was asked for."
 
 
@@ -259,22 +224,6 @@ def _message_table(table: pd.DataFrame) -> Table:
         f"run.{_cold(table)}"
     )
     return Table("failures", caption, table, shown, numbers=("experiment",), dense=True)
-
-
-def _region_table(regions: pd.DataFrame) -> Table:
-    present = {kind: kind for kind in KINDS if regions[kind].any()}
-    shown = (
-        *columns(kind="text", place="the target lies"),
-        *columns(count, attempts="attempts", failed="failed"),
-        *columns(share, failed_share="share"),
-        *columns(share, **present),
-    )
-    caption = (
-        "Failures by where the target lies, as numbers and as shares of the attempts there: in "
-        "all, and by kind. All solvers together: the numbers say where questions are hard, not "
-        "which solver to choose."
-    )
-    return Table("failures-by-region", caption, regions, shown)
 
 
 TOPIC = Topic("failures", failures_section, General.POOLED)

@@ -129,7 +129,7 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
         coarse,
         PERCENT,
         f"{some(coarse.questions, 'question')} with a path; the best method of each formulation",
-        "Comparison of methods: gap targets over time",
+        "Success and gaps",
     )
 
 
@@ -155,7 +155,7 @@ def presolve(evidence: Evidence) -> Finding | None:
         TIMES,
         f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
         "without it",
-        "Cost where it arises: the presolve",
+        "Cost where it arises",
     )
 
 
