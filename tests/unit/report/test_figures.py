@@ -59,9 +59,9 @@ def sections(tmp_path_factory):
         "paper": test_page.paper_rows(),
         "radius-sweep": test_page.sweep_rows(),
         "plane": test_page.plane_rows(),
-        "discretisation": [
+        "convergence": [
             row | {"formulation": "turn rates", "engine": row["solver"].split("=")[-1][:-1]}
-            for row in test_page.discretisation_rows()
+            for row in test_page.convergence_rows()
         ],
     }
     results = load([write_folder(base / name, name, each) for name, each in rows.items()])
@@ -90,7 +90,7 @@ def curves(ax):
 
 def test_the_page_has_figures_of_many_topics(pictures):
     assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
-    assert "work-precision" in pictures
+    assert "convergence-outside" in pictures
     assert len(pictures) > 15
 
 

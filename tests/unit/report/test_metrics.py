@@ -10,7 +10,6 @@ import pytest
 
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.certificates import proofs
-from dubins_study.report.topics.convergence import work_precision
 from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
@@ -176,46 +175,6 @@ def test_fitted_order_recovers_a_power():
 def test_runs_of_equal_words():
     assert metrics.runs_of(["LS", "LS", "RL"]) == [(0, 2, "LS"), (2, 3, "RL")]
     assert metrics.runs_of([]) == []
-
-
-def settings_of(*specs):
-    """What a manifest says of them."""
-    defaults = {"n": 50, "engine": "piqp", "mesh": "equal"}
-    return {
-        spec: defaults | {k: type(defaults[k])(v) for k, v in metrics.parse_spec(spec)[1].items()}
-        for spec in specs
-    }
-
-
-def test_work_precision_knows_the_settings_that_specs_leave_out():
-    """They are the manifest's, since a profile may have changed them; other solvers do not count,
-    and a mesh of another kind is another curve."""
-    rows = frame(
-        solver=[
-            "turn-rate-qp",
-            "turn-rate-qp[n=100]",
-            "turn-rate-qp[engine=osqp]",
-            "turn-rate-qp[mesh=graded]",
-            "ipopt",
-        ],
-        gap=[4e-5, 1e-5, NAN, 1e-7, 0.0],
-    )
-    table = work_precision(rows, settings_of(*rows["solver"][:4])).set_index(["engine", "n"])
-
-    graded = ("piqp, mesh=graded", 50)
-    assert set(table.index) == {("piqp", 50), ("piqp", 100), ("osqp", 50), graded}
-    assert table.loc[("piqp", 50), "order"] == pytest.approx(2.0)
-    assert table.loc[("osqp", 50), "gap"] == math.inf
-
-
-def test_the_order_is_fitted_as_far_as_the_gap_falls():
-    """An engine that reaches its own accuracy at n=40 is not charged for what follows."""
-    rows = frame(
-        solver=[f"turn-rate-qp[n={n}]" for n in (10, 20, 40, 80)], gap=[1.6e-3, 4e-4, 1e-4, 5e-2]
-    )
-    found = work_precision(rows, settings_of(*rows["solver"]))
-
-    assert found["order"].tolist() == pytest.approx([2.0] * 4)
 
 
 def test_cold_and_warm_starts_and_repeats_are_parts_of_a_question(tmp_path):

@@ -65,7 +65,7 @@ def plane_rows():
     return [attempt(s) for s in grid] + [attempt(s, "slsqp", path=None) for s in grid[::3]]
 
 
-def discretisation_rows():
+def convergence_rows():
     """Three numbers of steps, two engines, made-up gaps."""
     scenario = paper_scenarios()[0]
     return [
@@ -83,14 +83,14 @@ def whole(tmp_path_factory):
         "paper": paper_rows(),
         "radius-sweep": sweep_rows(),
         "plane": plane_rows(),
-        "discretisation": discretisation_rows(),
+        "convergence": convergence_rows(),
     }
     folders = [write_folder(base / name, name, rows) for name, rows in made.items()]
     with with_pdf_files():
         return render(folders, out=base / "report")
 
 
-FRONT = ["decision", "explorer", "discretisation", "plane"]
+FRONT = ["decision", "explorer", "convergence", "plane"]
 DETAILS = [
     *("caution", "summary", "success", "time", "radius", "warm"),
     *("failures", "attempts", "solvers", "limits"),
@@ -281,7 +281,6 @@ ODD = {
         for study, solver, guess in (
             ("basins", "slsqp[model=joint,order=LRS,initial_guess=given]", "0.0 0.0 5.0"),
             ("convergence", "turn-rate-qp[n=10]", "cold"),
-            ("discretisation", "turn-rate-qp[n=10]", "cold"),
             ("proofs", "disjunctive", "cold"),
             ("scale", "nlp", "cold"),
         )

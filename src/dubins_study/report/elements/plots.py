@@ -357,15 +357,14 @@ def parameter_lines(
     xlabel: str,
     ylabel: str,
     *,
-    seconds: bool = False,
     width: float = HALF,
     height: float = 3.3,
 ) -> Figure:
-    """Lines over a parameter, which may be a duration (s), both axes logarithmic.
+    """Lines over a parameter, both axes logarithmic.
 
     A line per name, with open marks of growing size: lines that coincide stay visible. Columns:
-    solver, name (in the legend), x, y, if there are quartiles `y`_q1 and `y`_q3, drawn as a band,
-    and panel, if there are several side by side. Only positive finite values are drawn.
+    solver, name (in the legend), x, y, and panel, if there are several side by side. Only positive
+    finite values are drawn.
     """
     shown = table[np.isfinite(table[y].astype(float)) & (table[y] > 0)]
     looks, names = palette.looks(shown["solver"]), list(dict.fromkeys(shown["name"]))
@@ -377,15 +376,12 @@ def parameter_lines(
     for ax, (title, rows) in zip(axes, panels, strict=True):
         for name, group in rows.groupby("name", sort=False):
             look, place = looks[group["solver"].iloc[0]], names.index(name)
-            if f"{y}_q1" in group:
-                low, high = (group[f"{y}{end}"].to_numpy(np.float64) for end in ("_q1", "_q3"))
-                ax.fill_between(group[x], low, high, color=look.colour, alpha=0.14, linewidth=0)
             style: Style = {"marker": _MARKERS[place % len(_MARKERS)], "markerfacecolor": "none"}
             style |= {"markersize": 3.5 + growth * place, "linewidth": 1.1, "label": name}
             (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
         ax.set(xscale="log", yscale="log", title=title, xlabel=xlabel)
         log_axis(ax.yaxis)
-        _scale(ax, *ax.get_xlim(), seconds=seconds)
+        _scale(ax, *ax.get_xlim(), seconds=False)
     axes[0].set_ylabel(ylabel)
     columns = (4 if width > HALF else 2) - (max(map(len, handles), default=0) > 25)
     _legend(figure, "lower", list(handles.values()), columns)

@@ -1,4 +1,4 @@
-"""Refined discretisations: the order of convergence, and the work for a precision."""
+"""Refined discretisations: the order of convergence, and the time that it takes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import Picture, Section, Table, Topic
-from dubins_study.report.elements.formats import count, digits, seconds, share, slug
+from dubins_study.report.elements.formats import count, digits, seconds, slug
 from dubins_study.report.elements.looks import Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.statistics import metrics
@@ -51,17 +51,6 @@ _FIGURES = {
         "Ipopt's own tolerance.",
     ),
 }
-# The method of the section on work and precision, and its table.
-REFINED = "turn-rate-qp"
-WORK = (
-    *columns(kind="code", engine="engine"),
-    *columns(count, n="n", attempts="attempts"),
-    *columns(share, arrived="arrive", success="success"),
-    *columns(digits(3), gap="median gap", gap_q90="90 %"),
-    *columns(seconds, wall_s="median time"),
-    *columns(digits(3), iterations="QPs"),
-)
-_QUANTILES = {"gap_q25": 0.25, "gap": 0.5, "gap_q75": 0.75, "gap_q90": 0.9}
 
 
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
@@ -105,18 +94,14 @@ def series(spec: str) -> str:
     return f"{name}[{','.join(others)}]" if others else name
 
 
-def _named(solvers: pd.Series, labels: Mapping[str, str], shared: str = "") -> dict[str, str]:
-    """Spec -> its name in figures, without its size and the item that all of them share."""
+def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
+    """Spec -> its name in figures, without its size."""
     without = {}
     for spec in solvers:
         size = f"{SIZES[parse_spec(spec)[0]]}="
         items = labels[spec].split(", ")
         without[spec] = ", ".join(item for item in items if not item.startswith(size))
-    names = figure_names(without)
-    return {
-        spec: ", ".join(item for item in name.split(", ") if item != shared)
-        for spec, name in names.items()
-    }
+    return figure_names(without)
 
 
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -209,12 +194,13 @@ def convergence_section(results: Results) -> Section | None:
 def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
     """Value against size, by measure and place."""
     lines = table.merge(fits[["measure", "series", "place", "order", "label"]])
-    lines = _with_orders(lines.rename(columns={"label": "name"}))
+    pairs = zip(lines["label"], lines["order"], strict=True)
+    lines["name"] = [f"{n}: p = {digits(3)(p)}" if p == p else n for n, p in pairs]
     lines = lines.sort_values(["series", "size"], kind="stable")
     pictures = []
     for (measure, (stem, ylabel, text)), place in product(_FIGURES.items(), PLACES):
         group = lines[(lines["measure"] == measure) & (lines["place"] == place)]
-        if not _drawable(group["value"]).any():
+        if not group["value"].between(0, np.inf, inclusive="neither").any():
             continue
         axes = "steps, headings or elements N", ylabel
         figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)
@@ -223,95 +209,4 @@ def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list
     return pictures
 
 
-def _drawable(values: pd.Series) -> pd.Series[bool]:
-    """Whether the values have a place on a logarithmic axis."""
-    return values.between(0, np.inf, inclusive="neither")
-
-
-def _with_orders(lines: pd.DataFrame) -> pd.DataFrame:
-    """The lines, each name with the order that is fitted to it."""
-    pairs = zip(lines["name"], lines["order"], strict=True)
-    return lines.assign(name=[f"{n}: p = {digits(3)(p)}" if p == p else n for n, p in pairs])
-
-
-def work_precision(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """One row per engine and n, from the attempts of `turn-rate-qp`.
-
-    Columns engine (with all settings in the spec except n), n, solver (a spec of the engine's, the
-    same at all n), attempts, arrived and success (shares of all attempts), gap and gap_q25,
-    gap_q75, gap_q90 (median and quantiles, infinite if too few arrive), wall_s (median, s),
-    iterations (median), order (p of gap ~ n^-p, up to the engine's smallest gap).
-    """
-    sizes = sizes_of(rows, settings)
-    steps = {spec: n for spec, n in sizes.items() if parse_spec(spec)[0] == REFINED}
-    group = rows[rows["solver"].isin(list(steps))]
-    if group.empty:
-        return pd.DataFrame()
-    measured = group.assign(
-        engine=group["solver"].map({spec: _engine(spec, settings[spec]) for spec in steps}),
-        n=group["solver"].map(steps),
-        value=metrics.gaps(group),
-        success=metrics.success(group),
-    )
-    groups = measured.groupby(["engine", "n"])
-    arrived = groups["value"].agg(lambda gaps: np.isfinite(gaps.dropna()).mean())
-    frame = pd.DataFrame({"attempts": groups.size(), "arrived": arrived})
-    frame = frame.assign(success=groups["success"].mean(), wall_s=groups["wall_s"].median())
-    for name, q in _QUANTILES.items():
-        frame[name] = groups["value"].agg(metrics.upper_quantile, q=q)
-    frame = frame.assign(iterations=groups["iterations"].median()).reset_index()
-    falls = {engine: falling(line, "gap") for engine, line in frame.groupby("engine")}
-    fits = {engine: metrics.fitted_order(line["n"], line["gap"]) for engine, line in falls.items()}
-    specs = measured.groupby("engine")["solver"].min()
-    return frame.assign(order=frame["engine"].map(fits), solver=frame["engine"].map(specs))
-
-
-def _engine(spec: str, settings: Mapping[str, Any]) -> str:
-    """The engine of a spec, and its settings besides n."""
-    given = parse_spec(spec)[1].items()
-    others = [f"{key}={value}" for key, value in given if key not in ("n", "engine")]
-    return ", ".join([str(settings.get("engine")), *others])
-
-
-def work_section(results: Results) -> Section | None:
-    """Time against gap by n and engine, with the fitted order."""
-    table = work_precision(results.rows, results.settings)
-    if table.empty:
-        return None
-    caption = (
-        "Every engine at every n. Gap quantiles count an attempt that does not arrive as ∞. QPs: "
-        "median number of QPs solved in one attempt."
-    )
-    blocks: tuple[Picture | Table, ...] = (Table("discretisation", caption, table, WORK),)
-    lines = table[_drawable(table["gap"])]
-    if len(lines):
-        names = _named(lines["solver"].drop_duplicates(), labels_of(results), "turn rates")
-        lines = lines.assign(
-            name=lines["solver"].map(names),
-            gap_q1=lines["gap_q25"].clip(lower=lines["gap"].min() / 3),
-            gap_q3=lines["gap_q75"].clip(upper=3 * lines["gap"].max()),
-        )
-        lines = _with_orders(lines.sort_values(["solver", "n"]))
-        axes = "median time of one attempt", "gap to the shortest length"
-        palette = Palette.of_page(results)
-        figure = parameter_lines(lines, "wall_s", "gap", palette, *axes, seconds=True, height=3.7)
-        caption = (
-            "Gap against median time, medians with the quartiles over the targets as a band; along "
-            "each line n doubles from mark to mark. Lower left is better. p is the order fitted to "
-            "gap ~ 1/n^p as far as the medians fall."
-        )
-        alt = "Time against gap for each engine"
-        blocks = Picture("work-precision", caption, figure, alt, half=True), *blocks
-    text = (
-        "turn-rate-qp holds each of n turn rates over a step, so its best path is longer than the "
-        "best of all. How fast that cost falls with n, what it takes, and which engine to use."
-    )
-    lead = (
-        "Follow a curve down to the gap that you want and read off the steps and the time; the "
-        "engine whose curve is farthest left is the one to use."
-    )
-    return Section("discretisation", "Work and precision", text, blocks, lead)
-
-
 TOPIC = Topic("the order of convergence", convergence_section, "convergence")
-WORK_TOPIC = Topic("work and precision", work_section, "discretisation")
