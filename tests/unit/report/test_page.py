@@ -281,7 +281,6 @@ ODD = {
         for study, solver, guess in (
             ("basins", "slsqp[model=joint,order=LRS,initial_guess=given]", "0.0 0.0 5.0"),
             ("convergence", "turn-rate-qp[n=10]", "cold"),
-            ("proofs", "disjunctive", "cold"),
             ("scale", "nlp", "cold"),
         )
     },

@@ -43,7 +43,6 @@ _MODULES = (
     "topics.scale",
     "topics.convex",
     "topics.ladder",
-    "topics.proofs",
     "topics.failures",
     # single attempts, and what they rest on
     "topics.single_attempts",
