@@ -80,7 +80,7 @@ def test_experiments():
     assert "dubins-study run --scenarios my.csv --solver ipopt" in shown
 
 
-@pytest.mark.parametrize("name", ["paper", "ladder", "convergence", "scale"])
+@pytest.mark.parametrize("name", ["paper", "ladder", "convergence"])
 def test_the_cells_of_an_experiment_are_those_of_a_run(name):
     """Counted without listing them, against the list."""
     [listed] = json.loads(asked("experiments", name, "--json").stdout)

@@ -281,7 +281,6 @@ ODD = {
         for study, solver, guess in (
             ("basins", "slsqp[model=joint,order=LRS,initial_guess=given]", "0.0 0.0 5.0"),
             ("convergence", "turn-rate-qp[n=10]", "cold"),
-            ("scale", "nlp", "cold"),
         )
     },
     "many": [attempt(s, f"s{i}[a={i}]") for s in paper_scenarios()[:2] for i in range(9)],

@@ -40,7 +40,6 @@ _MODULES = (
     "topics.plane",
     "topics.basins",
     "topics.bias",
-    "topics.scale",
     "topics.convex",
     "topics.ladder",
     "topics.failures",

@@ -140,7 +140,6 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-_TOLERATED = PROOFS[1]
 _MOST_BARS = 6  # in a panel
 _MOST_EXAMPLES = 40
 
