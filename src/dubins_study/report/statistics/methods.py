@@ -146,9 +146,6 @@ def best_of_formulations(frame: pd.DataFrame) -> list[str]:
     return best_methods(engines, ["formulation"])["solver"].tolist()
 
 
-MOST_CURVES = 10  # more lines in one panel cannot be told apart
-
-
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
     """The settings that some specs have otherwise than others."""
     keys = {key for each in settings for key in each}
