@@ -52,9 +52,9 @@ BUDGETS |= {
     "solvers": Size(10_535, 66),
     "experiments": Size(5_760, 40),
     "conformance": Size(1_700, 9),
-    "report": Size(13_085, 80),
-    "package": Size(42_440, 260),
-    "tests": Size(33_380, 217),
+    "report": Size(12_515, 70),
+    "package": Size(41_870, 258),
+    "tests": Size(33_085, 215),
 }
 
 _LEAVES = (
