@@ -201,7 +201,8 @@ def named_lines(
 def _inches(lines: Iterable[str], size: float) -> float:
     """The width of the longest of some lines, in letters of a size (points); 0 of none."""
     font, extents = FontProperties(size=size), text_to_path.get_text_width_height_descent
-    return max((float(extents(line, font, ismath=False)[0]) / 72 for line in lines), default=0.0)
+    every = (part for line in lines for part in line.split("\n"))
+    return max((float(extents(part, font, ismath=False)[0]) / 72 for part in every), default=0.0)
 
 
 _SHORTEST_BAR = 0.7  # inches, with the blanks around it

@@ -129,7 +129,7 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
         coarse,
         PERCENT,
         f"{some(coarse.questions, 'question')} with a path; the best method of each formulation",
-        "Success and gaps",
+        MATRIX,
     )
 
 
@@ -319,7 +319,7 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     caption = (
         f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others, over "
         "engines too where none is named; of the most extreme of several, that of all at once. A "
-        "ratio of times is that of two medians over the questions that both methods answer; tables "
+        "ratio of times is that of two medians over the questions that both methods answer, of routes a geometric mean; tables "
         "that count failures have other quotients."
     )
     return Table(
