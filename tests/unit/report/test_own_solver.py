@@ -103,6 +103,7 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
     assert "choose no engine" in every.caption
     assert not every.frame["suite_0"].str.contains("\n").iloc[0]
     assert sorted(beside.frame["method"]) == sorted(lines)
+    assert beside.marks == {(0, "false_claims"): "bad"}
     assert chosen.frame["method"].tolist() == ["MySolver", "closed form", WORDS]
     assert [text.partition("\n")[0] for text in chosen.frame["suite_0"][1:]] == [
         "analytic",

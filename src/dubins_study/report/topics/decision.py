@@ -233,8 +233,9 @@ def _tables(
         "attempts of all engines end at equal options.",
         "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
     )
-    lies = {(n, "false_claims"): "bad" for n in frame.index[frame["mine"] & frame["false_claims"]]}
-    table = Table("decision", caption, frame, shown, lies, numbers, stacked=True)
+    lies = frame.index[frame["mine"] & (frame["false_claims"] > 0)]
+    bad = {(int(line), "false_claims"): "bad" for line in lies}
+    table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
     several = frame["asked"] >= min(2, len(experiments))
     first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
