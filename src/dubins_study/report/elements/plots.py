@@ -54,7 +54,7 @@ MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
 
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
-_MOST_BELOW, _MOST_BESIDE = 48, 34  # characters of a name below a narrow panel, and one of three
+_LETTERS = (48, 34, 60)  # of a name below a narrow panel, or one of three, and beside a wide one
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -282,6 +282,7 @@ def share_curves(
     down, small = -(-len(shares) // across), 6.5
     below = narrow or several
     # what a screen leaves for the names below each line of panels
+    letters = _LETTERS[0 if narrow else 1 if several else 2]
     fits = MOST_NAMED if narrow else max(2, int(((HIGHEST - 0.5) / down - 1) / 0.13))
     most = min(MOST_NAMED, fits) if several else None
     chosen = {
@@ -299,8 +300,7 @@ def share_curves(
         shared, shown = "", [names[solver] for solver in named]
         if several:
             shared, shown = common_part(shown)
-        if below:
-            shown = [one_line(name, _MOST_BELOW if narrow else _MOST_BESIDE) for name in shown]
+        shown = [one_line(name, letters) for name in shown]
         _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=below)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
