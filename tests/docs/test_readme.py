@@ -16,8 +16,8 @@ SHOWN = ("method", "knows", "suite_0", "suite_1", "suite_2", "false_claims", "st
 
 
 def table_lines() -> list[str]:
-    """The lines of the page's table as README writes them: a spec to type for the engine's name."""
-    frame = decision_section(load([ROOT / "results" / "benchmark"])).blocks[0].frame
+    """All lines of the page's table as README writes them."""
+    frame = decision_section(load([ROOT / "results" / "benchmark"])).blocks[1].frame
     texts = frame.reindex(columns=SHOWN).fillna("–").astype(str)
     for suite in ("suite_0", "suite_1", "suite_2"):
         asked = frame[f"{suite}_solver"].notna()

@@ -116,9 +116,11 @@ def _written_out(axis: Any) -> tuple[Any, ...]:
         return tuple(np.linspace(*axis.linear).tolist())
     if isinstance(axis, Log):
         first, last, count = axis.log
-        values = 10.0 ** np.linspace(math.log10(first), math.log10(last), count)
+        powers = np.linspace(math.log10(first), math.log10(last), count).tolist()
+        # not by numpy, whose powers differ in the last bit between processors
+        values = [10.0**power for power in powers]
         values[-1], values[0] = last, first
-        return tuple(values.tolist())
+        return tuple(values)
     return tuple(axis) if isinstance(axis, list) else (axis,)
 
 

@@ -69,7 +69,8 @@ def sampled(sample: Sample) -> dict[str, FloatArray]:
             scaled[field] = low + share * (high - low)
         else:
             low, high = over.log
-            scaled[field] = low * (high / low) ** share
+            # not by numpy, whose powers differ in the last bit between processors
+            scaled[field] = np.array([low * (high / low) ** part for part in share.tolist()])
     return scaled
 
 

@@ -200,9 +200,7 @@ def _tables(
         line.setdefault("knows", knows[method["solver"]] or "")
         line["lows"].append(method["low"])
         line["mine"] = bool(own_name(str(method["solver"])))
-        # the line has the name of one solver alone
-        alone = line["mine"] or kind[0] == method["solver"]
-        named = "" if alone else f"{method['solver']}\n"
+        named = "" if line["mine"] else f"{method['solver']}\n"
         line |= _cell(method, experiments.index(method["experiment"]), named)
     for kind, line in by_kind.items():
         end = ended[kind]
