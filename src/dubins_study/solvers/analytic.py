@@ -48,6 +48,13 @@ class Analytic(Solver):
     def keeps_limit(self) -> bool:
         return True
 
+    def build(self, question: Question) -> Question:
+        if question.scenario.via:
+            from dubins_study.study.route.search import compile_loops
+
+            compile_loops()  # half a minute after each installation: no part of the search
+        return question
+
     def solve(self, model: Question, limit: float) -> Solution:
         scenario, branch = model.scenario, model.branch
         if scenario.via:
