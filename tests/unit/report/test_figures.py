@@ -15,6 +15,7 @@ from dubins_study.report.elements.style import INK, RULE, drawing, figure_bytes,
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import MOST_ENGINES
+from dubins_study.report.topics.cost import MARKS
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FORMULATIONS, Claim
 from tests.unit.report import test_page
@@ -153,6 +154,17 @@ def test_bars_of_all_columns_have_one_length():
         texts = [label.get_text() for ax in figure.axes for label in ax.get_yticklabels()]
         assert (texts, len(figure.subfigs)) == ([*names], across)
         assert max(lengths) < 1.1 * min(lengths)  # the labels of the axes are not counted
+
+
+@pytest.mark.filterwarnings("error:constrained_layout")
+@pytest.mark.parametrize("narrow", [False, True])
+def test_a_single_bar_has_room_beside_its_legend(narrow):
+    """As on the page of one solver."""
+    table = pd.DataFrame({"formulation": ["turn rates"], "short": ["Ipopt"], "note": ["1 ms"]})
+    for mark in MARKS:
+        table[mark.key] = 1 / len(MARKS)
+    with drawing():
+        fix_layout(stacked_shares(table, MARKS, "share of the time", narrow=narrow))
 
 
 @pytest.fixture(scope="module")

@@ -243,7 +243,7 @@ def _groups(table: pd.DataFrame) -> list[tuple[str, list[str], pd.DataFrame]]:
 
 
 def _wrapped(name: str) -> str:
-    return "\n".join(textwrap.wrap(name, 32, break_long_words=False))
+    return "\n".join(textwrap.wrap(name, 32))
 
 
 def _name(ax: Axes, names: Sequence[str], notes: pd.Series[str] | None, size: float) -> None:
