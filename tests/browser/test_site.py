@@ -26,7 +26,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("docs").resolve() / "site"
     options = ["-q", "-W", "--keep-going", "-d", str(out.with_name("trees"))]
     command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(out)]
-    build = subprocess.run(command, capture_output=True, text=True, timeout=280)
+    build = subprocess.run(command, capture_output=True, text=True, timeout=900)
 
     assert build.returncode == 0, build.stderr
     return out

@@ -165,7 +165,7 @@ def named_lines(
     lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
     if not panels:  # names of several lines need more room
         tallest = max(tallest, 0.13 * lines)
-    high = tallest + (1.25 if narrow else 0.75)  # a narrow legend has several lines
+    high = max(tallest + 0.75, 1.7 if narrow else 0.0)  # a narrow legend has several lines
     figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     if panels:
         figure.supxlabel(label, fontsize=8, color=MUTED)
