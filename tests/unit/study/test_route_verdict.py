@@ -198,7 +198,11 @@ def test_what_the_interval_leaves_open_is_undecided():
 
 def test_the_check_repeats_no_search(monkeypatch):
     """A search is the solver's own each time; the check takes the last one if it suffices."""
-    limits = []
+    limits: list[float] = []
+
+    def told(*given):
+        """What a solver is told of a limit: 95 % of it, less what building took."""
+        return pytest.approx([0.95 * each for each in given], rel=0.02)
 
     def search(*question, limit, **options):
         limits.append(limit)
@@ -210,14 +214,15 @@ def test_the_check_repeats_no_search(monkeypatch):
 
     for _ in range(2):
         solve(FREE, limit=30)
-    assert limits == [30, 30]
+    assert limits == told(30, 30)
     judge(FREE, solve(ROUTE).path)  # of another question
-    assert limits[2:] == [60]
+    assert limits[2:] == told(60)
 
     solve(FREE, limit=1e-9)
-    assert limits[3:] == [1e-9]
+    assert limits[3] <= 1e-9
     judge(FREE, solve(FREE, limit=1e-9).path)  # in its own time
-    assert limits[4:] == [1e-9, 4 * 20]  # a count of boxes ends it sooner
+    assert limits[4] <= 1e-9
+    assert limits[5:] == [4 * 20]  # a count of boxes ends it sooner
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():

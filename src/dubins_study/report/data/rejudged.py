@@ -37,9 +37,11 @@ class Recheck(NamedTuple):
     differing: dict[str, int]  # column -> rows in which it differs from what the folder says
 
 
-def set_up(manifest: Manifest) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The machine and the versions of a folder's runs."""
-    return manifest.machine, manifest.versions
+def same_set_up(one: Manifest, other: Manifest) -> bool:
+    """Whether two folders' runs had one machine, and one version of each package of both."""
+    both = one.versions.keys() & other.versions.keys()
+    alike = all(one.versions[name] == other.versions[name] for name in both)
+    return one.machine == other.machine and alike
 
 
 def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:

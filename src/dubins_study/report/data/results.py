@@ -12,7 +12,7 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.report.data.attempts import UNTAKEN, counted, methods
-from dubins_study.report.data.rejudged import Recheck, judged_anew, set_up
+from dubins_study.report.data.rejudged import Recheck, judged_anew, same_set_up
 from dubins_study.report.data.selection import RowCounts, select_attempts
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
@@ -168,10 +168,10 @@ def _read(folders: str | FilePath | Iterable[str | FilePath]) -> list[_Stored]:
     if not first:
         raise ResultsError("no results folder given; expected at least one")
     stored = [_Stored(path, read_manifest(path, printable=True), _rows(path)) for path in first]
-    known = [set_up(each.manifest) for each in stored]
+    known = [each.manifest for each in stored]
     for path in (path for each in later for path in each):
         manifest, rows, recheck = read_manifest(path, printable=True), _rows(path), None
-        if set_up(manifest) not in known:
+        if not any(same_set_up(manifest, each) for each in known):
             rows, recheck = judged_anew(rows, manifest)
         stored.append(_Stored(path, manifest, rows, recheck))
     return stored

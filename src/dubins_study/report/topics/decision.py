@@ -11,7 +11,7 @@ import pandas as pd
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, own_name
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import Column, columns
+from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
 from dubins_study.report.elements.identity import best_first, with_interval
@@ -105,7 +105,8 @@ def cases_table(results: Results) -> Table:
             "You write a solver.",
             "Have it checked, then asked the questions of this page; the report of both folders "
             "has it beside the others.",
-            f"dubins-study check-solver FILE.py:CLASS\n{run}\ndubins-study report FOLDER MINE",
+            f"dubins-study check-solver FILE.py:CLASS\n{run}\n"
+            "dubins-study report FOLDER MINE --out PAGE",
             "Single attempts",
         ),
         (
@@ -124,7 +125,8 @@ def cases_table(results: Results) -> Table:
     )
     caption = (
         "Words in capitals are yours to fill in: FILE.py:CLASS is your solver's file and class, "
-        "FOLDER the results folder of this page. An angle may carry its unit: 120deg."
+        "FOLDER the results folder of this page, PAGE a new folder. An angle may carry its unit: "
+        "120deg."
     )
     return Table("cases", caption, frame, shown, stacked=True)
 
@@ -229,15 +231,16 @@ def _tables(
         if each
         else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
         "attempts of all engines end at equal options.",
+        "False claims are attempts.",
         "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
     )
-    lies = frame.index[frame["mine"] & (frame["false_claims"] > 0)]
-    bad = {(int(line), "false_claims"): "bad" for line in lies}
-    table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
+    table = Table(
+        "decision", caption, frame, shown, marks(frame, "false_claims"), numbers, stacked=True
+    )
     kinds = frame["formulation"] + frame["guesses"]
     several = frame["asked"] >= min(2, len(experiments))
     first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
-    which = "Of each formulation, if several suites ask it, the most surely right kind of guesses."
+    which = "Of each formulation, of the kinds of guesses that most suites ask, the surest."
     return best_first(table, kinds, {*first}, which)
 
 

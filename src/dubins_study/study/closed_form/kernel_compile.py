@@ -36,7 +36,7 @@ class _Announcement(event.Listener):
             return
         # on stderr where logging is not set up: half a minute of silence looks like a fault
         logging.getLogger(__name__).warning(
-            "compiling the loops over rows: some ten seconds, once after each installation"
+            "compiling the loops over rows: up to two minutes, once after each installation"
         )
         _end_announcement()
 
