@@ -21,7 +21,6 @@ from dubins_study.conformance.report import Status
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LYING = EXAMPLES / "plugin-lying" / "src" / "lying_dubins"
-ALL_ANSWERS = ("outcome", "controls", "claims", "branches")
 
 # lie -> the check that finds it, and words of what it says
 LIES = {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pandas as pd
 import pytest
 
@@ -50,18 +52,7 @@ def costly(scenario, solver="ipopt", **changes):
     return attempt(scenario, solver, claim=Claim.LOCAL, **(made | changes))
 
 
-def presolved(scenario):
-    """The same engine, which is not given the words that do not exist."""
-    return costly(
-        scenario,
-        "ipopt[presolve=True]",
-        subproblems="LS RS",
-        subproblem_runs=[3.0, 1.0],
-        subproblem_evaluations=[30.0, 20.0],
-        subproblem_s=[0.03, 0.02],
-        evaluations=50,
-        wall_s=0.08,
-    )
+presolved = partial(costly, solver="ipopt[presolve=True]")
 
 
 @pytest.fixture
@@ -145,9 +136,6 @@ def test_the_section_is_there_only_with_efforts(load_rows):
     section = cost_section(load_rows("benchmark", rows))
     bare = load_rows("bare", [attempt(scenario) for scenario in outside()])
 
-    assert [block.name for block in section.blocks] == [
-        "cost-evaluations",
-        "cost-seconds",
-        "cost",
-    ]
+    names = [block.name for block in section.blocks]
+    assert names == ["cost-evaluations", "cost-seconds", "cost"]
     assert cost_section(bare) is None

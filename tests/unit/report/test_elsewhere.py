@@ -13,7 +13,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from dubins_study import load_results
+from dubins_study.report.data.rejudged import same_set_up
 from dubins_study.report.data.results import load
+from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.words import FROZEN
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 from tests.unit.report.topic_page import topic_page
@@ -89,6 +91,17 @@ def test_a_folder_of_the_same_set_up_is_believed(here, tmp_path):
 
     assert recheck_of(ELSEWHERE, theirs) is None
     assert load([theirs, here]).folders[0].recheck is None
+
+
+def test_a_package_that_one_folder_alone_records_is_no_other_set_up():
+    """Two experiments of one machine ask different engines; another version of one is another."""
+    one = read_manifest(ELSEWHERE)
+    name, *others = one.versions
+    fewer = one.model_copy(update={"versions": {key: one.versions[key] for key in others}})
+    newer = one.model_copy(update={"versions": one.versions | {name: "0.0"}})
+
+    assert same_set_up(one, fewer)
+    assert not same_set_up(one, newer)
 
 
 def test_the_page_says_what_differs_with_machine_and_versions(here, tmp_path):

@@ -11,6 +11,7 @@ import math
 import struct
 import warnings
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -69,8 +70,7 @@ def sampled(sample: Sample) -> dict[str, FloatArray]:
             scaled[field] = low + share * (high - low)
         else:
             low, high = over.log
-            # not by numpy, whose powers differ in the last bit between processors
-            scaled[field] = np.array([low * (high / low) ** part for part in share.tolist()])
+            scaled[field] = low * _each(partial(pow, high / low), share)
     return scaled
 
 

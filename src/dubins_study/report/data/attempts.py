@@ -8,6 +8,8 @@ from importlib.metadata import entry_points
 
 import pandas as pd
 
+from dubins_study.study.scenario_frame import numbers_of
+
 # The closed form; its rows fill the maps of the plane.
 EXACT = "analytic"
 # The verdict on an answer of the presolve counts as a verdict of its own: no engine was asked.
@@ -51,6 +53,11 @@ def _installed() -> frozenset[str]:
 def own(specs: Iterable[str]) -> list[str]:
     """Those of the specs that are plug-ins' solvers, which stand before all others."""
     return [spec for spec in specs if own_name(spec)]
+
+
+def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
+    """How many legs the scenario of each row has: one more than via points."""
+    return rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ())).astype(int)
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:

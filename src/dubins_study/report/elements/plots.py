@@ -51,7 +51,6 @@ DRAWN_TEXT = (
     f"and at most {MOST_ENGINES} engines."
 )
 MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
-
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
 _LETTERS = (48, 34, 60)  # of a name below a narrow panel, or one of three, and beside a wide one
@@ -112,7 +111,8 @@ def quartile_lines(
                 bar = [max(row[f"{mark.key}_q1"], low), row[f"{mark.key}_q3"]]
                 ax.hlines(place + lift, *bar, color=dots["color"], linewidth=2.4, alpha=0.45)
                 ax.plot(row[mark.key], place + lift, **dots)
-        _scale(ax, low / widen, high * widen, seconds=True)
+        ax.set(xscale="log", xlim=(low / widen, high * widen))
+        log_axis(ax.xaxis, duration)
     handles = [Line2D([], [], label=mark.label, **mark.dots()) for mark in marks if mark.label]
     _legend(figure, "upper", handles)
     return figure
@@ -265,7 +265,6 @@ def share_curves(
     xlabel: str,
     ylabel: str = "share of questions",
     *,
-    seconds: bool = False,
     limit: float | None = None,
     same_x: bool = True,
     narrow: bool = False,
@@ -281,8 +280,8 @@ def share_curves(
     across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
     down, small = -(-len(shares) // across), 6.5
     below = narrow or several
-    # what a screen leaves for the names below each line of panels
     letters = _LETTERS[0 if narrow else 1 if several else 2]
+    # what a screen leaves for the names below each line of panels
     fits = MOST_NAMED if narrow else max(2, int(((HIGHEST - 0.5) / down - 1) / 0.13))
     most = min(MOST_NAMED, fits) if several else None
     chosen = {
@@ -306,7 +305,7 @@ def share_curves(
         ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
             mark_limit(ax, limit)
-        _scale(ax, float(table.index[0]), float(table.index[-1]), seconds=seconds)
+        _scale(ax, float(table.index[0]), float(table.index[-1]))
         if several:
             ax.xaxis.set_major_locator(LogLocator(numticks=3))
             ax.set_yticks((0, 0.5, 1))
@@ -382,7 +381,7 @@ def parameter_lines(
             (handles[str(name)],) = ax.plot(group[x], group[y], **look.lines, **style)
         ax.set(xscale="log", yscale="log", title=title, xlabel=xlabel)
         log_axis(ax.yaxis)
-        _scale(ax, *ax.get_xlim(), seconds=False)
+        _scale(ax, *ax.get_xlim())
     axes[0].set_ylabel(ylabel)
     columns = (4 if width > HALF else 2) - (max(map(len, handles), default=0) > 25)
     _legend(figure, "lower", list(handles.values()), columns)
@@ -414,11 +413,11 @@ def draw_cells(
     return ax.imshow(values, extent=tuple(extent), **style)
 
 
-def _scale(ax: Axes, low: float, high: float, *, seconds: bool) -> None:
+def _scale(ax: Axes, low: float, high: float) -> None:
     """A logarithmic x axis with these ends; if it is short, with a number at 1, 2, 5, 10, ..."""
     ax.set(xscale="log", xlim=(low, high))
-    if high / low > 1000 or seconds:
-        log_axis(ax.xaxis, *([duration] if seconds else []))
+    if high / low > 1000:
+        log_axis(ax.xaxis)
     else:
         plain_log_axis(ax.xaxis)
 

@@ -195,15 +195,6 @@ def _profiles(table: pd.DataFrame, ranked: pd.DataFrame, palette: Palette) -> Pi
     return panels_picture("comparison-profiles", caption, share_curves, alt, *data, same_x=False)
 
 
-def _wide(
-    name: str, caption: str, shares: pd.DataFrame, palette: Palette, alt: str, *labels: str
-) -> Picture:
-    """Rising shares of the best methods in one panel; durations if there is a label of y."""
-    names = {solver: palette.label(solver) for solver in map(str, shares.columns)}
-    data = {"": shares}, names, palette, *labels
-    return panels_picture(name, caption, share_curves, alt, *data, seconds=len(labels) > 1)
-
-
 def _evaluations(attempts: Compared, solvers: list[str], palette: Palette) -> Picture:
     table = evaluations(attempts)[solvers]
     shares = shares_within(table, _points(table))
@@ -214,7 +205,9 @@ def _evaluations(attempts: Compared, solvers: list[str], palette: Palette) -> Pi
         "than in others."
     )
     alt = "Data profiles in evaluations"
-    return _wide("comparison-evaluations", caption, shares, palette, alt, "function evaluations")
+    names = {solver: palette.label(solver) for solver in map(str, shares.columns)}
+    data = {"": shares}, names, palette, "function evaluations"
+    return panels_picture("comparison-evaluations", caption, share_curves, alt, *data)
 
 
 def _points(table: pd.DataFrame) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, own_name
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, legs_of, own_name
 from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
@@ -19,7 +19,6 @@ from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.scenario_frame import numbers_of
 
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
@@ -70,7 +69,7 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[tuple[str, str], st
 
     By formulation and guesses; empty without routes. A spacing is one of the `strata`.
     """
-    legs = rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ())).astype(int)
+    legs = legs_of(rows)
     routes = rows.assign(legs=legs)
     routes = routes[routes["experiment"].isin(routes.loc[legs > 1, "experiment"])]
     labels = [label for label in strata if label in set(routes["label"])]
@@ -176,8 +175,8 @@ def _lead(rows: pd.DataFrame) -> str:
     if own.empty:
         return "If you only need the path, use the closed form."
     right = int(own.groupby("question")["right"].min().sum())
-    routes = rows["via_x"].map(lambda via: bool(numbers_of("via_x", via))).any()
-    where = ", or the search with a proof where there are via points" if routes else ""
+    routes = ", or the search with a proof where there are via points"
+    where = routes if legs_of(rows).gt(1).any() else ""
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
         f"{count(right)} of {some(own['question'].nunique(), 'question')}. "

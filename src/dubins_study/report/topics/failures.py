@@ -49,17 +49,11 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
     return pd.Series(kinds, attempts.index)
 
 
-def _distance(attempts: pd.DataFrame) -> pd.Series[float]:
-    """The distance of each target from the start, in radii."""
-    dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
-    distance: pd.Series[float] = np.sqrt(dx**2 + dy**2) / attempts["radius"]
-    return distance
-
-
 def _plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The first by `_EXAMPLE` of each group of attempts: cold if there is a cold one."""
     warm = attempts["initial_guess"].ne("cold")
-    placed = attempts.assign(warm=warm, distance=_distance(attempts))
+    dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
+    placed = attempts.assign(warm=warm, distance=np.sqrt(dx**2 + dy**2) / attempts["radius"])
     return placed.sort_values(list(_EXAMPLE), kind="stable").drop_duplicates(keys)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
 from dubins_study.report.elements.formats import digits, seconds, some
 from dubins_study.report.statistics.intervals import geometric_means, scenario_shares
 from dubins_study.report.topics.findings_evidence import (
@@ -20,7 +20,6 @@ from dubins_study.report.topics.findings_evidence import (
 )
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario_frame import numbers_of
 
 _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least
@@ -32,8 +31,8 @@ _RESAMPLES, _SEED = 2000, 0
 def routes_of(evidence: Evidence) -> pd.DataFrame:
     """The attempts at routes of at least two legs, with a column legs."""
     rows = evidence.compared.answerable
-    legs = rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ()))
-    return rows.assign(legs=legs.astype(int))[legs > 1]
+    legs = legs_of(rows)
+    return rows.assign(legs=legs)[legs > 1]
 
 
 def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
 
-from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, own
+from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import (
@@ -54,7 +54,6 @@ from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.path import RIPPLE, FloatArray, Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.scenario_frame import numbers_of
 
 TITLE = "Routes of many legs"
 _CELL = ["solver", "label", "legs"]
@@ -73,9 +72,8 @@ _LINES = 20  # of more, the surest engine of each formulation and kind of guess 
 
 def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows with columns legs (their number), right and undecided."""
-    legs = rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ()))
     undecided = rows["verdict"].eq(UNDECIDED)
-    return rows.assign(legs=legs.astype(int), right=success(rows), undecided=undecided)
+    return rows.assign(legs=legs_of(rows), right=success(rows), undecided=undecided)
 
 
 def by_legs(rows: pd.DataFrame) -> pd.DataFrame:
