@@ -7,6 +7,7 @@ is solved anew.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -23,6 +24,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names
 from dubins_study.study.scenario_frame import scenario_of
+from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import FORMULATIONS, Claim
 
 RESULTS = FilePath(__file__).parents[2] / "results" / "benchmark"
@@ -40,7 +42,7 @@ def suite(request):
 
 @pytest.fixture(scope="module")
 def table(suite):
-    columns = [*names(KEY), *names(SCENARIO), *names(ANSWER), *names(RUN)]
+    columns = [*names(KEY), *names(SCENARIO), *names(ANSWER), *names(RUN), "margin"]
     return read_rows(RESULTS / suite, list(dict.fromkeys(columns))).to_pandas()
 
 
@@ -98,6 +100,31 @@ def test_its_verdicts_are_what_the_check_says_today(table, share):
                 moved += certificate.reference_high - certificate.reference_low
             atol = 1e-13 + moved / max(row["reference_low"], row["radius"])
             np.testing.assert_allclose(judgement.gap, row["gap"], rtol=1e-6, atol=atol)
+
+
+@pytest.mark.parametrize("most_legs", [1, pytest.param(FEW_LEGS, marks=pytest.mark.slow)])
+def test_no_question_lies_next_to_a_jump(table, most_legs):
+    """The shortest length moves little where points do, by 100 times the tolerance of arriving.
+
+    Next to a jump a miss within the tolerance may be worth a full turn. With a free final heading
+    one leg jumps at the turning circles alone: its margin tells.
+    """
+    random = np.random.default_rng(46)
+    judged = table[table["reference_low"].notna()].drop_duplicates("scenario_id")
+    for row in rows_of(judged):
+        scenario = scenario_of(row)
+        legs, far = len(scenario.via) + 1, 100 * ARRIVES * scenario.radius
+        if scenario.one_free_leg:
+            assert abs(row["margin"]) > 0.999 * far / scenario.radius, scenario
+        elif legs <= most_legs:
+            angle = random.uniform(0.0, 2 * np.pi, legs)
+            step = far * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            points = np.array([*scenario.via, (scenario.target_x, scenario.target_y)])
+            *via, (x, y) = (points + step).tolist()
+            moved = solve(replace(scenario, via=via, target_x=x, target_y=y), limit=60.0)
+
+            # as steep as next to four radii, where two arcs become one
+            assert abs(moved.length - row["reference_low"]) < 10 * legs * far, scenario
 
 
 @pytest.mark.slow

@@ -46,10 +46,10 @@ class Formulation(NamedTuple):
 
 
 # What initial guesses know of the answer, by the column `guess`: one is drawn toward the target,
-# `words` has one for each word, `blind` nothing of the answer's shape.
+# `words` has one for each word, `blind` nothing of the answer's shape; random ones are ten.
 GUESSES = MappingProxyType(
     {"one": "one", "bearing": "one", "words": "words", "given": "warm", "warm": "warm"}
-    | dict.fromkeys(("straight", "zero", "random"), "blind")
+    | {"straight": "blind", "zero": "blind", "random": "several blind"}
 )
 SEVERAL = "several"  # guesses a word
 

@@ -83,7 +83,7 @@ def test_a_blind_guess_knows_no_direction(kind, bearing, distance):
         ("slsqp[initial_guess=straight]", "blind", "words"),
         ("slsqp[model=joint]", "one", "shape"),
         ("slsqp[model=joint,initial_guess=words]", "words", "shape words"),
-        ("slsqp[model=joint,initial_guess=random]", "blind", "shape"),
+        ("slsqp[model=joint,initial_guess=random]", "several blind", "shape"),
         ("shooting", "several", "words"),
         ("multiple-shooting", "several", "words"),
         ("turn-rate-qp[initial_guess=words]", "words", "words"),
@@ -120,7 +120,7 @@ def test_the_row_of_an_answer_has_the_factor():
 
 def test_a_plug_in_states_its_guesses_by_their_kind():
     """A plain tuple suffices; what no table knows stays as it is."""
-    assert Method("mine", "m", "random").columns()["guesses"] == "blind"
+    assert Method("mine", "m", "random").columns()["guesses"] == "several blind"
     assert Method("mine", "m", "crystal ball").columns()["guesses"] == "crystal ball"
 
 

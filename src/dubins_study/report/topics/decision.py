@@ -23,7 +23,6 @@ from dubins_study.report.statistics.metrics import parse_spec
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
-_SEVERAL_BLIND = "several blind"
 _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
 _NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
 
@@ -40,12 +39,6 @@ def surest(rows: pd.DataFrame) -> pd.DataFrame:
     ranked = shares.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
     found = ranked.reset_index().drop_duplicates(keys[:-1]).set_index(keys[:-1])
     return found[["solver", "share", "low", "high", "trials", "wall_s"]]
-
-
-def kinds_of_guesses(rows: pd.DataFrame) -> pd.Series[str]:
-    """What the guesses know of the answer; ten random ones are not compared with one line."""
-    several = rows["guess"].eq("random") & rows["guesses"].eq("blind")
-    return rows["guesses"].fillna("").mask(several, _SEVERAL_BLIND)
 
 
 def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
@@ -153,7 +146,7 @@ def decision_section(results: Results) -> Section | None:
     alone = mine | formulation.isna() | each
     rows = rows.assign(
         formulation=formulation.mask(alone, rows["solver"].map(labels)),
-        guesses=kinds_of_guesses(rows).mask(alone, ""),
+        guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
     if rows.empty:
         return Section("decision", TITLE, "", (), "No question that was asked has a path.")

@@ -252,7 +252,9 @@ METHOD = (
     Column("engine", "the library that solves it, e.g. Ipopt", plotted=True),
     Column("guess", "where the search begins, e.g. bearing, straight, warm or none", plotted=True),
     Column(
-        "guesses", "one, words (one a word), several (a word), blind, warm or none", plotted=True
+        "guesses",
+        "one, words (one a word), several (a word), blind, several blind, warm or none",
+        plotted=True,
     ),
     Column("presolve", "whether the solver's questions are presolved", "bool"),
     Column("proves", "smallest relative gap that its settings let it prove", "float64", "1"),
