@@ -37,7 +37,6 @@ class Engine(NamedTuple):
     check: str = ""  # `room.module:function` that says this, or returns None
     versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
     keeps_limit: bool = True  # whether a run ends at most a second after its seconds are up
-    fixed_tol: float | None = None  # the feasibility, if it is the engine's own whatever is asked
     # The budget of one search if none is given: the two searches that a target outside the discs
     # takes are over in about 0.15 s.
     evaluations: int = 0
@@ -69,7 +68,7 @@ class Engine(NamedTuple):
         """The feasibility that the engine is asked for; None if that is left to it."""
         chosen = self.options.of(options, tol)
         asked = (chosen[name] for name in self.options.feasibility if name in chosen)
-        return self.fixed_tol or next(asked, None)
+        return next(asked, None)
 
     def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
         """What a solver states of itself that takes these options and this tolerance."""
@@ -130,14 +129,6 @@ def _nlpsol(label: str, plugin: str, options: Options, **more: Any) -> Engine:
 def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
     arguments = {"algorithm": algorithm} | inner
     return _nlp(label, "nlopt", "nlopt_local:nlopt", _OF_NLOPT, arguments=arguments)
-
-
-def _gams(label: str, solver: str, *names: str) -> Engine:
-    packages, place = ("gamspy_base", f"gamspy_{solver}"), "nlp_engines.gams:gams"
-    feasibility, optimality, iterations = names
-    options = Options((feasibility,), (optimality,), iterations)
-    check = "nlp_engines.gams:unavailable"
-    return Engine(label, NLP, packages, place, {"solver": solver}, options, check=check)
 
 
 def _proven(label: str, package: str, name: str, **more: Any) -> Engine:
@@ -207,12 +198,6 @@ def _of_sqp(**inner: Any) -> Options:
     always |= {f"qpsol_options.{name}": value for name, value in inner.items()}
     return Options(("tol_pr",), ("tol_du",), "max_iter", always, _PRINTS_NOTHING)
 
-
-_MINOS = "row tolerance", "optimality tolerance", "major iterations"
-_SNOPT = (
-    *("major feasibility tolerance", "major optimality tolerance"),
-    "major iterations limit",
-)
 
 ENGINES = {
     "slsqp": _nlp(
@@ -289,15 +274,6 @@ ENGINES = {
         Options(("rtol",), ("otol",), "max_iter"),
         check="nlp_engines.apopt:unavailable",
     ),
-    "conopt": _nlp(
-        "CONOPT",
-        "conopt",
-        "conopt_grg:conopt",
-        Options((), (), "ItLim", {"ThreadS": 1}, "one thread, as all engines have"),
-        fixed_tol=1e-7,
-    ),
-    "gams-minos": _gams("MINOS", "minos", *_MINOS),
-    "gams-snopt": _gams("SNOPT", "snopt", *_SNOPT),
     "nlopt-slsqp": _nlopt("NLopt SLSQP", "LD_SLSQP"),
     # the augmented Lagrangian of Birgin and Martinez, minimised within the bounds by L-BFGS
     "nlopt-auglag": _nlopt("NLopt AUGLAG", "LD_AUGLAG", inner="LD_LBFGS"),

@@ -39,7 +39,7 @@ WORD = (0.0, 1.5, 11.0)
 # change nothing, with status 1; the augmented Lagrangian of NLopt with FAILURE.
 SILENT_ON_WORDS = {"fatrop", "nlopt-auglag"}
 # Engines with a test for it whose claim no other test sees.
-SAY_INFEASIBLE = {"uno-filtersqp", "conopt", "apopt", "gams-snopt", "gams-minos"}
+SAY_INFEASIBLE = {"uno-filtersqp", "apopt"}
 
 
 def case(name: str, scenario: Scenario, unit: float = 1.0) -> Case:

@@ -48,7 +48,7 @@ GAPS |= {
 }
 GAPS |= dict.fromkeys(
     [
-        *("route-nlp", "route-nlp[engine=conopt]", "headings[engine=powell]"),
+        *("route-nlp", "headings[engine=powell]"),
         *("headings[engine=differential-evolution]", "headings[engine=trust-constr]"),
         *("headings[engine=uno-filtersqp]", "headings[engine=nlopt-auglag]"),
     ],

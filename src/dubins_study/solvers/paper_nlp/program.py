@@ -8,14 +8,16 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import signal
+import subprocess
 import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.gams import exit_code
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     EngineResult,
@@ -311,4 +313,19 @@ def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
     path = shutil.which(executable)
     if path is None:
         return 127  # as a shell says of a command that has gone
-    return exit_code([FilePath(path).absolute(), _STUB, "-AMPL"], folder, seconds)
+    process = subprocess.Popen(
+        [FilePath(path).absolute(), _STUB, "-AMPL"],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that its children can be ended with it
+    )
+    try:
+        return process.wait(max(seconds, 0.0))
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        with suppress(ProcessLookupError):  # it and its children may have ended already
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

@@ -36,7 +36,7 @@ from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Clai
 # The engines of nonlinear programs that call functions. The others differentiate expressions, and
 # the shortest of six words is none.
 _CALLERS = (
-    *("slsqp", "trust-constr", "cobyqa", "conopt"),
+    *("slsqp", "trust-constr", "cobyqa"),
     *("nlopt-slsqp", "nlopt-auglag", "nlopt-cobyla", "uno-filtersqp"),
 )
 # SHGO begins with all corners of the box: 2^k, which for 50 legs fills the memory
