@@ -121,13 +121,12 @@ def test_every_promise_is_kept(spec, limit, hard):
 @pytest.mark.parametrize(
     "spec",
     [
-        "ipopt[via=executable]",
         # of any number of legs
         *("turn-rate-qp", "heading-milp", "collocation", "multiple-shooting", "turn-rates"),
         *("route-nlp", "headings[engine=cobyqa]"),
     ],
 )
-def test_large_settings_and_executables_promise_nothing(spec):
+def test_large_settings_promise_nothing(spec):
     """Compiling a large model takes longer than a second."""
     assert not load(spec).keeps_limit
 

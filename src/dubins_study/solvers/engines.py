@@ -6,8 +6,6 @@ Nothing is imported until it is asked.
 from __future__ import annotations
 
 import ctypes
-import re
-import subprocess
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path as FilePath
@@ -33,8 +31,8 @@ class Engine(NamedTuple):
     place: str = ""  # `room.module:function` of its adapter; empty if one solver has it itself
     arguments: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside the options
     options: Options = Options()
-    broken: str | None = None  # why it answers no question here, though its packages are installed
-    check: str = ""  # `room.module:function` that says this, or returns None
+    # `room.module:function` that says why it answers no question here, or returns None
+    check: str = ""
     versions: Callable[[], dict[str, str]] | None = None  # of the library inside the package
     keeps_limit: bool = True  # whether a run ends at most a second after its seconds are up
     # The budget of one search if none is given: the two searches that a target outside the discs
@@ -43,7 +41,7 @@ class Engine(NamedTuple):
 
     def unavailable(self) -> str | None:
         """Why the engine cannot run here, or None."""
-        reason = missing_package(*self.packages) or self.broken
+        reason = missing_package(*self.packages)
         if reason or not self.check:
             return reason
         checked: str | None = _resolved(self.check)()
@@ -94,17 +92,6 @@ def ipopt_in_casadi() -> dict[str, str]:
     except (IndexError, OSError, AttributeError):
         return {"ipopt": "unknown"}
     return {"ipopt": ".".join(str(number.value) for number in numbers)}
-
-
-@cache
-def ipopt_executable() -> dict[str, str]:
-    """The version of the executable `ipopt` on PATH, as it prints it."""
-    try:
-        process = subprocess.run(["ipopt", "-v"], capture_output=True, text=True, timeout=10)
-    except (OSError, subprocess.TimeoutExpired, UnicodeDecodeError):
-        return {"ipopt": "unknown"}
-    match = re.search(r"\d+(?:\.\d+)+", process.stdout)
-    return {"ipopt": match.group() if match else "unknown"}
 
 
 @cache
@@ -215,7 +202,7 @@ ENGINES = {
         "scipy_minimize:cobyqa",
         Options(("feasibility_tol",), (), "maxiter"),
     ),
-    "ipopt": _nlpsol("Ipopt", "ipopt", _OF_IPOPT),
+    "ipopt": _nlpsol("Ipopt", "ipopt", _OF_IPOPT, versions=ipopt_in_casadi),
     "uno": _nlpsol("Uno", "uno", _of_uno("uno.")),
     "fatrop": _nlpsol(
         "fatrop",
@@ -254,18 +241,6 @@ ENGINES = {
         "casadi qrsqp",
         "qrsqp",
         _of_sqp(print_iter=False, print_header=False, print_info=False),
-    ),
-    "blocksqp": _nlpsol(
-        "blockSQP",
-        "blocksqp",
-        Options(),
-        broken="casadi's wheel lacks the linear solver of blockSQP's quadratic programs (HSL MA27)",
-    ),
-    "feasiblesqpmethod": _nlpsol(
-        "casadi feasiblesqpmethod",
-        "feasiblesqpmethod",
-        Options(),
-        broken="feasiblesqpmethod asks for an initial guess that satisfies all equations",
     ),
     "apopt": _nlp(
         "APOPT",

@@ -15,7 +15,6 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
-from dubins_study.solvers.paper_nlp.ipopt import Ipopt
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
@@ -131,15 +130,6 @@ def test_a_warm_start_saves_iterations(name):
 
     assert warm.length == pytest.approx(cold.length, rel=1e-8)
     assert warm.iterations < cold.iterations
-
-
-def test_without_executable_and_library_there_is_a_reason(monkeypatch):
-    monkeypatch.setenv("PATH", "")
-
-    assert "no executable 'ipopt' on PATH" in str(Ipopt(via="executable").unavailable())
-    answer = solve(PAPER["problem 1"], "ipopt[via=executable]")
-    assert answer.outcome == "unavailable"
-    assert "PATH" in answer.message
 
 
 @pytest.mark.parametrize(("mu", "radius"), [(1e-9, 0.5), (1e-7, 1.0), (1e-5, 20.0)])

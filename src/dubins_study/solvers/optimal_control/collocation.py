@@ -14,16 +14,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
-from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
-    VIAS,
-    Ask,
-    PyomoProgram,
-    asked,
-    by_executable,
-    executable,
-    unavailable,
-)
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.nlp_engines.pyomo_program import Ask, PyomoProgram, asked
 from dubins_study.solvers.optimal_control.arcs import Elements, Rates, most_turn
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
@@ -31,7 +23,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Transcribed,
 )
-from dubins_study.solvers.setting_checks import missing_package, nested, one_of, whole
+from dubins_study.solvers.setting_checks import missing_package, whole
 from dubins_study.study.path import FloatArray
 
 
@@ -71,15 +63,11 @@ def _sided(rate: float) -> float:
 
 
 @lru_cache(maxsize=64)
-def template(
-    shape: Shape, engine: str, tol: float, max_iter: int, options: str, by_executable: bool
-) -> Template:
+def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str) -> Template:
     """A transcription, compiled once per setting and number of legs."""
-    model, table = program(shape), ENGINES[engine]
-    if engine == "ipopt" and by_executable:
-        ask = executable(model, nested(table.options.of(options, tol, max_iter))["ipopt"])
-    else:
-        ask = asked(model, table.load()(tol, max_iter, options), native=engine == "ipopt")
+    model = program(shape)
+    call = ENGINES[engine].load()(tol, max_iter, options)
+    ask = asked(model, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.model.tau.get_discretization_info()["tau_points"][1:])
     return Template(shape.n, shape.legs, shape.equal, fraction, ask)
@@ -160,12 +148,9 @@ class Collocation(NlpTranscription):
     Args:
         points: collocation points in each element.
         engine: Ipopt reads Pyomo's file as it is; the others get it with slack variables.
-        via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
-            one.
     """
 
     points: int = whole(5, 1, 10)  # more than ten Radau points are lost in rounding
-    via: str = one_of("auto", VIAS)
 
     name: ClassVar[str] = "collocation"
     formulation: ClassVar[str] = "Radau collocation"
@@ -177,17 +162,9 @@ class Collocation(NlpTranscription):
     }
 
     def unavailable(self) -> str | None:
-        if self.engine == "ipopt":
-            return unavailable(self.via)
         return missing_package("pyomo", "casadi") or super().unavailable()
-
-    def library_versions(self) -> dict[str, str]:
-        if self.engine != "ipopt":
-            return super().library_versions()
-        return ipopt_executable() if by_executable(self.via) else ipopt_in_casadi()
 
     def template(self, course: Course) -> Template:
         final = course.last is not None
         shape = Shape(self.n, self.points, self.mesh == "equal", course.legs, final)
-        numbers, executable = (self.tol, self.max_iter), by_executable(self.via)
-        return template(shape, self.engine, *numbers, self.options, executable)
+        return template(shape, self.engine, self.tol, self.max_iter, self.options)

@@ -12,24 +12,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.engines import ENGINES, ipopt_executable, ipopt_in_casadi
+from dubins_study.solvers.engines import ENGINES, ipopt_in_casadi
 from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
 from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.nlp_engines.pyomo_ipopt import (
-    VIAS,
-    PyomoProgram,
-    asked,
-    by_executable,
-    executable,
-    unavailable,
-)
+from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
 from dubins_study.solvers.paper_nlp.local_nlp import Adapter, Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import UNITS
 from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import (
     iterations,
-    nested,
+    missing_package,
     one_of,
     option_set,
     tolerance,
@@ -48,8 +41,6 @@ class Ipopt(LocalNlp):
         max_iter: largest number of iterations; 0 for that of `options`.
         mu_target: Ipopt's own: the barrier parameter to stop at.
         units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit.
-        via: how Ipopt is reached: `executable`, `library` or `auto`: the executable if PATH has
-            one.
     """
 
     options: str = option_set()
@@ -57,7 +48,6 @@ class Ipopt(LocalNlp):
     max_iter: int = iterations()
     mu_target: float = within(0.0, 0, 1)
     units: str = one_of("radius", UNITS)
-    via: str = one_of("auto", VIAS)
 
     name: ClassVar[str] = "ipopt"
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
@@ -73,33 +63,29 @@ class Ipopt(LocalNlp):
         return ENGINES["ipopt"].method(*posed, self.options, self.tol)
 
     def unavailable(self) -> str | None:
-        return unavailable(self.via)
+        return missing_package(*self.packages)
 
     def library_versions(self) -> dict[str, str]:
-        return ipopt_executable() if by_executable(self.via) else ipopt_in_casadi()
+        return ipopt_in_casadi()
 
     @property
     def keeps_limit(self) -> bool:
-        return not by_executable(self.via)  # Pyomo lets it run
+        return True
 
     def adapter(self) -> Adapter:
         chosen = ENGINES["ipopt"].options.of(self.options, self.tol, self.max_iter)
         if self.mu_target:
             chosen["ipopt.mu_target"] = self.mu_target
-        return _compiled(tuple(chosen.items()), self.units, by_executable(self.via))
+        return _compiled(tuple(chosen.items()), self.units)
 
 
 @lru_cache(maxsize=64)
-def _compiled(options: tuple[tuple[str, Any], ...], units: str, by_executable: bool) -> Adapter:
+def _compiled(options: tuple[tuple[str, Any], ...], units: str) -> Adapter:
     """Ipopt on the paper's model."""
     model = pyomo_model(units)
     data = [model.X, model.Y] if units == "radius" else [model.X, model.Y, model.R]
     program = PyomoProgram(model, list(model.z.values()), data, [model.x_end, model.y_end])
-    chosen, lower = dict(options), np.zeros(3)
-    if by_executable:
-        ask = executable(program, nested(chosen)["ipopt"])
-    else:
-        ask = asked(program, nlpsol(chosen, "ipopt"), native=True)
+    ask, lower = asked(program, nlpsol(dict(options), "ipopt"), native=True), np.zeros(3)
 
     def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
         unit, scaled = case.unit, () if units == "radius" else (case.unit,)

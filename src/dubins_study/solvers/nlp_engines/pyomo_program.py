@@ -1,28 +1,20 @@
-"""Pyomo models that are compiled once and asked many times, by engines and by Ipopt's executable.
+"""Pyomo models that are compiled once and asked many times.
 
 Data are variables of the model. Engines get the NL file that Pyomo writes, read by casadi, with the
-data as parameters; an executable on PATH gets a file for every question.
+data as parameters.
 """
 
 from __future__ import annotations
 
-import math
-import os
-import shutil
 import tempfile
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
-from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import Claim
-
-VIAS = ("auto", "executable", "library")
 
 
 class PyomoProgram(NamedTuple):
@@ -39,33 +31,6 @@ class PyomoProgram(NamedTuple):
 
 # (the initial guess (n,), the data, lower bounds (n,), upper bounds (n,), the seconds left)
 Ask = Callable[[FloatArray, FloatArray, FloatArray, FloatArray, float], EngineResult]
-
-
-def unavailable(via: str) -> str | None:
-    """Why Ipopt cannot be reached this way, or None."""
-    if missing := missing_package("pyomo"):
-        return missing
-    no_executable = None if on_path() else "no executable 'ipopt' on PATH"
-    no_library = missing_package("casadi") and "the package casadi, which carries Ipopt, is missing"
-    if via == "auto":
-        return f"{no_executable}; {no_library}" if no_executable and no_library else None
-    return no_executable if via == "executable" else no_library
-
-
-def by_executable(via: str) -> bool:
-    """Whether a model is solved by the executable: if asked for, or if PATH has one."""
-    return via == "executable" or (via == "auto" and on_path())
-
-
-def on_path() -> bool:
-    """Whether PATH has an executable `ipopt`."""
-    return _on_path(os.environ.get("PATH", ""))
-
-
-@lru_cache(maxsize=4)
-def _on_path(path: str) -> bool:
-    # looked up once for every value of PATH: the search costs as much as a few iterations
-    return shutil.which("ipopt", path=path) is not None
 
 
 def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
@@ -123,50 +88,5 @@ def asked(model: PyomoProgram, engine: NlpCall, native: bool) -> Ask:
         point[order] = result.x[:n]
         duals = None if result.duals is None else result.duals[rows]
         return result._replace(x=point, duals=duals)
-
-    return ask
-
-
-# Ipopt's application return statuses as Pyomo says them of the executable
-_CLAIMS = {
-    "optimal": Claim.LOCAL,
-    "locallyOptimal": Claim.LOCAL,
-    "infeasible": Claim.INFEASIBLE,
-    "locallyInfeasible": Claim.INFEASIBLE,
-    "maxIterations": Claim.LIMIT,
-    "maxTimeLimit": Claim.LIMIT,
-}
-
-
-def executable(program: PyomoProgram, options: dict[str, Any]) -> Ask:
-    """The `ipopt` executable on PATH, through Pyomo, which lets it run beyond its seconds."""
-    from pyomo.environ import SolverFactory, Suffix
-
-    model = program.model
-    model.dual = Suffix(direction=Suffix.IMPORT)
-    solver = SolverFactory("ipopt", options=options)
-
-    def ask(
-        guess: FloatArray, data: FloatArray, lower: FloatArray, upper: FloatArray, seconds: float
-    ) -> EngineResult:
-        for variable, value, *ends in zip(program.unknowns, guess, lower, upper, strict=True):
-            low, high = (float(end) if math.isfinite(end) else None for end in ends)
-            variable.setlb(low)
-            variable.setub(high)
-            variable.set_value(value, skip_validation=True)
-            # the NL writer wants fixed variables marked as such, not only pinned by their bounds
-            variable.fixed = low is not None and low == high
-        for variable, value in zip(program.data, data, strict=True):
-            variable.fix(value)
-        results = solver.solve(model, load_solutions=False)
-        status = str(results.solver.termination_condition)
-        duals = None
-        if len(results.solution):
-            model.solutions.load_from(results)
-            # ASL's duals have the opposite sign to Ipopt's own
-            duals = np.array([-float(model.dual[row]) for row in program.rows])
-        point = np.array([variable.value for variable in program.unknowns], dtype=np.float64)
-        claim, message = _CLAIMS.get(status, Claim.FAILED), str(results.solver.message)
-        return EngineResult(point, claim, duals, None, None, status, message)
 
     return ask
