@@ -21,7 +21,6 @@ _STATUSES = {
     2: ("optimal", Claim.OPTIMAL),
     3: ("infeasible", Claim.INFEASIBLE),
     4: ("infeasible or unbounded", Claim.INFEASIBLE),  # no program here is unbounded
-    6: ("cutoff", Claim.INFEASIBLE),
     9: ("time limit", Claim.LIMIT),
     12: ("numeric", Claim.FAILED),
     13: ("suboptimal", Claim.FEASIBLE),
@@ -67,8 +66,6 @@ def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) 
     model.Params.MIPGapAbs = 0.0
     model.Params.FeasibilityTol = max(settings.feastol, LEAST_TOLERANCE)
     model.Params.TimeLimit = max(seconds, 0.0)
-    if math.isfinite(settings.cutoff):
-        model.Params.Cutoff = settings.cutoff
     model.optimize()
     if model.Status == gurobipy.GRB.INTERRUPTED:
         raise KeyboardInterrupt

@@ -67,7 +67,6 @@ class Settings(NamedTuple):
     gap: float  # relative difference of objective and bound at which the engine may stop
     feastol: float  # on equations, absolute
     lean: bool = False  # without heuristics, cuts, presolving and propagation, where it can
-    cutoff: float = math.inf  # points with a larger objective are of no interest
 
 
 class ProvenResult(NamedTuple):

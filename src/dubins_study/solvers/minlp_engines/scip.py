@@ -61,8 +61,6 @@ def scip(settings: Settings) -> MinlpCall:
         options |= {"misc/catchctrlc": current_thread() is main_thread()}
         for name, setting in options.items():
             model.setParam(name, setting)
-        if math.isfinite(settings.cutoff):
-            model.setObjlimit(settings.cutoff)
         model.hideOutput()
         try:
             # In about a third of all questions SoPlex, SCIP's own linear solver, writes to the

@@ -65,8 +65,6 @@ def _run(library: Any, program: MixedProgram, settings: Settings, seconds: float
         "feastol": settings.feastol,
         "timelimit": max(seconds, 1e-3),  # 0 stands for no limit
     }
-    if math.isfinite(settings.cutoff):
-        controls["mipabscutoff"] = settings.cutoff
     problem.setControl(controls)
     solve_status, solution_status = problem.optimize()
     return _result(problem, solve_status.name, solution_status.name)
