@@ -13,12 +13,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, Topic
+from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
 from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.elements.looks import names_of
 from dubins_study.report.elements.plots import Mark, draw_cells
@@ -255,11 +256,34 @@ def _cap(change: pd.DataFrame) -> str:
 def _picture(
     number: int, label: str, table: pd.DataFrame, names: Mapping[str, str], listed: Sequence[Mark]
 ) -> Picture:
-    """One scenario's maps side by side, a map per solver; `listed` are the ends of all maps."""
+    """One scenario's maps, a map per solver; `listed` are the ends of all maps."""
     solvers = solver_order(table["solver"].tolist())
-    half = len(solvers) == 1
-    figure = new_figure(HALF if half else WIDE, 2.75 + 0.17 * math.ceil(len(listed) / 3))
-    panels = figure.subplots(1, len(solvers), sharex=True, sharey=True, squeeze=False)[0]
+    caption = (
+        f"{label[:1].upper()}{label[1:]}: where each of {count(len(table) / len(solvers))} initial "
+        "guesses leads, a map per solver. White cells with a mark are statements that the check "
+        "refutes."
+    )
+    name, alt = slug(f"basins-{number}-{label}"), f"Maps of initial guesses by end, {label}"
+    data = table, solvers, names, listed
+    if len(solvers) == 1:
+        return Picture(name, caption, _maps(*data, narrow=True), alt, half=True)
+    return panels_picture(name, caption, _maps, alt, *data)
+
+
+def _maps(
+    table: pd.DataFrame,
+    solvers: Sequence[str],
+    names: Mapping[str, str],
+    listed: Sequence[Mark],
+    *,
+    narrow: bool,
+) -> Figure:
+    """The maps side by side, or `narrow` one below the other, and a legend."""
+    down, across = (len(solvers), 1) if narrow else (1, len(solvers))
+    entries_across = 1 if narrow else 3
+    high = 2.75 * down + 0.17 * math.ceil(len(listed) / entries_across)
+    figure = new_figure(HALF if narrow else WIDE, high)
+    panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
     for ax, solver in zip(panels, solvers, strict=True):
         group = table[table["solver"] == solver]
         _draw_ends(ax, group, listed)
@@ -273,15 +297,9 @@ def _picture(
         else Patch(label=mark.key, **mark.bar() | {"edgecolor": ON_MAP, "linewidth": 0.4})
         for mark in listed
     ]
-    below: Style = {"loc": "outside lower left", "fontsize": 7.5, "ncols": 1 if half else 3}
+    below: Style = {"loc": "outside lower left", "fontsize": 7.5, "ncols": entries_across}
     figure.legend(handles=entries, **below)
-    caption = (
-        f"{label[:1].upper()}{label[1:]}: where each of {count(len(table) / len(solvers))} initial "
-        "guesses leads, a map per solver. White cells with a mark are statements that the check "
-        "refutes."
-    )
-    alt = f"Maps of initial guesses by end, {label}"
-    return Picture(slug(f"basins-{number}-{label}"), caption, figure, alt, half)
+    return figure
 
 
 def _draw_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[Mark]) -> None:

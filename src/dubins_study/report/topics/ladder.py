@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table, Topic
+from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
 from dubins_study.report.elements.formats import ABSENT, count, digits, sentences, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import (
     BLUE,
+    HALF,
     INK,
     ORANGE,
     VERMILION,
@@ -171,24 +173,6 @@ def ladder_section(results: Results) -> Section | None:
 
 
 def _picture(table: pd.DataFrame, names: Mapping[str, str]) -> Picture:
-    """One panel per side of the circle, side by side, the solvers' names on the left."""
-    order = solver_order(table["solver"].unique().tolist())[::-1]
-    sides = [side for side in SIDES if (table["side"] == side).any()]
-    figure = new_figure(WIDE, min(1.25 + 0.19 * len(order), 6.5))
-    panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
-    placed = table.assign(line=table["solver"].map(order.index))
-    for ax, side in zip(panels, sides, strict=True):
-        _draw_side(ax, placed[placed["side"] == side])
-        ax.set_title(side)
-        ax.set_yticks(range(len(order)), [names[solver] for solver in order], color=INK)
-        ax.set_ylim(-0.6, len(order) - 0.4)
-        ax.tick_params(axis="y", length=0, labelleft=ax is panels[0])
-    looks = {mark.label: mark.dots() for mark in MARKS if (table["finding"] == mark.key).any()}
-    if table["false_claims"].any():
-        looks["false claim"] = _FALSE_CLAIM
-    handles = [Line2D([], [], label=label, **look) for label, look in looks.items()]
-    tight: Style = {"ncols": 6, "handletextpad": 0.2, "columnspacing": 1.2}
-    figure.legend(handles=handles, loc="outside lower left", **tight)
     caption = (
         "Both sides of both halves of the circle: the worst of the answers at a margin. Right: the "
         "shortest path. Coarse: its shape, but longer than the check's tolerance allows. By its "
@@ -196,7 +180,31 @@ def _picture(table: pd.DataFrame, names: Mapping[str, str]) -> Picture:
         f"Dotted: the largest miss that counts as arriving, {power(10.0**_ARRIVES)} R."
     )
     alt = "Matrix of solvers and margins, a panel per side of the circle"
-    return Picture("ladder", caption, figure, alt)
+    return panels_picture("ladder", caption, _matrix, alt, table, names)
+
+
+def _matrix(table: pd.DataFrame, names: Mapping[str, str], *, narrow: bool) -> Figure:
+    """One panel per side of the circle, side by side or one below the other; names on the left."""
+    order = solver_order(table["solver"].unique().tolist())[::-1]
+    sides = [side for side in SIDES if (table["side"] == side).any()]
+    down, across = (len(sides), 1) if narrow else (1, len(sides))
+    high = 0.55 + down * min(0.7 + 0.19 * len(order), 5.95)
+    figure = new_figure(HALF if narrow else WIDE, high)
+    panels = figure.subplots(down, across, sharey=True, squeeze=False).ravel()
+    placed = table.assign(line=table["solver"].map(order.index))
+    for place, (ax, side) in enumerate(zip(panels, sides, strict=True)):
+        _draw_side(ax, placed[placed["side"] == side])
+        ax.set_title(side)
+        ax.set_yticks(range(len(order)), [names[solver] for solver in order], color=INK)
+        ax.set_ylim(-0.6, len(order) - 0.4)
+        ax.tick_params(axis="y", length=0, labelleft=place % across == 0)
+    looks = {mark.label: mark.dots() for mark in MARKS if (table["finding"] == mark.key).any()}
+    if table["false_claims"].any():
+        looks["false claim"] = _FALSE_CLAIM
+    handles = [Line2D([], [], label=label, **look) for label, look in looks.items()]
+    tight: Style = {"ncols": 3 if narrow else 6, "handletextpad": 0.2, "columnspacing": 1.2}
+    figure.legend(handles=handles, loc="outside lower left", **tight)
+    return figure
 
 
 def _draw_side(ax: Axes, table: pd.DataFrame) -> None:

@@ -9,17 +9,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.content import Picture, Place, Section, Topic, picture
+from dubins_study.report.elements.content import (
+    Picture,
+    Place,
+    Section,
+    Topic,
+    panels_picture,
+    picture,
+)
 from dubins_study.report.elements.formats import digits
 from dubins_study.report.elements.looks import LINES
 from dubins_study.report.elements.style import (
     BLUE,
     GREEN,
+    HALF,
     INK,
     MUTED,
     PAPER,
@@ -175,19 +184,26 @@ def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
 
 
 def _radii_picture(paths: pd.DataFrame) -> Picture:
-    figure = new_figure(WIDE, 2.4)
-    whole, near = figure.subplots(1, 2, width_ratios=(7, 4))
-    plot_radii(whole, paths, math.inf)
-    plot_radii(near, paths, _NEAR)
-    whole.legend(loc="lower left", borderaxespad=0.1)
-    whole.set_title("whole paths")
-    near.set_title("near the start")
     caption = (
         "Figure 6.5. Optimal paths of test problem 5 for three turning radii with their lengths, "
         "and the same paths near the start, where they differ; faint: the turning circles. Length "
         "units."
     )
-    return Picture("paths-5", caption, figure, "Paths of test problem 5 for three radii")
+    alt = "Paths of test problem 5 for three radii"
+    return panels_picture("paths-5", caption, _two_scales, alt, paths)
+
+
+def _two_scales(paths: pd.DataFrame, *, narrow: bool) -> Figure:
+    """The whole paths, and what is near the start, side by side or one below the other."""
+    figure = new_figure(*((HALF, 4.6) if narrow else (WIDE, 2.4)))
+    apart: dict[str, Any] = {"nrows": 2} if narrow else {"ncols": 2, "width_ratios": (7, 4)}
+    whole, near = figure.subplots(**apart)
+    plot_radii(whole, paths, math.inf)
+    plot_radii(near, paths, _NEAR)
+    whole.legend(loc="lower left", borderaxespad=0.1)
+    whole.set_title("whole paths")
+    near.set_title("near the start")
+    return figure
 
 
 def problem_paths(results: Results, problem: int) -> pd.DataFrame:
