@@ -121,7 +121,7 @@ def measure() -> Iterable[Measurement]:
     asked = questions()
     work = jobs(asked)
     # the loops by hand solve the words that the presolve leaves
-    slsqp, ipopt = Slsqp(presolve=True), Ipopt(via="library", presolve=True)
+    slsqp, ipopt = Slsqp(presolve=True), Ipopt(presolve=True)
     by_hand = casadi_solver()
     pairs = {
         "slsqp, against bare scipy.optimize.minimize": (

@@ -49,12 +49,11 @@ BUDGETS = {
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
     "study": Size(9_490, 54),
-    "solvers": Size(10_545, 66),
-    "experiments": Size(5_760, 40),
+    "solvers": Size(10_045, 66),
+    "experiments": Size(5_750, 40),
     "conformance": Size(1_700, 9),
-    "report": Size(12_520, 70),
-    "package": Size(41_880, 258),
-    "tests": Size(33_130, 215),
+    "package": Size(41_410, 256),
+    "tests": Size(33_065, 215),
 }
 
 _LEAVES = (
