@@ -174,6 +174,7 @@ def test_titles_of_sections_become_links():
             '<a href="#matrix">Formulation by engine: &lt;strata&gt;</a>'
         ),
         "Cost where it arises: the presolve": "Cost where it arises: the presolve",
+        "Cost where it arises: b": '<a href="#cost-b">Cost where it arises: b</a>',
         "The paper's figures": '<a href="paper.html#paths">The paper&#39;s figures</a>',
         "The audit": "The audit (not on this page)",
     }.items():

@@ -66,7 +66,7 @@ def linked(text: str, sections: Sequence[Section], page: str) -> Markup:
     """
     title = text.partition(":")[0]
     for section in sections:
-        if section.title == title:
+        if section.title in (text, title):
             file = PAPER_PAGE if section.place is Place.PAPER else FRONT_PAGE
             place = "" if file == page else file
             return Markup('<a href="{}#{}">{}</a>').format(place, section.key, text)

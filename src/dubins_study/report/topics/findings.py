@@ -303,8 +303,12 @@ def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> 
         attempts = compared(results.only({name}))
         finding = None if attempts is None else find(_evidence(attempts))
         if finding is not None:
-            suite = f"{name}: " if len(names) > 1 else ""
-            yield finding._replace(sentence=suite + finding.sentence)
+            if len(names) > 1:
+                title = finding.shown_in.partition(":")[0]
+                finding = finding._replace(
+                    sentence=f"{name}: {finding.sentence}", shown_in=f"{title}: {name}"
+                )
+            yield finding
 
 
 def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
