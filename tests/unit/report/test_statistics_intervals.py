@@ -1,15 +1,17 @@
-"""Intervals against published values, exact distributions, scipy and brute force."""
+"""Intervals and paired tests against exact distributions, scipy, R and brute force."""
 
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
+from scipy.stats import binomtest, rankdata, wilcoxon
 
 from dubins_study.report.statistics import intervals
 from dubins_study.report.statistics.costs import shifted_geometric_means
@@ -18,7 +20,11 @@ from dubins_study.report.statistics.intervals import (
     bootstrap,
     bootstrap_of_both,
     geometric_means,
+    holm,
     medians,
+    paired_tests,
+    sign_test,
+    wilcoxon_test,
     wilson_interval,
     wilson_intervals,
 )
@@ -35,21 +41,6 @@ STATISTICS = {
     "median ratio": (medians, "a"),
     "mean ratio": (geometric_means(1.0), "a"),
 }
-
-
-@pytest.mark.parametrize(
-    ("successes", "trials", "expected"),
-    [
-        (81, 263, (0.2553, 0.3662)),
-        (15, 148, (0.0624, 0.1605)),
-        (0, 20, (0.0000, 0.1611)),
-        (1, 29, (0.0061, 0.1718)),
-    ],
-)
-def test_the_examples_of_newcombe(successes, trials, expected):
-    """Newcombe 1998, "Two-sided confidence intervals for the single proportion", Stat. Med. 17,
-    table I, method 3; printed to four decimals."""
-    assert wilson_interval(successes, trials) == pytest.approx(expected, abs=5e-5)
 
 
 @given(st.integers(1, 1000), st.floats(0.01, 0.99))
@@ -156,7 +147,6 @@ def test_the_median_of_the_mice_has_its_exact_distribution():
     assert line.tolist() == [94, *expected]
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     st.lists(
         st.tuples(
@@ -170,16 +160,20 @@ def test_the_median_of_the_mice_has_its_exact_distribution():
 )
 def test_medians_and_means_as_of_every_resample_written_out(rows):
     """numpy's median of each written-out resample, repeats of a scenario (first entry) together;
-    the mean of the second column, which has no failures."""
+    means of the second column, which has no failures."""
     scenarios, values = [row[0] for row in rows], np.array([row[1:] for row in rows])
     table = pd.DataFrame(values, scenarios, ["a", "b"])
     middle = bootstrap(table, medians, resamples=80).loc["a"]
-    mean = bootstrap(table[["b"]], geometric_means(2.0), resamples=80).loc["b"]
+    mean, average = (
+        bootstrap(table[["b"]], statistic, resamples=80).loc["b"]
+        for statistic in (geometric_means(2.0), averages)
+    )
     samples = [values, *resampled(values, scenarios, 80)]
 
     for line, place, statistic in (
         (middle, 0, np.median),
         (mean, 1, lambda known: shifted_geometric_means(pd.DataFrame(known), 2.0)[0]),
+        (average, 1, np.mean),
     ):
         known = [sample[~np.isnan(sample[:, place]), place] for sample in samples]
         each = [statistic(sample) if sample.size else NAN for sample in known]
@@ -193,25 +187,6 @@ def ends(statistics):
         return NAN, NAN
     last = len(known) - 1
     return known[math.floor(0.025 * last)], known[math.ceil(0.975 * last)]
-
-
-def width(frame):
-    """The length of the one interval of a frame."""
-    return (frame["high"] - frame["low"]).item()
-
-
-def test_repeats_of_one_scenario_stay_together():
-    """Ten scenarios whose three repeats agree are no thirty: the intervals of one repeat remain,
-    and repeats as scenarios of their own give shorter ones."""
-    values = np.random.default_rng(6).lognormal(size=(10, 1))
-    once = pd.DataFrame(values, columns=["a"])
-    thrice = pd.DataFrame(np.repeat(values, 3, axis=0), np.repeat(np.arange(10), 3), ["a"])
-
-    for name in ("median", "mean", "average"):
-        single, together = bootstrap(once, *STATISTICS[name]), bootstrap(thrice, *STATISTICS[name])
-        apart = bootstrap(thrice.reset_index(drop=True), *STATISTICS[name])
-        assert together.to_numpy() == pytest.approx(single.to_numpy())
-        assert width(apart) < 0.8 * width(together)
 
 
 def test_ratios_pair_the_resamples():
@@ -228,13 +203,6 @@ def test_ratios_pair_the_resamples():
     ):
         assert frame.loc["twice"].tolist() == pytest.approx([2.0] * 3)
         assert frame.loc["a"].tolist() == pytest.approx([1.0] * 3)
-
-
-def test_a_share_of_failures_near_a_half_makes_the_upper_end_infinite():
-    """Two of five fail: the median is a number, its upper end is not."""
-    line = bootstrap(pd.DataFrame({"a": [1.0, 2.0, 3.0, INF, INF]}), medians).loc["a"]
-
-    assert line.tolist() == [3.0, 1.0, INF]
 
 
 @pytest.mark.parametrize("name", list(STATISTICS))
@@ -306,3 +274,131 @@ def test_of_no_values_there_is_no_mean():
     """NaN, and no warning."""
     table = pd.DataFrame({"x": [np.nan, np.nan]})
     assert bootstrap_of_both(table, ["e"]).isna().all(axis=None)
+
+
+def costs_of(differences):
+    """Costs of a solver and a rival whose logarithms differ by the given amounts."""
+    return np.exp(np.array(differences) / 100.0), np.ones(len(differences))
+
+
+@given(st.lists(st.integers(-9, 9), min_size=1, max_size=9))
+def test_wilcoxon_as_all_sign_patterns_give_it(differences):
+    """Exact: the share of the 2^n sign patterns with a rank sum as far from its mean, ties too."""
+    decided = [d for d in differences if d]
+    outcome = wilcoxon_test(*costs_of(differences))
+    if not decided:
+        assert outcome.p == 1.0
+        return
+
+    ranks = rankdata(np.abs(decided))
+    centre = ranks.sum() / 2
+    sums = np.array([ranks @ signs for signs in product([0, 1], repeat=len(decided))])
+    far = abs(ranks @ (np.array(decided) > 0) - centre)
+    assert outcome.p == pytest.approx((np.abs(sums - centre) >= far - 1e-9).mean())
+    assert outcome.ties == len(differences) - len(decided)
+
+
+def test_many_pairs_with_ties_as_in_scipy():
+    """Normal above 50 pairs, with scipy's correction of the variance for ties of ranks."""
+    differences = np.random.default_rng(1).integers(-4, 6, 300)
+    expected = wilcoxon(differences[differences != 0], method="asymptotic").pvalue
+
+    assert wilcoxon_test(*costs_of(differences)).p == pytest.approx(expected)
+
+
+@given(st.integers(0, 400), st.integers(0, 400))
+def test_the_sign_test_as_in_scipy(wins, losses):
+    costs = [1.0] * wins + [2.0] * losses
+    rivals = [2.0] * wins + [1.0] * losses
+    expected = binomtest(wins, wins + losses).pvalue if wins + losses else 1.0
+
+    assert sign_test(costs, rivals).p == pytest.approx(expected)
+
+
+def test_a_failure_loses_by_the_largest_rank():
+    """One failure against seven small wins, exactly as one loss larger than all of them: 2^8 sign
+    patterns, of which 2 * 25 have a rank sum at most 8 or at least 28 (partitions of up to 8 into
+    distinct parts up to 8: 1+1+1+2+2+3+4+5+6 = 25)."""
+    failed = wilcoxon_test([1.0] * 7 + [INF], [1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.0])
+
+    assert (failed.wins, failed.losses) == (7, 1)
+    assert failed.p == pytest.approx(2 * 25 / 2**8)
+
+
+@pytest.mark.parametrize("test", [sign_test, wilcoxon_test])
+def test_ties_failures_and_what_was_not_asked(test):
+    """Equal costs and two failures tie; a pair with NaN is none; only ties, or nothing: p = 1."""
+    outcome = test([1.0, 2.0, INF, INF, NAN, 0.0, 0.0], [1.0, 3.0, INF, 5.0, 1.0, 0.0, 2.0])
+
+    assert outcome[:4] == (6, 2, 1, 3)
+    assert 0 < outcome.p <= 1
+    assert test([1.0, INF, 0.0], [1.0, INF, 0.0]) == (3, 0, 0, 3, 1.0)
+    assert test([], []) == (0, 0, 0, 0, 1.0)
+    assert test([INF, INF], [1.0, 2.0]).losses == 2
+
+
+@pytest.mark.parametrize("test", [sign_test, wilcoxon_test])
+@given(
+    pairs=st.lists(
+        st.tuples(*[st.sampled_from([0.0, 0.5, 1.0, 2.0, 7.0, INF, NAN])] * 2), max_size=30
+    )
+)
+def test_a_test_has_two_sides(test, pairs):
+    """The rival's test has the same p, with wins and losses exchanged, and is as certain."""
+    costs, rivals = [a for a, _ in pairs], [b for _, b in pairs]
+    one, other = test(costs, rivals), test(rivals, costs)
+
+    assert (one.wins, one.losses) == (other.losses, other.wins)
+    assert one.p == pytest.approx(other.p)
+    assert 0 <= one.p <= 1
+
+
+@pytest.mark.parametrize(
+    ("p", "expected"),
+    [
+        (
+            [
+                *(0.838541367553, 0.642193923795, 0.680845947633, 0.967833824309, 0.71626938238),
+                *(0.177096952723, 5.23656777e-5, 0.0202732688798, 2.8140506198e-4, 0.0149877310796),
+            ],
+            [*[1.0] * 6, 5.23656777e-4, 0.141912882158, 2.53264555782e-3, 0.11990184863680001],
+        ),
+        ([0.002, 0.004, 0.006, 0.008, 0.01, 0.012], [0.012, 0.02, 0.024, 0.024, 0.024, 0.024]),
+    ],
+)
+def test_holm_as_in_r(p, expected):
+    """R's package multtest, mt.rawp2adjp: the values by which statsmodels tests its `multipletests`
+    (statsmodels/stats/tests/test_multi.py, res_multtest1 and 2, column Holm)."""
+    assert holm(p) == pytest.approx(expected, rel=1e-11)
+
+
+def test_holm_leaves_out_what_was_not_tested():
+    """NaN stays and does not count; nothing stays nothing."""
+    assert holm([0.01, NAN, 0.04])[[0, 2]].tolist() == [0.02, 0.04]
+    assert math.isnan(holm([NAN])[0])
+    assert holm([]).shape == (0,)
+
+
+def test_pairs_are_tested_and_corrected():
+    """a is always half of b, and c is b but for the last question: p times what Holm says."""
+    b = np.arange(1.0, 11.0)
+    table = pd.DataFrame({"a": b / 2, "b": b, "c": np.append(b[:-1], INF)})
+    frame = paired_tests(table, [("a", "b"), ("a", "c"), ("b", "c")])
+
+    assert frame[["solver", "rival"]].to_numpy().tolist() == [["a", "b"], ["a", "c"], ["b", "c"]]
+    assert frame[["wins", "losses", "ties"]].to_numpy().tolist() == [
+        [10, 0, 0],
+        [10, 0, 0],
+        [1, 0, 9],
+    ]
+    assert frame["p"].tolist() == pytest.approx([2 / 2**10] * 2 + [1.0])
+    assert frame["p_holm"].tolist() == pytest.approx([6 / 2**10] * 2 + [1.0])
+
+
+def test_pairs_without_a_common_question_are_no_test():
+    table = pd.DataFrame({"a": [1.0, NAN], "b": [NAN, 1.0], "c": [2.0, 2.0]})
+    frame = paired_tests(table, [("a", "b"), ("a", "c")])
+
+    assert frame[["p", "p_holm"]].isna().to_numpy().tolist() == [[True, True], [False, False]]
+    assert frame["pairs"].tolist() == [0, 1]
+    assert paired_tests(table, []).empty
