@@ -114,12 +114,11 @@ def test_each_key_stands_on_its_line(name):
     [
         ("x = ", "not TOML: Invalid value (at line 4, column 5)"),
         ("radius = " + "[" * 5000, "not TOML"),
-        ("k" * 40_000 + " = 1", "line 4: '" + "k" * 80 + "': unknown key"),
-        ('"a\\nb\\u001b" = 1', "'a\\nb\\x1b': unknown key"),
+        ("k" * 40_000 + " = 1", "line 4: " + "k" * 120 + ": unknown key"),
+        ('"a\\nb\\u001b" = 1', "a\\nb\\x1b: unknown key"),
         (f"seed = 0x{'f' * 9000}", "line 4: seed is a value of type int: expected less"),
-        (f"branches = ['{'[' * 9000}']", "line 4: branches is ['[[["),
+        (f"branches = ['{'[' * 9000}']", "line 4: branches.0 is '[[["),
         ('title2 = """' + (" " * 1000 + "\n") * 900 + '"""', "line 4: title2: unknown key"),
-        ("x = 1" + "\n" * 2**25, "expected at most 1048576: list scenarios in a .csv or"),
     ],
 )
 def test_a_long_key_or_text_is_refused_in_a_moment(line, message, tmp_path):

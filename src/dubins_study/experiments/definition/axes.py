@@ -26,6 +26,7 @@ Number = Annotated[
     Field(allow_inf_nan=False, strict=True),
     WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
 ]
+_AboveZero = Annotated[Number, Field(gt=0)]
 Count = Annotated[int, Field(ge=1, le=10**9, strict=True)]
 # Of the values of an axis, which are written out where it is read: no experiment has more cells.
 _AxisCount = Annotated[int, Field(ge=1, le=2_000_000, strict=True)]
@@ -46,49 +47,31 @@ class StrictModel(BaseModel):
     )
 
 
-def _items(names: str, *, above_zero: bool = False) -> BeforeValidator:
-    """Refuse a list of another length than its names, or a logarithmic one that reaches 0."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, list | tuple) or len(value) != names.count(",") + 1:
-            raise ValueError(f"expected {names}")
-        ends = [end for end in value[:2] if isinstance(end, int | float)]
-        if above_zero and not all(end > 0 for end in ends):
-            what = "sweep" if "count" in names else "range"
-            raise ValueError(f"a logarithmic {what} starts and ends above 0")
-        return value
-
-    return BeforeValidator(check)
-
-
-_AXIS_ITEMS, _RANGE_ITEMS = "[first, last, count]", "[low, high]"
-
-
 class Linear(StrictModel):
     """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
 
-    linear: Annotated[tuple[Number, Number, _AxisCount], _items(_AXIS_ITEMS)]
+    linear: tuple[Number, Number, _AxisCount]
     """First value, last value, and how many."""
 
 
 class Log(StrictModel):
     """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
 
-    log: Annotated[tuple[Number, Number, _AxisCount], _items(_AXIS_ITEMS, above_zero=True)]
+    log: tuple[_AboveZero, _AboveZero, _AxisCount]
     """First value, last value, and how many; both values are above 0."""
 
 
 class LinearRange(StrictModel):
     """`[low, high]`: sampled values are spread uniformly between the two."""
 
-    linear: Annotated[tuple[Number, Number], _items(_RANGE_ITEMS)]
+    linear: tuple[Number, Number]
     """Least and largest value."""
 
 
 class LogRange(StrictModel):
     """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
 
-    log: Annotated[tuple[Number, Number], _items(_RANGE_ITEMS, above_zero=True)]
+    log: tuple[_AboveZero, _AboveZero]
     """Least and largest value, both above 0."""
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from dubins_study.experiments.definition.axes import WAY
-from dubins_study.study.values import did_you_mean, nearest, short
+from dubins_study.study.values import did_you_mean, nearest, plain, short
 
 # Steps from the file to a value: keys of tables, numbers of items of lists, or an item's text.
 KeyPath = tuple[str | int, ...]
@@ -39,11 +39,8 @@ def line_of(path: KeyPath, text: str) -> int | None:
     return text.count("\n", 0, place) + 1 if place else None
 
 
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,80}")
-_MAX_QUOTED_CHARS = 80
-_MAX_MESSAGE_CHARS = 320
+_MAX_KEY_CHARS, _MAX_MESSAGE_CHARS = 120, 320
 _MAX_PROBLEMS = 20  # that one refusal lists
-_MAX_SEARCHED = 200  # problems whose lines are looked for
 # Name of a table of the file, "" for the file itself -> the keys that it may have.
 TableKeys = Mapping[str, Iterable[str]]
 
@@ -57,16 +54,15 @@ class Problem(NamedTuple):
 
 def refusal(file: str, problems: list[Problem], text: str = "") -> str:
     """All problems of a file in one message, with lines if there is a text; a line each."""
-    placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems[:_MAX_SEARCHED]]
+    placed = [(line_of(path, text) or 0, sentence) for path, sentence in problems]
     placed.sort(key=lambda place: place[0])
     unique = dict.fromkeys(f"line {n}: {sentence}" if n else sentence for n, sentence in placed)
     sentences = list(unique)
     if len(sentences) == 1:
         return f"{file}: {sentences[0]}"
-    count = len(sentences) + len(problems[_MAX_SEARCHED:])
-    more = count - _MAX_PROBLEMS
+    more = len(sentences) - _MAX_PROBLEMS
     listed = sentences[:_MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
-    return "\n  ".join([f"{file}: {count} mistakes", *listed])
+    return "\n  ".join([f"{file}: {len(sentences)} mistakes", *listed])
 
 
 def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
@@ -112,10 +108,4 @@ def _sentence(path: KeyPath, error: Any, known: TableKeys) -> str:
 
 def _key(path: KeyPath) -> str:
     """The dotted key of a value, such as `scenarios.0.radius`."""
-    return ".".join(map(_step, path))
-
-
-def _step(step: object) -> str:
-    """One step of a dotted key; quoted and shortened if it is not a plain key."""
-    text = str(step)
-    return text if _BARE_KEY.fullmatch(text) else f"{text[:_MAX_QUOTED_CHARS]!r}"
+    return plain(".".join(map(str, path)))[:_MAX_KEY_CHARS]

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     ValidationInfo,
@@ -28,7 +27,6 @@ from dubins_study.experiments.definition.axes import (
 )
 from dubins_study.experiments.definition.messages import Problem
 from dubins_study.study.angle import FULL_TURN, parse_angle
-from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import EVERY_BRANCH
 
 # The fields of the three ways to write a target.
@@ -47,6 +45,11 @@ SPACINGS = {
     "0.5R-2R": (0.5, 2.0),
     "0.5R-4R": (0.5, 4.0),
 }
+if TYPE_CHECKING:
+    Branch = SpacingName = str
+else:
+    Branch, SpacingName = Literal[EVERY_BRANCH], Literal[tuple(SPACINGS)]
+Branches = Annotated[list[Branch], Field(min_length=1)]
 _MOST_LEGS = 10**7  # of all routes of a block: 160 MB
 
 _MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
@@ -61,7 +64,6 @@ _RULES: dict[str, tuple[Callable[[float], bool], str]] = {
         (lambda value: 0 <= value <= _MAX_GUESS_LENGTH, f"from 0 to {_MAX_GUESS_LENGTH:g} radii"),
     ),
 }
-_MOST_VALUES = 5  # that a sentence lists
 
 
 class _Fields(StrictModel):
@@ -87,11 +89,9 @@ class _Fields(StrictModel):
         if axis is None or holds is None:
             return axis
         [values] = [axis] if isinstance(axis, tuple) else vars(axis).values()  # a range's ends
-        wrong = [str(value) for value in values if not holds(value)]
+        wrong = ", ".join(str(value) for value in values if not holds(value))
         if wrong:
-            more = len(wrong) - _MOST_VALUES
-            listed = ", ".join(wrong[:_MOST_VALUES]) + (f" and {more} more" if more > 0 else "")
-            raise ValueError(f"expected a number {rule}; got {listed}")
+            raise ValueError(f"expected a number {rule}; got {wrong}")
         return axis
 
 
@@ -130,7 +130,7 @@ class Route(StrictModel):
 
     legs: LegCounts
     """Number of legs, or several numbers."""
-    spacing: Literal["4R-20R", "5R-30R", "2R-4R", "0.5R-2R", "0.5R-4R"]
+    spacing: SpacingName
     """Least and largest length of a leg, in radii; lengths are spread uniformly between the two."""
     count: Count
     """Number of routes for each number of legs."""
@@ -163,18 +163,6 @@ class GuessLengths(_Fields):
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
         return self.z1, self.z2, self.z3
-
-
-def _known_branches(branches: list[str]) -> list[str]:
-    """The branches, unchanged; `ValueError` names those that do not exist."""
-    if unknown := [branch for branch in branches if branch not in EVERY_BRANCH]:
-        names = " or ".join(f"{branch!r:.40}" for branch in unknown[:3])
-        near = next(filter(None, (did_you_mean(branch, EVERY_BRANCH) for branch in unknown)), "")
-        raise ValueError(f"no branch named {names}; {near}choose from {', '.join(EVERY_BRANCH)}")
-    return branches
-
-
-Branches = Annotated[list[str], Field(min_length=1), AfterValidator(_known_branches)]
 
 
 _ZERO: Any = 0.0  # as a file writes it

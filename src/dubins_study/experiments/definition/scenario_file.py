@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
-_MOST_BYTES = 2**30
 # of other columns an empty cell is a measurement that is missing
 _MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading")
 # Where a row stands, such as `line 7`, and its values by column.
@@ -44,8 +43,6 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     if read is None or place.stem in (".", ".."):  # the results folder is named after the stem
         raise ScenarioFileError(f"{file}: expected a name ending in .csv or .parquet")
     try:
-        if (size := place.stat().st_size) > _MOST_BYTES:
-            raise ScenarioFileError(f"{file}: {size} bytes; expected at most {_MOST_BYTES}")
         rows = read(place)
     except ScenarioFileError:
         raise
