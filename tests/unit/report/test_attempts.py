@@ -1,7 +1,11 @@
-"""All attempts counted: any split of the rows in any order gives the numbers of the whole."""
+"""All attempts counted: any split of the rows in any order gives the numbers of the whole.
+
+Numbers are those of the rows counted another way, and of rows worked by hand.
+"""
 
 from __future__ import annotations
 
+import math
 import tempfile
 from pathlib import Path
 
@@ -10,7 +14,7 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
+from scipy.stats import binomtest
 
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
 from dubins_study.report.statistics import metrics
@@ -20,6 +24,7 @@ from dubins_study.report.topics.failures import failures, gist
 from dubins_study.report.topics.success import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.topics.time import solver_times
+from dubins_study.study.scenario import NUMBERS
 from tests.unit.report.results_folder import attempts_of
 
 SOLVERS = ("analytic", "slsqp", "slsqp[count=3]")
@@ -145,8 +150,9 @@ def numbers_are_those_of(found, rows):
         own = own if line["region"] == "all" else own[own["region"] == line["region"]]
         gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
         assert line["attempts"] == len(gaps)
-        assert line["q100"] == gaps[-1]
-        assert line["q50"] == gaps[int(np.ceil(len(gaps) / 2)) - 1]
+        assert line["arrived"] == pytest.approx(np.isfinite(gaps).mean())
+        for percent in (50, 90, 100):  # of values that occur, without interpolation
+            assert line[f"q{percent}"] == gaps[-(-percent * len(gaps) // 100) - 1]
     for line in solver_times(found).to_dict("records"):
         own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
         expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
@@ -180,21 +186,6 @@ def kind_of(row):
     return "wrong" if row["false_claim"] else "silent"
 
 
-finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
-many = arrays.arrays(np.float64, st.integers(1, 60), elements=finite | st.just(np.inf))
-
-
-@given(many, st.sampled_from([0.0, 0.3, 0.5, 0.9, 1.0]))
-def test_an_upper_quantile_is_a_value_that_occurs(values, q):
-    """Without interpolation, infinite values included; NaN is left out."""
-    ordered = np.sort(values)
-    expected = ordered[max(0, int(np.ceil(q * values.size - 1e-9)) - 1)]
-
-    assert metrics.upper_quantile(values, q) == expected
-    assert metrics.upper_quantile([*values, np.nan], q) == expected
-    assert np.isnan(metrics.upper_quantile([], q))
-
-
 def of_gaps(gaps):
     """Rows of one solver, one region; an infinite gap is that of a path that does not arrive."""
     gaps = np.where(np.isfinite(gaps), gaps, np.nan)
@@ -212,3 +203,121 @@ def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
     assert shares[-1] == (gaps <= 10).mean() < 1
     for within, share in zip(np.geomspace(1e-16, 10.0, 171), shares, strict=True):
         assert share == pytest.approx((gaps <= within * (1 + 1e-12)).mean(), abs=1e-12)
+
+
+def frame(**columns):
+    """Rows with what the metrics need, one value for all where a scalar is given."""
+    n = max(len(value) for value in columns.values() if isinstance(value, list))
+    base = {
+        **{"experiment": "random", "scenario_id": [str(i) for i in range(n)], "solver": "a"},
+        **{"branch": "best", "initial_guess": "cold", "repeat": 0, "radius": 1.0},
+        **{"outcome": "returned", "claim": "local", "presolved": False, "verdict": "optimal"},
+        **{"false_claim": False, "wrong_basin": False, "message": "", "native_status": ""},
+        **{"region": "outside", "reference_word": "LS", "answerable": True, "late": False},
+        **{"gap": 0.0, "reference": 1.0, "length": 1.0, "iterations": 1.0},
+        **{"build_s": 0.001, "solve_s": 0.002, "wall_s": 0.003},
+    }
+    return pd.DataFrame({**base, **columns})
+
+
+SUMMARIES = {
+    # Four questions with a path, two answered optimally: half are right, whatever came of the
+    # others. What was asked where no path exists is not counted.
+    "failures stay in every denominator": (
+        {
+            "scenario_id": list("01234"),
+            "verdict": ["optimal", "optimal", "misses", "none", "misses"],
+            "outcome": ["returned", "returned", "returned", "timeout", "crashed"],
+            "false_claim": [False, False, True, False, True],
+            "reference_word": ["LS"] * 4 + [None],
+        },
+        {"attempts": 4, "questions": 4, "right_share": 0.5, "misses": 1, "none": 1}
+        | {"false_claims": 1, "not_returned": 1, "right_text": "50.0 % of 4,\n15.0 to 85.0 %"}
+        | dict(
+            zip(
+                ("right_low", "right_high"),
+                binomtest(2, 4).proportion_ci(method="wilson"),
+                strict=True,
+            )
+        ),
+    ),
+    # Right in two of three repeats counts 2/3.
+    "repeats are parts of a question": (
+        {"scenario_id": list("000111"), "verdict": ["optimal"] * 5 + ["longer"]}
+        | {"repeat": [0, 1, 2] * 2},
+        {"attempts": 6, "questions": 2, "right": 5 / 3, "right_share": 5 / 6},
+    ),
+    # Counted as twenty trials the interval would be narrower by a factor of about the root of two.
+    "cold and warm attempts at a question are one trial": (
+        {"scenario_id": [*"0123456789"] * 2, "initial_guess": ["cold"] * 10 + ["warm"] * 10}
+        | {"verdict": (["optimal"] * 7 + ["longer"] * 3) * 2},
+        {"attempts": 20, "questions": 10, "right": 7}
+        | dict(
+            zip(
+                ("right_low", "right_high"),
+                binomtest(7, 10).proportion_ci(method="wilson"),
+                strict=True,
+            )
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SUMMARIES)
+def test_the_summary_by_hand(tmp_path, name):
+    columns, expected = SUMMARIES[name]
+    line = solver_summary(attempts_of(tmp_path, frame(**columns))).iloc[0]
+
+    assert line[list(expected)].to_dict() == pytest.approx(expected)
+
+
+def test_what_the_presolve_answered_is_no_success_of_an_engine(tmp_path):
+    """Nor a failure, but where it denies a path; by rows and by counting alike."""
+    rows = frame(
+        verdict=["none exists"] * 3 + ["none"],
+        proof=["proved", "none", "proved", "none"],
+        presolved=[False, True, None, True],
+        false_claim=[False] * 3 + [True],
+        gap=np.nan,
+    )
+    counted = attempts_of(tmp_path, rows)
+    line, proven = solver_summary(counted).iloc[0], proofs(counted).iloc[0]
+
+    assert metrics.success(rows).tolist() == [True, False, True, False]
+    assert metrics.proof(rows).tolist() == ["proved", "none", "proved", "none"]
+    assert (line["attempts"], line["none exists"], line["by presolve"]) == (4, 2, 1)
+    assert (line["right_share"], line["none"], line["false_claims"]) == (0.5, 1, 1)
+    assert (proven["proved"], proven["none"]) == (2, 2)
+    assert failures(counted)["attempts"].tolist() == [1]
+
+
+def test_a_crash_counts_where_an_answer_exists(tmp_path):
+    """A row that lost everything still belongs to a question that has an answer, or has none: the
+    target in the left disc is reached by RS and not by LS."""
+    lost = {"reference_word": None, "region": None, "gap": np.nan}
+    lost |= {"verdict": "none", "outcome": "crashed"}
+    place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
+    rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
+    table = gap_quantiles(attempts_of(tmp_path, rows)).set_index(["solver", "region"])
+
+    assert list(table.index) == [("b", "all")]
+    assert table.loc[("b", "all"), "q50"] == math.inf
+
+
+def test_closed_form_comes_first_and_variants_after_their_solver():
+    names = ["zeta", "ipopt[model=joint]", "turn-rate-qp", "ipopt", "analytic", "ipopt"]
+
+    assert metrics.solver_order(names) == [
+        "analytic",
+        "ipopt",
+        "ipopt[model=joint]",
+        "turn-rate-qp",
+        "zeta",
+    ]
+
+
+def test_fitted_order_recovers_a_power():
+    """gap = 3 n^-2 exactly; a value at rounding level is left out."""
+    n = np.array([10, 20, 40, 80])
+    assert metrics.fitted_order([*n, 640], [*(3.0 / n**2), 1e-16]) == pytest.approx(2)
+    assert math.isnan(metrics.fitted_order([10], [0.1]))

@@ -1,19 +1,26 @@
-"""The audit against mpmath, Ipopt itself, brute force, and the committed file."""
+"""The audit of the paper and of published routes: against mpmath, Ipopt itself, and brute force."""
 
 from __future__ import annotations
 
-import json
+from decimal import Decimal
+from fractions import Fraction
 from itertools import pairwise
 
 import mpmath
 import numpy as np
 import pytest
-from flint import ctx
+from flint import arb, ctx
 
-from dubins_study.report.paper import exact
-from dubins_study.report.paper.audit import audit, contradictions
+from dubins_study.experiments.definition.experiment import read
+from dubins_study.experiments.plan.scenario_columns import scenarios
+from dubins_study.report.paper import exact, routes
+from dubins_study.report.paper.audit import audit
+from dubins_study.report.paper.audit_rules import BIAS, CORRECT, CUT, DOUBLE, WRONG, judge
+from dubins_study.report.paper.exact import UndecidedError, ball, decide, rounded, truncated
 from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 DIGITS = 60  # of mpmath: 40 are compared
@@ -159,8 +166,6 @@ def test_printed_paths_driven_by_the_judge(found):
 
 
 def driven(label, z):
-    from dubins_study.study.path import Path
-
     problem = PROBLEMS[label]
     curvature = np.array((1, -1, 0)) / problem.radius
     end = Path(double(problem).start, curvature, z).end
@@ -256,17 +261,112 @@ def test_statements_by_other_means(found):
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 
-def test_a_contradiction_names_its_cell(found):
-    """A changed verdict, a lost cell, and a closed form that moved."""
-    changed = json.loads(json.dumps(found))
-    changed["cells"][4]["verdict"] = "wrong"
-    (line,) = contradictions(found, changed)
-    assert line.startswith("cells[6.1, problem 1, feasible, z3].verdict: computed 'correct")
+def numbers(*texts: str) -> list[arb]:
+    return [ball(Fraction(text)) for text in texts]
 
-    changed = json.loads(json.dumps(found))
-    del changed["cells"][0]
-    (line,) = contradictions(found, changed)
-    assert line == "cells: 33 computed, 32 committed"
 
-    changed["cells"][0]["exact"] = "10.133089"
-    assert "the closed form has 10.13308896" in contradictions(changed, changed)[0]
+def verdicts(printed: str, exact: str, biased: str | None = None) -> list[str]:
+    row = numbers(*exact.split())
+    held = row if biased is None else numbers(*biased.split())
+    return [finding.verdict for finding in judge(printed.split(), row, held)]
+
+
+@pytest.mark.parametrize(
+    ("printed", "exact", "verdict"),
+    [
+        ("1.73", "1.7349", CORRECT),
+        ("1.74", "1.735001", CORRECT),
+        ("1.74", "1.7349", DOUBLE),  # 1.735, 1.74
+        ("1.74", "1.73496", DOUBLE),
+        ("1.74", "1.7344", WRONG),  # 1.734, 1.73: no place to round at first gives 1.74
+        ("3.38", "3.373651", WRONG),
+        ("1.73", "1.7399", CUT),
+        ("1.73", "1.735001", CUT),
+        ("1.72", "1.734", WRONG),
+        ("-1.73", "-1.739", CUT),
+    ],
+)
+def test_the_accident_behind_a_cell(printed, exact, verdict):
+    assert verdicts(f"0 0 {printed} {printed}", f"0 0 {exact} {exact}")[2] == verdict
+
+
+def test_the_bias_is_looked_for_rounded_and_cut_off():
+    exact, printed = "2 0 5.4849 7.4849", "2.00 0 {} 7.48"
+    assert verdicts(printed.format("5.47"), exact, "2.001 0.001 5.4721 7.4849")[2] == BIAS
+    assert verdicts(printed.format("5.47"), exact, "2.001 0.001 5.4789 7.4849")[2] == BIAS
+    assert verdicts(printed.format("5.47"), exact, "2.001 0.001 5.4689 7.4849")[2] == BIAS
+    assert verdicts(printed.format("5.47"), exact, "2.001 0.001 5.4640 7.4849")[2] == WRONG
+
+
+def test_of_two_accidents_the_one_that_gives_more_of_the_row_is_named():
+    """5.47 is both cut off from 5.479 and what the bias gives: the rest of the row decides."""
+    exact, biased = "2.0082 0 5.4790 7.4872", "2.0092 0.001 5.4732 7.4872"
+
+    assert verdicts("2.01 0 5.47 7.49", exact, biased) == [CORRECT, CORRECT, BIAS, CORRECT]
+    assert verdicts("2.00 0 5.47 7.48", exact, biased) == [CUT, CORRECT, CUT, CUT]
+
+
+def test_a_reason_tells_what_the_accident_does_not_give():
+    """The printed 0 of the missing turn is held against a bias that would print 0.01."""
+    found = judge(
+        ("2.01", "0", "5.47", "7.49"),
+        numbers("2.0082", "0", "5.4851", "7.4933"),
+        numbers("2.0092", "0.006", "5.4730", "7.4882"),
+    )[2]
+
+    assert found.verdict == BIAS
+    assert "z2 = 0.01 (printed 0)" in found.reason
+    assert "z1" not in found.reason
+
+
+def test_what_the_bounds_do_not_decide_is_not_decided():
+    low, high = numbers("1.7349", "1.7351")
+    wide = low.union(high)
+
+    assert decide(wide, lambda value: truncated(value, 2)) == Decimal("1.73")
+    with pytest.raises(UndecidedError, match=r"1\.73 or 1\.74"):
+        decide(wide, lambda value: rounded(value, 2))
+
+
+ROUTES = [s for block in read("kaya").experiment.scenarios for s in scenarios(block, "kaya")]
+
+
+def test_one_published_length_is_not_the_shortest():
+    """All others are correct roundings of lengths in intervals of a relative width of 1e-9."""
+    records = routes.audit_routes(ROUTES)
+
+    longer = [r for r in records if r["verdict"] != routes.SHORTEST]
+    assert [(r["source"], r["label"], r["verdict"]) for r in longer] == [
+        ("MPDP", "example 4", routes.LONGER)
+    ]
+    assert longer[0]["difference"] == pytest.approx(1.5373e-8, rel=1e-3)
+    assert all(r["verdict"] == r["expected"] and 0 <= r["width"] <= 1e-9 for r in records)
+
+
+@pytest.mark.parametrize("scenario", ROUTES, ids=lambda scenario: scenario.label)
+def test_the_better_path_is_driven(scenario):
+    """Its arcs alone, driven: it passes every point, in order, and ends with its heading."""
+    path = reference_of(scenario).path
+    poses = path.sample(200_001)
+    at = 0
+    for point in scenario.points[1:]:
+        distances = np.hypot(*(poses[at:, :2] - point).T)
+        step = path.length / 200_000
+        at += int(np.flatnonzero(distances <= step)[0])
+    turned = (path.end.heading - scenario.final_heading) / (2 * np.pi)
+
+    assert np.hypot(*(np.array(path.end[:2]) - scenario.points[-1])) < 1e-9
+    assert turned == pytest.approx(round(turned), abs=1e-9)
+    assert np.abs(path.curvatures).max() <= (1 + 1e-12) / scenario.radius
+
+
+@pytest.mark.parametrize(
+    ("printed", "verdict"),
+    [("3.41", routes.TOO_SHORT), ("3.42", routes.SHORTEST), ("3.43", routes.LONGER)],
+)
+def test_a_length_may_be_rounded(printed, verdict, monkeypatch):
+    """3.4156 rounds to 3.42; no path rounds to 3.41, and 3.43 is longer than a path."""
+    line = routes.PrintedRoute("here", "example 1", printed)
+    monkeypatch.setattr(routes, "PRINTED_ROUTES", (line,))
+
+    assert routes.audit_routes(ROUTES)[0]["verdict"] == verdict

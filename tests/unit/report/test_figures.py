@@ -6,12 +6,20 @@ import re
 
 import pandas as pd
 import pytest
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Picture, Table
 from dubins_study.report.elements.looks import common_part
 from dubins_study.report.elements.plots import Mark, stacked_shares
-from dubins_study.report.elements.style import INK, RULE, drawing, figure_bytes, fix_layout
+from dubins_study.report.elements.style import (
+    INK,
+    RULE,
+    drawing,
+    figure_bytes,
+    fix_layout,
+    new_figure,
+)
 from dubins_study.report.page.render import render
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import MOST_ENGINES
@@ -234,3 +242,28 @@ def test_many_methods_of_one_strange_formulation_are_drawn(formulation, load_row
     assert all(files)
     for block in drawn:
         assert block.figure.get_size_inches()[1] < 7, block.name
+
+
+def test_a_file_does_not_depend_on_the_last_digits_of_the_layout(monkeypatch):
+    """Files are the same in every run; the layout's solver sorts by addresses in memory."""
+    layout = ConstrainedLayoutEngine.execute
+
+    def rounded_otherwise(engine, figure):
+        layout(engine, figure)
+        for part in figure.subfigs:
+            part.bbox_relative.set_points(part.bbox_relative.get_points() * (1 + 1e-15))
+        for ax in figure.axes:
+            left, bottom, width, height = ax.get_position().bounds
+            ax.set_position((left, bottom, width * (1 + 1e-15), height))
+
+    files = []
+    for execute in (layout, rounded_otherwise):
+        monkeypatch.setattr(ConstrainedLayoutEngine, "execute", execute)
+        with drawing():
+            figure = new_figure(4, 3)
+            for part in figure.subfigures(1, 3):
+                part.add_subplot().barh([0, 1], [2, 3])
+            fix_layout(figure)
+            files.append(figure_bytes(figure, "svg"))
+
+    assert files[0] == files[1]

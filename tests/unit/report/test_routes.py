@@ -1,16 +1,15 @@
-"""The sections on routes: numbers by hand, what is undecided, and published lengths."""
+"""The sections on routes: numbers by hand, what is undecided, published lengths, anytime curves."""
 
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
+from dubins_study.report.topics.anytime import FLOOR, anytime
 from dubins_study.report.topics.audit import printed_routes, printed_section
-from dubins_study.report.topics.routes import (
-    by_legs,
-    routes_section,
-    with_legs,
-)
+from dubins_study.report.topics.routes import by_legs, routes_section, with_legs
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -115,3 +114,36 @@ def test_the_better_path_is_drawn_with_all_its_points(load_rows):
     (ax,) = section.blocks[1].figure.axes
 
     assert {text.get_text() for text in ax.texts} >= {str(n) for n in range(1, 11)}
+
+
+def traced(evaluations, lengths, solver="a"):
+    via = {"via_x": [1.0], "via_y": [2.0], "verdict": "longer", "presolved": False, "late": False}
+    known = {"reference_low": 10.0, "radius": 1.0, "solver": solver}
+    return {**via, **known, "trace_evaluations": evaluations, "trace_lengths": lengths}
+
+
+def test_curves_are_medians_of_the_best_path_so_far():
+    """By hand: three attempts, of which one never has a path, at 1, 10 and 100 evaluations."""
+    rows = pd.DataFrame(
+        [traced([1.0, 10.0], [12.0, 11.0]), traced([5.0, 100.0], [14.0, 10.0]), traced(None, None)]
+    )
+
+    curve = anytime(rows).set_index("evaluations")["gap"]
+
+    assert curve.index.min() == 1
+    assert curve.index.max() == pytest.approx(100)
+    assert np.isinf(curve[curve.index < 4.9]).all()  # most have no path yet
+    assert curve[(curve.index > 5) & (curve.index < 9.9)].unique() == pytest.approx([0.4])
+    assert curve[(curve.index > 10.1) & (curve.index < 99)].unique() == pytest.approx([0.4])
+    assert curve.iloc[-1] == pytest.approx(0.1)
+
+
+def test_each_solver_and_number_of_legs_has_its_curve():
+    """A gap of rounding is drawn at the floor."""
+    rows = pd.DataFrame([traced([1.0], [10.0]), traced([20.0], [15.0], "b")])
+    one_leg = pd.DataFrame([traced([2.0], [11.0])]).assign(via_x=None, via_y=None)
+
+    table = anytime(pd.concat([rows, one_leg]))
+
+    ends = table.groupby(["legs", "solver"])["gap"].last()
+    assert ends.to_dict() == pytest.approx({(1, "a"): 0.1, (2, "a"): FLOOR, (2, "b"): 0.5})
