@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -222,3 +223,32 @@ def is_missing(value: Any) -> bool:
         or (isinstance(value, float) and math.isnan(value))
         or type(value).__name__ in ("NAType", "NaTType")
     )
+
+
+def solve_command(row: Mapping[Any, Any]) -> str:
+    """The `dubins-study solve` command of a row; numbers with all their digits, quoted for a shell.
+
+    It states the profile and `time_limit_s` if the row has them.
+    """
+    s, words = scenario_of(row), ["dubins-study", "solve"]
+    if s.start != (0.0, 0.0, 0.0):
+        unit = "rad" if abs(s.heading) > FULL_TURN else ""  # which a bare number may not exceed
+        words += ["--from", number_text(s.x), number_text(s.y), number_text(s.heading) + unit]
+    for u, v in s.via:
+        words += ["--via", number_text(u), number_text(v)]
+    if s.final_heading is not None:
+        words += ["--final-heading", f"{number_text(s.final_heading)}rad"]
+    for name in POSITIVE:
+        words += [f"--{name}", number_text(value)] if (value := getattr(s, name)) != 1 else []
+    for name, default in (("branch", "best"), ("profile", "default")):
+        words += [f"--{name}", text] if (text := str(row.get(name, default))) != default else []
+    limit = row.get("time_limit_s")
+    words += ["--time-limit", number_text(limit)] if limit is not None else []
+    # without the dashes a negative number would be read as an option
+    target = number_text(s.target_x), number_text(s.target_y)
+    return shlex.join([*words, "--solver", str(row["solver"]), "--", *target])
+
+
+def number_text(value: object) -> str:
+    """A number that reads back as the same double; a whole one without its `.0`."""
+    return repr(float(str(value))).removesuffix(".0")

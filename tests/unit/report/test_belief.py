@@ -8,7 +8,6 @@ import shlex
 import numpy as np
 import pytest
 
-from dubins_study.report.data.command import solve_command
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.topics.belief import (
     PROOFS,
@@ -20,6 +19,7 @@ from dubins_study.report.topics.belief import (
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
 

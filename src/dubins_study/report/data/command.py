@@ -1,50 +1,14 @@
-"""The commands that ask a row's question again, or all questions of a run."""
+"""The columns that ask a row's question again, and the command that asks all of a run's."""
 
 from __future__ import annotations
 
-import math
 import shlex
-from collections.abc import Hashable, Mapping
-from typing import Any
-
-import pandas as pd
 
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.scenario import VIA
-from dubins_study.study.scenario_frame import is_missing, numbers_of
 
 SCENARIO = ("x", "y", "heading", "target_x", "target_y", "radius")
 ROUTE = (*VIA, "final_heading")
-
-
-def solve_command(row: Mapping[Hashable, Any] | pd.Series) -> str:
-    """The `dubins-study solve` command of a row; numbers with all their digits, quoted for a shell.
-
-    It states the profile and `time_limit_s` if the row has them.
-    """
-    x, y, heading, target_x, target_y, radius = (number_text(row[name]) for name in SCENARIO)
-    parts = ["dubins-study solve"]
-    if abs(float(heading)) > 2 * math.pi:  # which needs a unit
-        heading += "rad"
-    parts += [f"--from {x} {y} {heading}"] if (x, y, heading) != ("0", "0", "0") else []
-    via = [numbers_of(name, row.get(name)) or () for name in VIA]
-    parts += [f"--via {number_text(u)} {number_text(v)}" for u, v in zip(*via, strict=True)]
-    if not is_missing(final := row.get("final_heading")):
-        parts.append(f"--final-heading {number_text(final)}rad")
-    parts += [f"--radius {radius}"] if radius != "1" else []
-    parts += [f"--branch {shlex.quote(str(row['branch']))}"] if row["branch"] != "best" else []
-    profile = str(row.get("profile", "default"))
-    parts += [f"--profile {shlex.quote(profile)}"] if profile != "default" else []
-    limit = row.get("time_limit_s")
-    parts += [f"--time-limit {number_text(limit)}"] if limit is not None else []
-    # without the dashes a negative number would be read as an option
-    parts += [f"--solver {shlex.quote(str(row['solver']))} -- {target_x} {target_y}"]
-    return " ".join(parts)
-
-
-def number_text(value: object) -> str:
-    """A number that reads back as the same double; a whole one without its `.0`."""
-    return repr(float(str(value))).removesuffix(".0")
 
 
 # Options of a run that say who answers its questions, and how many at once: with their values.

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from dubins_study.report.data.attempts import EXACT, is_true, own
-from dubins_study.report.data.command import ROUTE, SCENARIO, number_text, solve_command
+from dubins_study.report.data.command import ROUTE, SCENARIO
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
@@ -34,6 +34,7 @@ from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared, once
 from dubins_study.report.topics.summary import best_solvers
+from dubins_study.study.scenario_frame import number_text, solve_command
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import LATE, PRESOLVED, SUCCESSES
-from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
+from dubins_study.study.scenario_frame import solve_command
 
 # Outcomes other than `returned`: what may happen to the process that is asked.
 OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unavailable", "not_asked")

@@ -8,7 +8,6 @@ from pathlib import Path as FilePath
 
 import pandas as pd
 
-from dubins_study.report.data.command import solve_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import digits, seconds, share
 from dubins_study.report.two_runs.changes import (
@@ -20,6 +19,7 @@ from dubins_study.report.two_runs.changes import (
     newly_false,
 )
 from dubins_study.study.rows.manifest import Manifest
+from dubins_study.study.scenario_frame import solve_command
 
 # A change of times, or of the share of right answers, is as sure as the tests of the page.
 ALPHA = 0.05
@@ -125,7 +125,7 @@ def _line(kind: str, row: pd.Series) -> tuple[str, ...]:
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
         scenario = f"{row['label']}: {place}" if row["label"] else place
         values = (show(row[f"{column}_{side}"]) for side in SIDES)
-        return scenario, row["branch"], *values, solve_command(row)
+        return scenario, row["branch"], *values, solve_command(row.to_dict())
     if kind == "right less often":
         shares = (f"right in {share(row[f'right_{side}'])}" for side in SIDES)
         return f"all {row['questions']} questions with a path", "", *shares, ""
