@@ -104,15 +104,6 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     assert len(load([folder]).rows) == CELLS
 
 
-def test_two_damaged_parts_of_one_name_are_both_kept(folder, experiment):
-    for number in (1, 2):
-        (folder / "parts" / "x.parquet").write_bytes(f"no {number}".encode())
-        run(experiment, folder)
-
-    kept = {f.name: f.read_bytes() for f in (folder / "damaged").iterdir()}
-    assert kept == {"x.parquet": b"no 1", "x-2.parquet": b"no 2"}
-
-
 def foreign(folder, _):
     pq.write_table(pa.table({"price": [1.0]}), folder / "parts" / "zz.parquet")
     return "it has no column 'scenario_id'"
@@ -137,7 +128,7 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
     message = put(folder, read_part(parts(folder)[0]))
     if spoilt:
         (folder / "parts" / "a.parquet").write_bytes(b"")
-    (folder / "parts" / ".c.parquet.1.tmp").write_bytes(b"left")
+    (folder / "parts" / ".c.parquet.dubins-study.tmp").write_bytes(b"left")
     before = files(folder)
 
     for act in (lambda: run(experiment, folder), lambda: status(folder)):
@@ -152,7 +143,8 @@ def test_what_is_no_part_of_ours_is_refused_and_nothing_changes(folder, experime
 
 def test_what_a_killed_run_left_half_written_is_removed(folder, experiment):
     """Only files of our own pattern, and not before it is certain that the folder is good."""
-    ours = [folder / ".manifest.json.123.tmp", folder / "parts" / ".r-000001.parquet.77.tmp"]
+    places = (folder / ".manifest.json", folder / "parts" / ".r-000001.parquet")
+    ours = [place.with_name(f"{place.name}.dubins-study.tmp") for place in places]
     others = [folder / ".hidden.tmp", folder / "parts" / "notes.txt", folder / "x.parquet.1.tmp"]
     for file in (*ours, *others):
         file.write_text("half")
@@ -169,7 +161,7 @@ def test_a_run_killed_before_its_first_manifest_leaves_a_folder_that_can_be_used
     out = tmp_path / "new"
     (out / "parts").mkdir(parents=True)
     (out / ".lock").write_text("{}")
-    (out / ".manifest.json.5.tmp").write_text("{")
+    (out / ".manifest.json.dubins-study.tmp").write_text("{")
 
     run(experiment, out)
 

@@ -46,7 +46,8 @@ SPACINGS = {
     "0.5R-4R": (0.5, 4.0),
 }
 if TYPE_CHECKING:
-    Branch = SpacingName = str
+    Branch = str
+    SpacingName = str
 else:
     Branch, SpacingName = Literal[EVERY_BRANCH], Literal[tuple(SPACINGS)]
 Branches = Annotated[list[Branch], Field(min_length=1)]

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 import pyarrow as pa
 
 from dubins_study.experiments.store.lock import LOCK
-from dubins_study.experiments.store.part_writer import is_temporary, remove_temporaries, write_part
+from dubins_study.experiments.store.part_writer import TEMPORARY, write_part
 from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
     ARROW_SCHEMA,
@@ -30,9 +30,9 @@ def prepare_folder(folder: FilePath) -> None:
     """Create a folder that can be locked; refuse one that holds anything else than results."""
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
-            names_there = [entry.name for entry in folder.iterdir()]
             # A run that is killed before its first manifest may leave these files.
-            empty = all(name in (LOCK, PARTS) or is_temporary(name) for name in names_there)
+            left = (LOCK, PARTS)
+            empty = all(f.name in left or f.name.endswith(TEMPORARY) for f in folder.iterdir())
             if not empty or part_files(folder):
                 held = "parts" if empty else "something else"
                 raise ResultsError(f"{folder} holds {held} and no {MANIFEST}; choose another")
@@ -78,32 +78,23 @@ def _check_same_experiment(folder: FilePath, earlier: Definition, now: Definitio
 
 def _mend(folder: FilePath) -> list[str]:
     """Check every part, then move damaged parts away and remove files of a killed run."""
-    damaged = []
+    damaged, place = [], folder / DAMAGED
     for part in part_files(folder):
         try:
             check_part(part)
         except DamagedPartError:
             damaged.append(part)
-    for place in (folder, folder / PARTS):
-        remove_temporaries(place)
+    for file in (*folder.glob(f".*{TEMPORARY}"), *(folder / PARTS).glob(f".*{TEMPORARY}")):
+        file.unlink()
+    for part in damaged:
+        with os_errors_as(f"cannot move {part} to {place}"):
+            place.mkdir(exist_ok=True)
+            part.rename(place / part.name)
     return [
-        f"{plain(str(part))} is damaged: moved to {plain(str(_move_away(folder, part)))}, its "
-        "cells are solved again"
+        f"{plain(str(part))} is damaged: moved to {plain(str(place / part.name))}, its cells are "
+        "solved again"
         for part in damaged
     ]
-
-
-def _move_away(folder: FilePath, part: FilePath) -> FilePath:
-    """Move a damaged part to the folder `DAMAGED`, where it stays, and return its new path."""
-    place = folder / DAMAGED
-    with os_errors_as(f"cannot move {part} to {place}"):
-        place.mkdir(exist_ok=True)
-        target, number = place / part.name, 1
-        while target.exists():
-            number += 1
-            target = place / f"{part.stem}-{number}{part.suffix}"
-        part.rename(target)
-    return target
 
 
 def done(folder: FilePath) -> set[Key]:
@@ -115,19 +106,24 @@ def done(folder: FilePath) -> set[Key]:
     return keys
 
 
-def read_rows(folder: FilePath, columns: list[str] | None = None) -> pa.Table:
-    """The rows of a folder, one row per cell: the key columns and those named, or all columns."""
-    columns = _with_key(columns or ARROW_SCHEMA.names)
-    return _unique_rows([read_part(part, columns) for part in part_files(folder)], columns)
+def read_rows(
+    folder: FilePath, columns: list[str] | None = None, damaged: list[FilePath] | None = None
+) -> pa.Table:
+    """The rows of a folder, one row per cell: the key columns and those named, or all columns.
 
-
-def _with_key(columns: list[str]) -> list[str]:
-    return list(dict.fromkeys((*names(KEY), *columns)))
-
-
-def _unique_rows(tables: list[pa.Table], columns: list[str]) -> pa.Table:
-    """The first row per key: a run that is killed while it unites parts leaves duplicates."""
-    table = pa.concat_tables([ARROW_SCHEMA.empty_table().select(columns), *tables])
+    Damaged parts are passed over and appended to `damaged`; without that list they are refused.
+    """
+    columns = list(dict.fromkeys((*names(KEY), *(columns or ARROW_SCHEMA.names))))
+    tables = [ARROW_SCHEMA.empty_table().select(columns)]
+    for part in part_files(folder):
+        try:
+            tables.append(read_part(part, columns))
+        except DamagedPartError:
+            if damaged is None:
+                raise
+            damaged.append(part)
+    table = pa.concat_tables(tables)
+    # The first row per key: a run that is killed while it unites parts leaves duplicates.
     numbered = table.select(names(KEY)).append_column("row", pa.array(range(len(table))))
     first = numbered.group_by(names(KEY)).aggregate([("row", "min")])["row_min"]
     return table if len(first) == len(table) else table.take(first.combine_chunks().sort())
@@ -149,16 +145,3 @@ def compact(folder: FilePath, run_id: str) -> None:
     for part in parts:
         if part != united:
             part.unlink()
-
-
-def whole_rows(folder: FilePath, columns: list[str]) -> tuple[pa.Table, int]:
-    """As `read_rows` of the parts that are whole, and the number of damaged ones."""
-    columns = _with_key(columns)
-    tables: list[pa.Table] = []
-    damaged = 0
-    for file in part_files(folder):
-        try:
-            tables.append(read_part(file, columns))
-        except DamagedPartError:
-            damaged += 1
-    return _unique_rows(tables, columns), damaged

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import glob
-import shutil
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
-from uuid import uuid4
 
 import numpy as np
 import pandas as pd
@@ -17,7 +14,7 @@ import pyarrow as pa
 
 from dubins_study.experiments.provenance import now
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.lock import LOCK, is_locked, locked
+from dubins_study.experiments.store.lock import is_locked
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
@@ -62,35 +59,21 @@ def merged_rows(
 
 def _contradiction(pair: pd.Series[str], differ: pd.Series[bool]) -> str:
     """The cell, and both values of every column in which two attempts at it differ."""
-
-    def shown(value: object) -> str:
-        if isinstance(value, str):
-            return repr(value)
-        return "missing" if pd.isna(value) else f"{value:g}"  # type: ignore[call-overload]
-
     values = "; ".join(
-        f"{name} is {shown(pair[f'{name}_kept'])} in {pair['folder_kept']} and "
-        f"{shown(pair[name])} in {pair['folder']}"
+        f"{name} is {pair[f'{name}_kept']} in {pair['folder_kept']} and {pair[name]} in "
+        f"{pair['folder']}"
         for name in differ.index[differ]
     )
     return f"{', '.join(str(pair[name]) for name in names(KEY))}: {values}"
 
 
 class Union(NamedTuple):
-    """The result of a merge.
-
-    Args:
-        folder: the new results folder.
-        rows: number of rows in it.
-        agreeing_repeats: number of attempts that were left out because an earlier attempt at the
-            same cell agrees; copies of the same attempt are not counted.
-        stale: number of its rows whose solver code differs from the first folder's.
-    """
+    """The result of a merge: the new results folder, and numbers of rows."""
 
     folder: FilePath
     rows: int
-    agreeing_repeats: int
-    stale: int
+    agreeing_repeats: int  # left out since an earlier attempt agrees; copies of one do not count
+    stale: int  # of code that differs from the first folder's
 
 
 def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
@@ -112,9 +95,15 @@ def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:
     """
     sources, [target] = folder_paths(folders), folder_paths([out])
     manifests = _read_manifests(sources)
-    with _new_folder(target) as fresh, locked(fresh):
-        union = _unite(sources, manifests, fresh)
-        with os_errors_as(f"cannot write to {target}"):
+    with os_errors_as(f"cannot write to {target}"):
+        if target.exists() and not target.is_dir():
+            raise ResultsError(f"{target} is no folder; expected a new one or an empty one")
+        if target.is_dir() and any(target.iterdir()):
+            raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=target.parent, prefix=".merging-") as place:
+            fresh = FilePath(place) / target.name
+            union = _unite(sources, manifests, fresh)
             if target.is_dir():  # an empty one: one that is not is never replaced
                 target.rmdir()
             fresh.rename(target)
@@ -139,35 +128,11 @@ def _read_manifests(folders: Sequence[FilePath]) -> list[Manifest]:
     return manifests
 
 
-@contextmanager
-def _new_folder(target: FilePath) -> Iterator[FilePath]:
-    """A temporary folder next to the target; removed unless it has become the target.
-
-    Those of killed merges to this target are removed too; a running merge holds a lock.
-    """
-    fresh = target.with_name(f".{target.name}.merging-{uuid4().hex[:8]}")
-    with os_errors_as(f"cannot write to {target}"):  # e.g. the name is too long
-        if target.exists() and not target.is_dir():
-            raise ResultsError(f"{target} is no folder; expected a new one or an empty one")
-        if target.is_dir() and any(target.iterdir()):
-            raise ResultsError(f"{target} is not empty; expected a new folder or an empty one")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        for folder in target.parent.glob(f".{glob.escape(target.name)}.merging-*"):
-            if (folder / LOCK).exists() and not is_locked(folder):
-                shutil.rmtree(folder, ignore_errors=True)
-        fresh.mkdir()
-    try:
-        yield fresh
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
-
-
 def _unite(folders: Sequence[FilePath], manifests: Sequence[Manifest], fresh: FilePath) -> Union:
-    """Write the union to a temporary folder."""
+    """Write the union to a new folder."""
     tolerance = manifests[0].gap_tolerance
     table, repeats = merged_rows([read_rows(folder) for folder in folders], folders, tolerance)
-    with os_errors_as(f"cannot write to {fresh}"):
-        (fresh / PARTS).mkdir()
+    (fresh / PARTS).mkdir(parents=True)
     if len(table):
         write_part(fresh, "merged-all", table, {RUN_ID: "merged"})
     made_by = table.select(["solver", "code_digest"]).to_pylist()

@@ -6,7 +6,6 @@ The rows of a run are such files: a part about every second.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path as FilePath
 from time import monotonic
@@ -17,8 +16,8 @@ import pyarrow.parquet as pq
 from dubins_study.study.rows.parts import PARTS, ResultsError, Row, reason, rows_table
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
-# Names of the temporary files that a killed run may leave.
-_TEMPORARY = re.compile(r"\.(?:manifest\.json|.+\.parquet)\.\d+\.tmp")
+# The end of the names of temporary files, which a killed run may leave.
+TEMPORARY = ".dubins-study.tmp"
 
 
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
@@ -27,7 +26,7 @@ def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
     `write` is called with a path and writes the content there. An existing file at `final` is
     replaced. After an error the temporary file is removed.
     """
-    temporary = final.with_name(f".{final.name}.{os.getpid()}.tmp")
+    temporary = final.with_name(f".{final.name}{TEMPORARY}")
     try:
         write(temporary)
         with temporary.open("rb") as stream:
@@ -46,18 +45,6 @@ def sync_folder(folder: FilePath) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-def is_temporary(name: str) -> bool:
-    """Whether a name is that of a temporary file of `write_whole`."""
-    return _TEMPORARY.fullmatch(name) is not None
-
-
-def remove_temporaries(folder: FilePath) -> None:
-    """Remove the temporary files of a killed run. The caller must hold the folder's lock."""
-    for file in folder.iterdir():
-        if is_temporary(file.name) and not file.is_dir():
-            file.unlink(missing_ok=True)
 
 
 # Seconds between two parts, so that a killed run loses few rows.

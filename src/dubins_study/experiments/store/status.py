@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.experiments.store.folder import DAMAGED, whole_rows
+from dubins_study.experiments.store.folder import DAMAGED, read_rows
 from dubins_study.experiments.store.lock import is_locked, lock_holder
 from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
@@ -77,8 +77,9 @@ def status(folder: str | FilePath) -> Status:
     [place] = folder_paths([folder])
     for attempt in range(_MAX_TRIES):
         live, manifest = is_locked(place), read_manifest(place)
+        damaged: list[FilePath] = []
         try:
-            table, damaged = whole_rows(place, _COLUMNS)
+            table = read_rows(place, _COLUMNS, damaged)
         except ResultsError:
             if not live or attempt == _MAX_TRIES - 1:
                 raise
@@ -86,7 +87,7 @@ def status(folder: str | FilePath) -> Status:
             break
     # a spoilt row may lack any of them
     rows = table.to_pandas().fillna({"outcome": "", "verdict": "", "wall_s": 0.0})
-    return _status(place, manifest, rows, damaged, live)
+    return _status(place, manifest, rows, len(damaged), live)
 
 
 def _status(
