@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -20,26 +21,13 @@ from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ROW, SCENARIO, VERSION, arrow_schema, names
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
+from tests.cases import PAPER
 
 SCHEMA = arrow_schema()
 
-PAPER = {
-    "problem 1": (2, 10, 5, 1),
-    "problem 2": (2, -6, 3, 1),
-    "problem 3": (1, -1, 5, 1),
-    "problem 4": (1, -2, -5, 1),
-    "problem 5, R=25": (2, -80, 20, 25),
-    "problem 5, R=10": (2, -80, 20, 10),
-    "problem 5, R=5": (2, -80, 20, 5),
-}
-THIRD = 1.0471975511965976
-
 
 def paper_scenarios() -> list[Scenario]:
-    return [
-        Scenario(0, 0, turns * THIRD, x, y, radius, label=label)
-        for label, (turns, x, y, radius) in PAPER.items()
-    ]
+    return [replace(scenario, label=label) for label, scenario in PAPER.items()]
 
 
 def attempt(
@@ -112,14 +100,9 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
         **{"question": question, "scenario": question, "solver": solver, "stratum": ""},
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
         **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
-        **{
-            **{"proves": None, "knows": "", "label": "", "via_x": None},
-            "floor_s": None,
-            "subproblem_runs": None,
-            "guesses": "one",
-            "presolve": "presolve=True" in solver,
-            "late": False,
-        },
+        **{"proves": None, "knows": "", "label": "", "via_x": None, "guesses": "one"},
+        **{"floor_s": None, "subproblem_runs": None, "late": False},
+        "presolve": "presolve=True" in solver,
         **{"verdict": "optimal", "right": True, "claim": "local", "lower_bound": float("nan")},
         **{"false_claim": False, "false_bound": False, "wrong_basin": False},
         **{"gap": 0.0, "miss": 0.0, "length": 4.0, "reference": 4.0, "reference_high": 4.0},

@@ -18,7 +18,6 @@ from dubins_study.report.paper.audit import audit
 from dubins_study.report.paper.audit_rules import BIAS, CORRECT, CUT, DOUBLE, WRONG, judge
 from dubins_study.report.paper.exact import UndecidedError, ball, decide, rounded, truncated
 from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
-from dubins_study.study.check.reference import reference_of
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -341,23 +340,6 @@ def test_one_published_length_is_not_the_shortest():
     ]
     assert longer[0]["difference"] == pytest.approx(1.5373e-8, rel=1e-3)
     assert all(r["verdict"] == r["expected"] and 0 <= r["width"] <= 1e-9 for r in records)
-
-
-@pytest.mark.parametrize("scenario", ROUTES, ids=lambda scenario: scenario.label)
-def test_the_better_path_is_driven(scenario):
-    """Its arcs alone, driven: it passes every point, in order, and ends with its heading."""
-    path = reference_of(scenario).path
-    poses = path.sample(200_001)
-    at = 0
-    for point in scenario.points[1:]:
-        distances = np.hypot(*(poses[at:, :2] - point).T)
-        step = path.length / 200_000
-        at += int(np.flatnonzero(distances <= step)[0])
-    turned = (path.end.heading - scenario.final_heading) / (2 * np.pi)
-
-    assert np.hypot(*(np.array(path.end[:2]) - scenario.points[-1])) < 1e-9
-    assert turned == pytest.approx(round(turned), abs=1e-9)
-    assert np.abs(path.curvatures).max() <= (1 + 1e-12) / scenario.radius
 
 
 @pytest.mark.parametrize(

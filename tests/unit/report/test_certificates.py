@@ -109,9 +109,5 @@ def test_the_section_says_what_the_rows_say(load_rows):
     text = certificates_section(load_rows("wide", wide)).text
     assert "2 intervals hold the lengths on both sides of a jump" in text
     assert "lower bounds" not in text
-
-
-def test_rows_without_certificates_have_no_section(load_rows):
-    results = load_rows("tiny", [attempt(s) for s in paper_scenarios()])
-
-    assert certificates_section(results) is None
+    bare = load_rows("bare", [attempt(scenario) for scenario in paper_scenarios()])
+    assert certificates_section(bare) is None

@@ -97,18 +97,20 @@ def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results)
 
 
 def test_a_report_without_anything_to_compare_says_so(results):
-    """Only failures, no closed form, only warm attempts: each in words."""
+    """Only failures, no closed form, only warm attempts, one solver: each in words."""
     scenarios = paper_scenarios()[:2]
     wrong = [attempt(s, "slsqp", path=astray(s), claim=Claim.FAILED) for s in scenarios]
     failures = _section([results("failures", wrong)])
     warm = _section([results("warm", [attempt(s, initial_guess="warm") for s in scenarios])])
     only = _section([results("only", [attempt(s) for s in scenarios])])
+    single = _section([results("single", [attempt(s, "slsqp") for s in scenarios])])
 
     assert "No engine was right on any question" in failures.text
     assert "The closed form was not asked" in failures.text
     assert "Nothing can be compared" in warm.lead
     assert warm.blocks == ()
     assert "right in time on 2 of 2 questions" in only.lead
+    assert "Only one method was asked" in single.text
 
 
 @pytest.mark.parametrize(

@@ -104,11 +104,3 @@ def test_without_failures_a_sentence(load_rows):
     assert good.lead.startswith("Nothing failed: each of the 2 attempts returned")
     assert none.lead.startswith("Nothing failed: the only attempt returned")
     assert "No attempt was recorded" in failures_section(None).lead
-
-
-def test_returned_failures_alone(load_rows):
-    wrong = [attempt(NEAR, "b", path=astray(NEAR, 0.1), claim=Claim.LOCAL), attempt(FAR, "b")]
-    section = failures_section(load_rows("e", wrong))
-
-    assert [block.name for block in section.blocks] == ["failures"]
-    assert section.lead == "See what solvers said in 1 failure; each of the 2 attempts returned."

@@ -270,6 +270,11 @@ ODD = {
             )
         ),
     ],
+    "failures": [
+        attempt(s, solver, path=astray(s), claim=Claim.FAILED)
+        for s in paper_scenarios()
+        for solver in ("slsqp", "ipopt")
+    ],
     "one-lost": [attempt(paper_scenarios()[0]), lost(paper_scenarios()[0])],
     "paper": [attempt(s, branch="LS") for s in paper_scenarios()],
     "ahead": [attempt(s) for s in _same_place(5, 0)],
@@ -297,19 +302,6 @@ def test_odd_results_make_a_report_too(results, tmp_path, name):
     page = render([results(name, ODD[name])], tmp_path / "out")
 
     assert '<section id="summary"' in page.read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-def test_default_place_is_inside_the_first_folder(results):
-    """And a second report replaces the first, leaving nothing else behind."""
-    folder = results("tiny", [attempt(paper_scenarios()[0])])
-    first = render([folder])
-    (first.parent / "figures" / "stale.svg").write_text("old")
-    second = render(folder)
-
-    assert first == second == folder / "report" / "index.html"
-    assert not (second.parent / "figures" / "stale.svg").exists()
-    assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "parts", "report"]
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from io import StringIO
 from pathlib import Path as FilePath
 from xml.etree import ElementTree
@@ -24,7 +23,7 @@ from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import astray, attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
 
 SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"
@@ -170,40 +169,3 @@ def test_the_question_of_a_page_is_true_of_its_rows(load_rows, vias, finals, way
 
     assert way in text
     assert end in text
-
-
-def _failures():
-    return [
-        attempt(s, solver, path=astray(s), claim=Claim.FAILED)
-        for s in paper_scenarios()
-        for solver in ("slsqp", "ipopt")
-    ]
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        pytest.param(
-            lambda: [attempt(s) for s in paper_scenarios()],
-            "right in time on",
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            lambda: [attempt(s, "slsqp") for s in paper_scenarios()],
-            "Only one method was asked",
-            marks=pytest.mark.slow,
-        ),
-        (_failures, "No engine was right on any question"),
-        (
-            lambda: [attempt(s, x) for s in paper_scenarios() for x in ("slsqp", "ipopt")],
-            "The closed form was not asked here",
-        ),
-    ],
-    ids=["closed form alone", "one solver", "all failures", "no closed form"],
-)
-def test_a_run_of_little_makes_a_page_that_says_so(results, tmp_path, rows, words):
-    page = _text(render([results("benchmark", rows())], tmp_path / "out"))
-
-    section = page.split('<section id="decision"')[1].split("</section>")[0]
-    assert words in re.sub(r"<[^>]*>", "", section)
