@@ -165,8 +165,9 @@ def test_a_command_of_a_finding_asks_the_same_question(beside):
     path = os.pathsep.join(
         str(EXAMPLES / name / "src") for name in ("plugin-honest", "plugin-lying")
     )
+    command = finding.command.replace("dubins-study solve", "dubins_study solve --json", 1)
     process = subprocess.run(
-        f"{sys.executable} -m {finding.command.replace('dubins-study', 'dubins_study', 1)} --json",
+        f"{sys.executable} -m {command}",
         shell=True,
         capture_output=True,
         text=True,

@@ -51,7 +51,6 @@ BUDGETS |= {
     "study": Size(9_490, 54),
     "solvers": Size(10_045, 66),
     "experiments": Size(5_750, 40),
-    "conformance": Size(1_700, 9),
     "package": Size(41_412, 256),
     "tests": Size(33_065, 215),
 }

@@ -7,19 +7,19 @@ would be right for.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from itertools import chain
 
 import numpy as np
 
 from dubins_study.conformance.interview import Interview, Seen
-from dubins_study.conformance.questions import check_command, command
+from dubins_study.conformance.questions import command
 from dubins_study.conformance.report import Finding, Kind, Status
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.check.verdict import judge, miss_reason
-from dubins_study.study.path import Path, drivable
+from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
 
@@ -30,26 +30,33 @@ _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 _CLAIMED = 1e-4
 # radii: a path that ends within this of the target is right but for its solver's tolerance
 _NEAR = 1e-2
-# outcome -> what to do; part of the message of an exception -> what to do
+# outcome -> what was seen, what to do
 _OUTCOMES = {
-    Outcome.CRASHED: "run the command below with your own debugger, or `dubins_study.solve(..., "
-    "isolated=False)`, which asks in your own process",
-    Outcome.TIMEOUT: "look at `limit`, the second argument of solve: stop by then and return the "
-    "best path so far with Claim.LIMIT",
-    Outcome.OUT_OF_MEMORY: "a run ends a solve that holds more than its memory limit",
-    Outcome.RAISED: "a solve that fails returns Solution(Claim.FAILED, message=...); it does not "
-    "raise",
+    Outcome.CRASHED: (
+        "it crashed: ",
+        "run the command below with your own debugger, or `dubins_study.solve(..., "
+        "isolated=False)`, which asks in your own process",
+    ),
+    Outcome.TIMEOUT: (
+        "it did not return: ",
+        "look at `limit`, the second argument of solve: stop by then and return the best path so "
+        "far with Claim.LIMIT",
+    ),
+    Outcome.OUT_OF_MEMORY: (
+        "out_of_memory: ",
+        "a run ends a solve that holds more than its memory limit",
+    ),
+    Outcome.RAISED: (
+        "it raised ",
+        "a solve that fails returns Solution(Claim.FAILED, message=...); it does not raise",
+    ),
 }
+# part of the message of an exception -> what to do
 _RAISED = {
     "solve() takes": "write `def solve(self, question, limit)`; limit is in seconds",
     "solve() missing": "write `def solve(self, question, limit)`, with no other argument",
     "build() takes": "write `def build(self, question)`, and `def solve(self, model, limit)`",
     "build() missing": "write `def build(self, question)`, with no other argument",
-}
-_SAID = {
-    Outcome.RAISED: "it raised {}",
-    Outcome.TIMEOUT: "it did not return: {}",
-    Outcome.CRASHED: "it crashed: {}",
 }
 
 
@@ -66,15 +73,12 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
             *_of_bound(answer),
         ]
     else:
-        observed = _SAID.get(answer.outcome, f"{answer.outcome}: {{}}").format(answer.message)
-        advice = _OUTCOMES.get(answer.outcome, "")
+        said, advice = _OUTCOMES.get(answer.outcome, (f"{answer.outcome}: ", ""))
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
-        observations = [(Kind.OUTCOME, Status.FAIL, observed, advice)]
-    shown = command(answer.solver, seen.question, seen.limit)
-    if seen.question.initial_guess is not None:  # no option of `solve` hands one over
-        shown = check_command(answer.solver, "warm", seen.limit)
-    elif answer.branch == FROZEN:  # nor the label that names the problem
-        shown = check_command(answer.solver, "claims", seen.limit)
+        observations = [(Kind.OUTCOME, Status.FAIL, said + answer.message, advice)]
+    shown = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
+    if seen.question.initial_guess is None and answer.branch != FROZEN:
+        shown = command(answer.solver, seen.question, seen.limit, interview.profile)
     name, trace = seen.question.scenario.label, seen.observed.traceback
     return [
         Finding(status, observed, advice, name, shown, trace, kind=kind)
@@ -149,13 +153,10 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
         )
     for earlier in interview.seen:
         known = earlier.answer.path
-        if (
-            known is not None
-            and earlier.answer.verdict in (Verdict.OPTIMAL, Verdict.LONGER)
-            and path.length > 0
-            and known == replace(path, start=known.start)
-        ):
-            name = earlier.question.scenario.label or "another one"
+        if known is None or earlier.answer.gap is None or not path.length > 0:
+            continue
+        if known == replace(path, start=known.start):
+            name = earlier.question.scenario.label
             return (
                 f"this is its answer to an earlier question, {name}: does it keep answers, by the "
                 "target alone for instance? Start, heading and radius belong to the question"
@@ -226,15 +227,14 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
         yield Kind.BOUND, Status.FAIL, observed, advice
 
 
-def united(found: Iterable[Finding]) -> tuple[Finding, ...]:
+def united(*found: Iterable[Finding]) -> list[Finding]:
     """The findings, one for each reason: of those that are the same, the first and their count."""
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for one in found:
+    for one in chain(*found):
         reason = (one.advice or one.kind) if one.kind else one.observed
         where = one.traceback.splitlines()[-2:-1]
         groups.setdefault((one.kind, one.status, reason, *where), []).append(one)
-    listed = [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
-    return tuple(listed)
+    return [replace(same[0], count=sum(one.count for one in same)) for same in groups.values()]
 
 
 # A path fits a guess if it ends within this many radii of the target, and is no more than this
@@ -246,50 +246,33 @@ _POSITIONS = (
 )
 
 
-class Cause(NamedTuple):
-    """A mix-up: what to tell its author, and the question and the controls without it."""
-
-    advice: str
-    scenario: Callable[[Scenario], Scenario] = lambda s: s
-    curvature: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.curvatures
-    length: Callable[[Scenario, Path], np.ndarray] = lambda s, p: p.lengths
-
-
-CAUSES = (
-    Cause(
-        "left and right are swapped: curvature is positive to the left",
-        curvature=lambda s, p: -p.curvatures,
-    ),
-    Cause(
-        "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius",
-        curvature=lambda s, p: np.array([1 / k if k else 0.0 for k in p.curvatures]),
-    ),
-    Cause(
+def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray, FloatArray]]:
+    """Each mix-up: what to tell the author, the question and the controls without it."""
+    k, lengths = path.curvatures, path.lengths
+    yield "left and right are swapped: curvature is positive to the left", s, -k, lengths
+    advice = "is your radius a curvature? A path's curvature is 1 / radius at most, not the radius"
+    yield advice, s, np.array([1 / each if each else 0.0 for each in k]), lengths
+    advice = (
         "is your path that of radius 1? Divide its curvatures by the radius and multiply its "
-        "lengths by it",
-        curvature=lambda s, p: p.curvatures / s.radius,
-        length=lambda s, p: p.lengths * s.radius,
-    ),
-    Cause(
-        "are the lengths of your turns angles in rad? An arc is angle * radius long",
-        length=lambda s, p: np.where(p.curvatures != 0, p.lengths * s.radius, p.lengths),
-    ),
-    Cause(
+        "lengths by it"
+    )
+    yield advice, s, k / s.radius, lengths * s.radius
+    advice = "are the lengths of your turns angles in rad? An arc is angle * radius long"
+    yield advice, s, k, np.where(k != 0, lengths * s.radius, lengths)
+    advice = (
         "are your controls turn rates and times? A path takes curvatures and lengths: divide by "
-        "the speed, and multiply by it",
-        curvature=lambda s, p: p.curvatures / s.speed,
-        length=lambda s, p: p.lengths * s.speed,
-    ),
-    Cause(
+        "the speed, and multiply by it"
+    )
+    yield advice, s, k / s.speed, lengths * s.speed
+    advice = (
         "your path arrives if the heading is taken for degrees: question.scenario.heading is in "
-        "rad, counter-clockwise from +x",
-        scenario=lambda s: replace(s, heading=math.radians(s.heading)),
-    ),
-    Cause(
-        "your path arrives if it starts at (0, 0) with heading 0: is question.scenario.start used?",
-        scenario=lambda s: replace(s, x=0.0, y=0.0, heading=0.0),
-    ),
-)
+        "rad, counter-clockwise from +x"
+    )
+    yield advice, replace(s, heading=math.radians(s.heading)), k, lengths
+    advice = (
+        "your path arrives if it starts at (0, 0) with heading 0: is question.scenario.start used?"
+    )
+    yield advice, replace(s, x=0.0, y=0.0, heading=0.0), k, lengths
 
 
 def cause_of(scenario: Scenario, path: Path) -> str:
@@ -300,11 +283,9 @@ def cause_of(scenario: Scenario, path: Path) -> str:
     if (np.abs(last) <= 1e-6 * scenario.radius).all():
         return _POSITIONS
     with np.errstate(all="ignore"):
-        for cause in CAUSES:
-            other = cause.scenario(scenario)
-            controls = cause.curvature(scenario, path), cause.length(scenario, path)
+        for advice, other, *controls in mix_ups(scenario, path):
             if _fits(other, Path(other.start, *controls)):
-                return cause.advice
+                return advice
     return ""
 
 

@@ -9,9 +9,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from dubins_study.conformance import questions
-from dubins_study.conformance.interview import GRACE_S, Interview, NotApplicableError, Seen
+from dubins_study.conformance.interview import (
+    GRACE_S,
+    Interview,
+    LoadError,
+    NotApplicableError,
+    Seen,
+)
 from dubins_study.conformance.observer import TEMPORARY
-from dubins_study.conformance.questions import check_command, command
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Question
@@ -26,23 +31,19 @@ _BROKEN = {
 }
 
 
-def broken(message: str, traceback: str, spec: str) -> Finding:
+def broken(error: LoadError, spec: str, command: str) -> Finding:
     """The finding about a solver that does not load."""
-    file = spec.rpartition(":")[0] or "my_solver.py"
+    message, file = str(error), spec.rpartition(":")[0] or "my_solver.py"
     advice = next(text for part, text in _BROKEN.items() if part in message).format(file=file)
-    shown = check_command(spec, "loading")
     said, _, place = message.partition("\n")  # of a syntax error
-    return Finding(Status.FAIL, said, advice, command=shown, traceback=place or traceback)
+    return Finding(Status.FAIL, said, advice, command=command, traceback=place or error.frames)
 
 
 def loading(interview: Interview) -> Checked:
     """What a solver that was loaded says of itself."""
     declared = interview.declared
     formulation, engine = declared["method"][:2]
-    found = [
-        Finding(Status(status), observed, advice)
-        for status, observed, advice in declared["problems"]
-    ]
+    found = [Finding(Status(status), *texts) for status, *texts in declared["problems"]]
     return found, f"{declared['name']}: {formulation}, {engine}"
 
 
@@ -78,14 +79,10 @@ def limits(interview: Interview) -> Checked:
     )
     if promised:
         advice += ". Until then, do not promise keeps_limit"
-    late = Finding(
-        Status.FAIL if promised else Status.NOTE,
-        f"with a limit of {_SHORT_LIMIT_S} s {took}",
-        advice,
-        "all at once",
-        command(interview.spec, question, _SHORT_LIMIT_S),
-    )
-    return [late], ""
+    status = Status.FAIL if promised else Status.NOTE
+    observed = f"with a limit of {_SHORT_LIMIT_S} s {took}"
+    shown = questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile)
+    return [Finding(status, observed, advice, "all at once", shown)], ""
 
 
 # relative: answers that differ by less differ in rounding only
@@ -104,7 +101,7 @@ def determinism(interview: Interview) -> Checked:
     known = [_question(interview, place) for place in _ASKED_AGAIN]
     first = [interview.ask(question) for question in known]
     second = [interview.ask(question, again=True) for question in known]
-    interview.restart()
+    interview.source.restart()
     third = [interview.ask(question, again=True) for question in known]
     pairs = [
         (one, again, when, place)
@@ -194,27 +191,20 @@ def state(interview: Interview) -> Checked:
         )
         observed = f"after a solve this is not as it was before: {change}"
         found.append(Finding(Status.FAIL, observed, advice, count=count))
-    found += _files(seen)
+    # after any other outcome a solver could not have removed its files
+    ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
+    if files := sorted({file for one in ended for file in one.files}):
+        kept = [file for file in files if not file.startswith(TEMPORARY)]
+        place = "the working directory" if kept else "the folder for temporary files"
+        names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in (kept or files)[:3])
+        observed = f"it leaves files in {place}: {names}"
+        status = Status.FAIL if kept else Status.NOTE
+        advice = "write into a tempfile.TemporaryDirectory()"
+        found.append(Finding(status, observed, advice, count=len(files)))
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
-    loud = list(filter(None, outputs))
-    if loud:
+    if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"
         status = Status.FAIL if interview.declared["keeps_limit"] else Status.NOTE
         observed = f"it prints: {loud[0][-120:]}"
         found.append(Finding(status, observed, advice, count=len(loud)))
     return found, f"{len(seen)} questions"
-
-
-def _files(seen: list[Seen]) -> list[Finding]:
-    """Files that were left where the solver was started, or among temporary files."""
-    # after any other outcome a solver could not have removed its files
-    ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    files = sorted({file for one in ended for file in one.files})
-    if not files:
-        return []
-    kept = [file for file in files if not file.startswith(TEMPORARY)]
-    place = "the working directory" if kept else "the folder for temporary files"
-    names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in (kept or files)[:3])
-    advice = "write into a tempfile.TemporaryDirectory()"
-    status = Status.FAIL if kept else Status.NOTE
-    return [Finding(status, f"it leaves files in {place}: {names}", advice, count=len(files))]

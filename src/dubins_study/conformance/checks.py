@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import replace
 from inspect import getsourcefile
 from pathlib import Path as FilePath
 from time import monotonic
-from types import MappingProxyType
 from typing import Any
 
 from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import problems, united
 from dubins_study.conformance.behaviour import Checked
 from dubins_study.conformance.interview import (
-    InProcess,
     Interview,
     LoadError,
     NotApplicableError,
@@ -23,6 +22,7 @@ from dubins_study.conformance.interview import (
     UnfinishedError,
     Worker,
 )
+from dubins_study.conformance.observer import Observer
 from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Kind, Status
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.attempt import check_request
@@ -46,16 +46,18 @@ class ConformanceError(DubinsStudyError, ValueError):
 def _asked(
     scenarios: Mapping[str, Scenario],
     kinds: tuple[Kind, ...] = _ALL,
-    frozen: Mapping[str, Scenario] = MappingProxyType({}),
+    frozen: bool = False,
 ) -> Callable[[Interview], Checked]:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
 
-    A solver that does not answer `best` is asked for the `frozen` problems, where there are some.
+    If `frozen`, a solver that answers the frozen problems alone is asked for these.
     """
 
     def run(interview: Interview) -> Checked:
-        branch, asked = ("best", scenarios) if interview.answers("best") else (FROZEN, frozen)
-        if not (asked and interview.answers(branch)):
+        branch, asked = "best", scenarios
+        if frozen and not interview.answers("best"):
+            branch, asked = FROZEN, questions.ROUTES
+        if not interview.answers(branch):
             raise NotApplicableError("the solver does not answer `best`")
         answers = [interview.ask(Question(scenario, branch)) for scenario in asked.values()]
         found = _wrong(interview, answers, kinds)
@@ -109,7 +111,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
-        _asked(questions.GENERAL, (), questions.ROUTES),
+        _asked(questions.GENERAL, (), frozen=True),
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
@@ -117,7 +119,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     ),
     "claims": (
         "claims of optimality, of a lower bound, of no path; paths that are longer",
-        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), questions.ROUTES),
+        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), frozen=True),
     ),
     "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
     "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),
@@ -173,28 +175,22 @@ def check_solver(
     # absolute, since the worker has a folder of its own
     absolute = f"{FilePath(file + '.py').absolute()}:{rest}" if mark else spec
     try:
-        source = (Worker if isolated else InProcess)(absolute, profile)
+        source = (Worker if isolated else Observer)(absolute, profile)
     except LoadError as error:
-        found = _asked_in(profile, behaviour.broken(str(error), error.frames, spec))
+        shown = questions.check_command(spec, "loading", time_limit, profile)
+        found = behaviour.broken(error, spec, shown)
         not_asked = [_not_asked(name, "it does not load") for name in names[1:]]
         results = (CheckResult("loading", TITLES["loading"], (found,)), *not_asked)
         return ConformanceReport(spec, results, {}, monotonic() - began)
     checked: list[CheckResult] = []
-    with Interview(spec, source, profile, time_limit, total_time_limit) as interview:
+    with closing(source):
+        interview = Interview(spec, source, profile, time_limit, total_time_limit)
         for result in _results(interview, names):
-            findings = tuple(_asked_in(profile, finding) for finding in result.findings)
-            checked.append(replace(result, findings=findings))
+            checked.append(result)
             if progress is not None:
                 progress(len(checked), len(names))
     seconds, counts = monotonic() - began, interview.counts()
     return ConformanceReport(spec, tuple(checked), counts, seconds, interview.worst_gap())
-
-
-def _asked_in(profile: str, finding: Finding) -> Finding:
-    """A finding whose command asks in a profile that is not the default."""
-    if profile == "default" or not finding.command:
-        return finding
-    return replace(finding, command=f"{finding.command} --profile {profile}")
 
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
@@ -211,7 +207,7 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             findings, summary = run(interview)
         except NotApplicableError as reason:
             summary, applied = str(reason), Status.NOT_APPLICABLE
-        except UnfinishedError as reason:
+        except (UnfinishedError, LoadError) as reason:
             stopped = summary = str(reason)
             applied = Status.NOT_ASKED
         # a limit shorter than the caller's is looked at by the check that sets it
@@ -221,11 +217,10 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             if seen.answer.outcome is not Outcome.TIMEOUT or seen.limit == interview.limit
         ]
         silent = _wrong(interview, new, (Kind.OUTCOME,))
-        shown = questions.check_command(interview.spec, name, interview.limit)
-        listed = tuple(
-            replace(one, command=one.command or shown) for one in united([*findings, *silent])
-        )
-        yield CheckResult(name, title, listed, summary, applied)
+        shown = questions.check_command(interview.spec, name, interview.limit, interview.profile)
+        listed = [replace(one, command=one.command or shown) for one in united(findings, silent)]
+        listed.sort(key=lambda one: one.status is not Status.FAIL)
+        yield CheckResult(name, title, tuple(listed), summary, applied)
         outcomes = {one.answer.outcome for one in interview.seen}
         if interview.declared["unavailable"] is not None:
             stopped = f"it cannot run here: {interview.declared['unavailable']}"

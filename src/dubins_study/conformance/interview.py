@@ -7,22 +7,15 @@ from collections import Counter
 from pathlib import Path as FilePath
 from tempfile import mkdtemp
 from time import monotonic
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
-from dubins_study.conformance.observer import (
-    MEMORY_BYTES,
-    TEMPORARY,
-    Observation,
-    Observer,
-    declaration,
-)
+from dubins_study.conformance.observer import MEMORY_BYTES, TEMPORARY, Observation, Observer
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import Allowance, Ended, WorkerProcess
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.solvers.reply import no_answer
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import Outcome, Verdict
 
@@ -53,23 +46,6 @@ class NotApplicableError(DubinsStudyError):
     """A check does not apply to the solver; the message says why."""
 
 
-class InProcess:
-    """The solver in the caller's process: for a debugger, and for solvers that are known."""
-
-    folder = None
-
-    def __init__(self, spec: str, profile: str):
-        observer = Observer(spec, profile)
-        self.ask = observer.ask
-        self.declared = declaration(observer.solver)
-
-    def restart(self) -> None:
-        """There is only one process to ask in."""
-
-    def close(self) -> None:
-        """Nothing to end."""
-
-
 class Worker:
     """The solver in a process of its own, in an empty folder."""
 
@@ -80,19 +56,14 @@ class Worker:
         self._process: WorkerProcess | None = None
         self._extra_s = WARM_UP_S
         try:
-            self.declared = self._load()[1]
+            self._load()
         except BaseException:
             self.close()
             raise
 
     def ask(self, question: Question, limit: float) -> Observation:
         """As `Observer.ask`; a process that ends meanwhile is replaced at the next question."""
-        try:
-            process = self._load()[0]
-        except (LoadError, SolverError) as error:  # it did load before
-            crash = no_answer(Outcome.CRASHED, f"loaded once more, it fails: {error}")
-            return Observation(crash)
-        task = ["ask", encode_question(question), limit]
+        process, task = self._load(), ["ask", encode_question(question), limit]
         allowance = Allowance(limit, GRACE_S + self._extra_s)
         event = process.request(task, allowance, _observation)
         self._extra_s = 0.0  # what did not answer once is not waited for longer again
@@ -102,10 +73,10 @@ class Worker:
         observation: Observation = event.value._replace(output=output)
         return observation
 
-    def _load(self) -> tuple[WorkerProcess, dict[str, Any]]:
-        """The process, with what the solver says of itself; a new process if there is none."""
+    def _load(self) -> WorkerProcess:
+        """The process; a new one that has loaded the solver if there is none."""
         if self._process is not None and not self._process.closed:
-            return self._process, self.declared
+            return self._process
         self._process = WorkerProcess(
             "dubins_study.conformance.observer:serve", self._arguments, MEMORY_BYTES
         )
@@ -115,7 +86,8 @@ class Worker:
             raise LoadError(f"while it was loaded, {event.reply.solution.message}")
         kind, value, *frames = event.value
         if kind == "loaded":
-            return self._process, value
+            self.declared = value
+            return self._process
         self.restart()
         raise SolverError(value) if kind == "refused" else LoadError(value, *frames)
 
@@ -159,23 +131,16 @@ class Interview:
     """
 
     def __init__(
-        self, spec: str, source: InProcess | Worker, profile: str, limit: float, total_limit: float
+        self, spec: str, source: Observer | Worker, profile: str, limit: float, total_limit: float
     ):
         self.spec, self.declared, self.limit = spec, source.declared, limit
-        self.tolerances = PROFILES[profile]
+        self.source, self.profile, self.tolerances = source, profile, PROFILES[profile]
         self.seen: list[Seen] = []
         self._method = Method(*self.declared["method"])
-        self._source = source
         self._total_limit, self._end = total_limit, monotonic() + total_limit
         self._timeouts = 0
         self._answers: dict[tuple[Any, ...], Seen] = {}
         self._files: set[str] = set()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._source.close()
 
     def counts(self) -> dict[str, int]:
         """How the questions ended, as `ConformanceReport.answers` has it."""
@@ -188,9 +153,8 @@ class Interview:
     def worst_gap(self) -> float | None:
         """The largest gap of the paths that are longer than the shortest; None if there is none."""
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
-        return max(
-            (one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER), default=None
-        )
+        gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
+        return max(gaps, default=None)
 
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""
@@ -199,11 +163,10 @@ class Interview:
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
         """The judged answer to a question; the earlier one unless `again`.
 
-        Raises:
-            UnfinishedError: if the time for all questions is over, or too many were not answered.
+        An UnfinishedError if the time for all questions is over, or too many were not answered.
         """
         key = (question.scenario, question.branch, question.repeat, limit)
-        if question.initial_guess is None and not again and key in self._answers:
+        if not again and key in self._answers:
             return self._answers[key]
         if monotonic() > self._end:
             raise UnfinishedError(
@@ -212,28 +175,19 @@ class Interview:
             )
         if self._timeouts >= MAX_TIMEOUTS:
             raise UnfinishedError(f"{MAX_TIMEOUTS} questions in a row were not answered in time")
-        seen = self._ask(question, self.limit if limit is None else limit)
-        timed_out = seen.answer.outcome is Outcome.TIMEOUT
-        self._timeouts = self._timeouts + 1 if timed_out else 0
-        self.seen.append(seen)
-        if question.initial_guess is None:
-            self._answers.setdefault(key, seen)
-        return seen
-
-    def restart(self) -> None:
-        """Ask the next question in a new process."""
-        self._source.restart()
-
-    def _ask(self, question: Question, limit: float) -> Seen:
-        began = monotonic()
-        observed = self._source.ask(question, limit)
+        began, limit = monotonic(), self.limit if limit is None else limit
+        observed = self.source.ask(question, limit)
         answer = judged(self.spec, question, observed.reply, self.tolerances, self._method)
         files = self._new_files()
-        return Seen(answer, question, observed, files, monotonic() - began, limit)
+        seen = Seen(answer, question, observed, files, monotonic() - began, limit)
+        self._timeouts = self._timeouts + 1 if answer.outcome is Outcome.TIMEOUT else 0
+        self.seen.append(seen)
+        self._answers.setdefault(key, seen)
+        return seen
 
     def _new_files(self) -> tuple[str, ...]:
         """Files that have appeared in the worker's folder since the last question."""
-        folder = self._source.folder
+        folder = self.source.folder
         if folder is None:
             return ()
         now = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}

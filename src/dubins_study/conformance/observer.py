@@ -61,15 +61,17 @@ class Observation(NamedTuple):
 
 
 class Observer:
-    """A loaded solver."""
+    """A loaded solver in the caller's process: for a debugger, and within an `interview.Worker`."""
+
+    folder = None
 
     def __init__(self, spec: str, profile: str):
-        self._spec, self._profile = spec, profile
         self._state = ProcessState(MEMORY_BYTES)
         self.solver = load(spec, profile)
         Path(Pose(0, 0, 0), [0.0], [1.0])  # what our first path imports is not the solver's doing
         self._state.accept()
         self._children = _children()
+        self.declared = declaration(self.solver)
 
     def ask(self, question: Question, limit: float) -> Observation:
         """The reply to a question, the exception's traceback, and the state that changed."""
@@ -85,6 +87,12 @@ class Observer:
         self._children = _children()
         text = own_frames(raised[-1]) if raised else ""
         return Observation(reply, text, tuple(changes), loaded)
+
+    def restart(self) -> None:
+        """There is only one process to ask in."""
+
+    def close(self) -> None:
+        """Nothing to end."""
 
 
 def _children() -> int:
@@ -119,11 +127,8 @@ def declaration(solver: Solver) -> dict[str, Any]:
     }
 
 
-# How bad a problem is (`report.Status`), what was seen, and what to do.
-_Problem = tuple[str, str, str]
-
-
-def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
+def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
+    """How bad a problem is (`report.Status`), what was seen, and what to do."""
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:
@@ -145,23 +150,16 @@ def _wrong_declaration(solver: Solver) -> Iterator[_Problem]:
         yield "note", "it does not state its method", advice
 
 
-_DEFAULT = "give each setting a default of type int, float, bool or str"
-
-
-def _wrong_settings(solver: Solver) -> Iterator[_Problem]:
+def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
     """Settings that a spec cannot set, and what is no setting."""
     kind = type(solver)
     for key, value in settings(solver).items():
         if not isinstance(value, int | float | str):
             problem = f"{key}: its default {value!r:.40} is a {type(value).__name__}"
-            yield "note", f"a spec cannot set {problem}", _DEFAULT
-    fields = getattr(kind, "__dataclass_fields__", {})
-    names = [
-        name
-        for one in kind.__mro__[: kind.__mro__.index(Solver)]
-        for name, annotation in get_annotations(one).items()
-        if not (name in fields or hasattr(Solver, name) or "ClassVar" in str(annotation))
-    ]
+            advice = "give each setting a default of type int, float, bool or str"
+            yield "note", f"a spec cannot set {problem}", advice
+    known = {*dir(Solver), *getattr(kind, "__dataclass_fields__", ())}
+    names = [name for name in get_annotations(kind) if name not in known]
     if names or not is_dataclass(kind):
         unset = f": {', '.join(names)} cannot be set" if names else ""
         advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
@@ -186,7 +184,7 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
     def load_solver() -> list[Any]:
         try:
             loaded.append(Observer(spec, profile))
-            return ["loaded", declaration(loaded[0].solver)]
+            return ["loaded", loaded[0].declared]
         except SolverError as error:
             text = own_frames(error.__cause__) if error.__cause__ else ""
             return ["broken", str(error), text] if text else ["refused", str(error)]

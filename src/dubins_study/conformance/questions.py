@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.reply import DEFAULT_LIMIT
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario_frame import solve_command
 
 TIME_LIMIT_S = 5.0  # for one question, unless the caller gives another
 
@@ -147,28 +147,16 @@ WITHOUT = {
 }
 
 
-def command(spec: str, question: Question, limit: float) -> str:
+def command(spec: str, question: Question, limit: float, profile: str) -> str:
     """The command that asks a question again, with the same limit (s)."""
-    s = question.scenario
-    words = ["dubins-study", "solve", _digits(s.target_x), _digits(s.target_y)]
-    words += ["--from", _digits(s.x), _digits(s.y), f"{_digits(s.heading)}rad"]
-    for option, value in (("--radius", s.radius), ("--speed", s.speed)):
-        words += [option, _digits(value)] if value != 1 else []
-    words += ["--branch", question.branch] if question.branch != "best" else []
-    return shlex.join([*words, *_limited(limit, DEFAULT_LIMIT), "--solver", spec])
+    row = {name: getattr(question.scenario, name) for name in COLUMNS}
+    row |= {"solver": spec, "branch": question.branch, "profile": profile, "time_limit_s": limit}
+    return solve_command(row)
 
 
-def check_command(spec: str, check: str, limit: float = TIME_LIMIT_S) -> str:
+def check_command(spec: str, check: str, limit: float, profile: str) -> str:
     """The command that makes a check again, where one question does not show what was seen."""
     words = ["dubins-study", "check-solver", spec, "--check", check]
-    return shlex.join([*words, *_limited(limit, TIME_LIMIT_S)])
-
-
-def _limited(limit: float, default: float) -> list[str]:
-    """The option of a limit (s) that is not the command's own."""
-    return [] if limit == default else ["--time-limit", _digits(limit)]
-
-
-def _digits(value: float) -> str:
-    """A number as Python reads it back to the last bit."""
-    return repr(value).removesuffix(".0")
+    words += ["--time-limit", f"{limit:g}"] if limit != TIME_LIMIT_S else []
+    words += ["--profile", profile] if profile != "default" else []
+    return shlex.join(words)

@@ -27,9 +27,6 @@ class Status(StrEnum):
     FAIL = "fail"
 
 
-_RANK = list(Status)
-
-
 class Kind(StrEnum):
     """Which part of an answer a finding is about."""
 
@@ -83,14 +80,11 @@ class CheckResult:
     summary: str = ""
     applied: Status = Status.PASS
 
-    def __post_init__(self) -> None:
-        worst_first = sorted(self.findings, key=lambda one: one.status is not Status.FAIL)
-        object.__setattr__(self, "findings", tuple(worst_first))
-
     @property
     def status(self) -> Status:
         """The worst of the findings' statuses; `pass` or why not, where there are none."""
-        return max([self.applied, *(found.status for found in self.findings)], key=_RANK.index)
+        statuses = [self.applied, *(found.status for found in self.findings)]
+        return max(statuses, key=list(Status).index)
 
     @property
     def passed(self) -> bool:
@@ -217,9 +211,8 @@ def _finding(found: Finding, width: int) -> str:
 
 
 def _wrapped(text: str, width: int, hanging: str = "") -> str:
-    wrapper = TextWrapper(
-        width, subsequent_indent=hanging, break_long_words=False, break_on_hyphens=False
-    )
+    wrapper = TextWrapper(width, subsequent_indent=hanging, break_long_words=False)
+    wrapper.break_on_hyphens = False
     return wrapper.fill(text)
 
 

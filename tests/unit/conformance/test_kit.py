@@ -338,9 +338,8 @@ def test_the_report_as_json():
     }
     finding = values["checks"][1]["findings"][0]
     assert finding["count"] == 6
-    assert finding["command"].startswith(
-        "dubins-study solve 0 1 --from 0 0 0rad --time-limit 5 --solver "
-    )
+    assert finding["command"].startswith("dubins-study solve --time-limit 5 --solver ")
+    assert finding["command"].endswith(" -- 0 1")
 
 
 @pytest.mark.parametrize(
@@ -415,14 +414,14 @@ def test_the_questions_are_where_they_say():
 
 def test_a_command_holds_every_number_to_the_last_bit():
     scenario = SYMMETRIES["turned by 2 rad"]
-    words = command("my solver.py:Mine[n=2]", Question(scenario, "RL"), 0.1).split()
+    words = command("my solver.py:Mine[n=2]", Question(scenario, "RL"), 0.1, "fast").split()
 
-    assert float(words[2]) == scenario.target_x
-    assert float(words[7].removesuffix("rad")) == scenario.heading
-    assert words[8:] == [
-        *("--radius", "0.4", "--speed", "0.6", "--branch", "RL", "--time-limit", "0.1"),
-        *("--solver", "'my", "solver.py:Mine[n=2]'"),
+    assert tuple(map(float, words[3:6])) == scenario.start
+    assert words[6:-2] == [
+        *("--radius", "0.4", "--speed", "0.6", "--branch", "RL", "--profile", "fast"),
+        *("--time-limit", "0.1", "--solver", "'my", "solver.py:Mine[n=2]'", "--"),
     ]
+    assert tuple(map(float, words[-2:])) == (scenario.target_x, scenario.target_y)
 
 
 OF_ANY_BRANCH = ("limits", "determinism", "state", "branches")
@@ -496,7 +495,7 @@ def test_every_failure_shows_a_command(kind):
     assert failures
     for finding in failures:
         assert finding.command.startswith("dubins-study "), finding
-        assert re.search(r"solve [-.0-9 ]+--from|check-solver \S+ --check", finding.command)
+        assert re.search(r"solve .*--solver \S+ -- |check-solver \S+ --check", finding.command)
         assert f"$ {finding.command}\n" in str(report)
     wanted = [len({one.command for one in findings}) for findings in failed_by.values()]
     assert len(re.findall(r"^ +\$ ", str(report), re.MULTILINE)) == sum(wanted)
@@ -507,7 +506,7 @@ def test_commands_ask_in_the_profile_of_the_check():
     commands = [finding.command for result in report for finding in result.findings]
 
     assert commands
-    assert all(command.endswith(" --profile accurate") for command in commands)
+    assert all(" --profile accurate " in command for command in commands)
 
 
 @pytest.mark.parametrize(("kind", "width"), [(Raising, 40), (Lost, 64), (Lost, 100)])
