@@ -1,4 +1,4 @@
-"""What holds for every command: the nearest name in refusals, verbosity, lists."""
+"""What holds for every command; lists, new experiments and the audit."""
 
 from __future__ import annotations
 
@@ -6,43 +6,15 @@ import json
 import re
 
 import pytest
-from typer.testing import CliRunner
 
 from dubins_study import DubinsStudyError
-from dubins_study.cli.app import app
 from dubins_study.cli.terminal.output import Verbosity, set_verbosity, verbosity
 from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.experiments.plan.run_plan import Request, plan_run
+from dubins_study.report.paper import printed, routes
+from tests.unit.cli.conftest import asked, line_of
 
 PATH = ("solve", "10", "5")
-
-
-def asked(*arguments):
-    return CliRunner().invoke(app, arguments)
-
-
-def line_of(name, text):
-    return next(line for line in text.splitlines() if line.startswith(name))[12:]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            ("--solver", "iptop"),
-            "no solver named 'iptop'; did you mean 'ipopt'? choose one of: ana",
-        ),
-        (("--solver", "ipopt[modl=words]"), "no setting 'modl'; did you mean 'model'? it has: mod"),
-        (("--solver", "ipopt[model=jiont]"), "is 'jiont'; did you mean 'joint'? expected one of: "),
-        (("--solver", "turn-rate-qp[engine=piq]"), "is 'piq'; did you mean 'piqp'? expected one o"),
-        (("--branch", "ls"), "no branch named 'ls'; did you mean 'LS'? choose one of: best, LS"),
-        (("--profile", "acurate"), "no profile named 'acurate'; did you mean 'accurate'? choose"),
-    ],
-)
-def test_the_nearest_name(arguments, message):
-    with pytest.raises(DubinsStudyError) as refusal:
-        CliRunner().invoke(app, (*PATH, *arguments), catch_exceptions=False)
-    assert message in str(refusal.value)
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
@@ -98,6 +70,8 @@ def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
 
     assert done.exit_code == 0
     assert "dubins-study run my-first.toml" in done.stdout
+    with pytest.raises(DubinsStudyError, match=r"my-first\.toml exists; expected the name of a"):
+        asked("new", "experiment", "my-first.toml")
     plan = plan_run(Request("my-first.toml"))
     assert str(plan.folder) == "results/my-first"
     assert plan.experiment_file.experiment.title == "My first"
@@ -112,22 +86,57 @@ def test_a_new_experiment_is_one_that_runs(tmp_path, monkeypatch):
     assert (experiment.repeats, experiment.time_limit_s, experiment.profile) == (5, 10, "accurate")
 
 
+def test_the_audit_is_the_committed_file():
+    """Byte for byte, so that the command can write it."""
+    done = asked("audit", "--json")
+    folder = printed.files("dubins_study.report.paper")
+
+    assert done.exit_code == 0
+    assert done.stdout == folder.joinpath("audit.json").read_text(encoding="utf-8")
+    shown = asked("audit").stdout
+    assert "33 printed lengths: 26 correct rounding, 1 double rounding" in shown
+    assert "1.734999854667528017769085812802804636586" in shown
+
+
+def lose_a_cell(record):
+    del record["cells"][0]
+
+
 @pytest.mark.parametrize(
-    ("name", "message"),
+    ("change", "named"),
     [
         (
-            "my.tml",
-            "my.tml: expected a name of letters, .* that ends in .toml, such as",
+            lambda record: record["cells"][12].update(exact="0.79"),
+            "cells[6.3, problem 3, optimal, z1].exact: computed '0.777354",
         ),
-        ("a b.toml", "a b.toml: expected a name of letters"),
-        ("there.toml", "there.toml exists; expected the name of a new file"),
-        ("no/where.toml", "cannot write no/where.toml: No such file or directory"),
+        (lose_a_cell, "cells: 33 computed, 32 committed"),
     ],
 )
-def test_a_new_experiment_has_a_name_that_is_free(name, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "there.toml").write_text("mine")
-    with pytest.raises(DubinsStudyError, match=message):
-        CliRunner().invoke(app, ("new", "experiment", name), catch_exceptions=False)
-    assert [file.name for file in tmp_path.iterdir()] == ["there.toml"]
-    assert (tmp_path / "there.toml").read_text() == "mine"
+def test_a_contradiction_is_exit_code_1(change, named, monkeypatch):
+    """The cell is named on stderr; what was computed is printed all the same."""
+    computed = asked("audit", "--json").stdout
+    changed = json.loads(computed)
+    change(changed)
+    monkeypatch.setattr(printed, "committed", lambda: changed)
+
+    done = asked("audit", "--json")
+
+    assert done.exit_code == 1
+    assert f"contradiction: {named}" in done.stderr
+    assert done.stdout == computed
+
+
+def test_published_routes(monkeypatch):
+    """The published length that is not the shortest is named; another verdict is exit code 1."""
+    done = asked("audit", "kaya")
+    records = json.loads(asked("audit", "kaya", "--json").stdout)
+
+    assert done.exit_code == 0
+    assert "MPDP, example 4: printed 7.46756219733842652175326293218, +1.54e-08" in done.stdout
+    assert "example 1: RSL LSR RSR" in done.stdout
+    assert len(records) == 8
+    lines = (routes.PrintedRoute("here", "example 1", "3.5"),)
+    monkeypatch.setattr(routes, "PRINTED_ROUTES", lines)
+    done = asked("audit", "kaya")
+    assert done.exit_code == 1
+    assert "contradiction: here, example 1: longer, not shortest" in done.stderr

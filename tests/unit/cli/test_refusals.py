@@ -61,6 +61,21 @@ REFUSALS = {
     "run paper --repeats 0": "dubins-study: repeats is 0: expected greater than or equal to 1",
     "run paper --memory-limit 0": "dubins-study: memory_limit is 0.0: expected greater than",
     "report /nowhere": "/nowhere",
+    # the nearest name
+    "solve 1 2 --solver iptop": "no solver named 'iptop'; did you mean 'ipopt'? choose one of: ana",
+    "solve 1 2 --solver ipopt[modl=words]": "no setting 'modl'; did you mean 'model'? it has: mod",
+    "solve 1 2 --solver ipopt[model=jiont]": "is 'jiont'; did you mean 'joint'? expected one of: ",
+    "solve 1 2 --solver turn-rate-qp[engine=piq]": "is 'piq'; did you mean 'piqp'? expected one o",
+    "solve 1 2 --branch ls": "no branch named 'ls'; did you mean 'LS'? choose one of: best, LS",
+    "solve 1 2 --profile acurate": "no profile named 'acurate'; did you mean 'accurate'? choose",
+    # two requests in one
+    "solve 3": "the target is a single number; expected X Y, or --via-file",
+    "solve 3 4 --plot a.svg --geojson a.svg": "--geojson: a.svg is given twice",
+    "solve --via 1 2 --via-file no.csv": "--via and --via-file are given; expected one of them",
+    "solve --via-file no.csv": "no.csv: cannot be read: No such file or directory",
+    "audit nonesuch": "no audit of 'nonesuch'; choose one of: paper, kaya",
+    "new experiment my.tml": "my.tml: expected a name of letters, digits, hyphens, underscores and",
+    "new experiment no/where.toml": "cannot write no/where.toml: No such file or directory",
 }
 
 

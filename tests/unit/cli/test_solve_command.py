@@ -8,22 +8,17 @@ import re
 from importlib.metadata import version
 
 import pytest
-from typer.testing import CliRunner
 
 from dubins_study import Scenario, plot_path, solve
 from dubins_study.cli import solve as solve_command
-from dubins_study.cli.app import app
 from dubins_study.report.path_plot import PlotError
+from tests.unit.cli.conftest import asked, line_of
 
 FIELDS = {
     *("word", "length", "travel_time", "segments", "gap", "verdict", "claim", "proof", "solver"),
     *("branch", "miss", "region", "margin", "build_s", "solve_s"),
 }
 PATH, NO_PATH = ("solve", "10", "5"), ("solve", "0", "1", "--branch", "LS")
-
-
-def asked(*arguments):
-    return CliRunner().invoke(app, arguments)
 
 
 @pytest.mark.parametrize("question", [PATH, NO_PATH])
@@ -43,7 +38,7 @@ def test_the_json_object(question):
 def test_the_json_object_of_a_route():
     """Via points with negative coordinates, in their order; refused after it is printed."""
     route = ("--via", "-4", "1", "--via=6", "-2", "--final-heading", "-pi/2")
-    done = asked("solve", "-10", "5", *route, "--solver", "slsqp", "--json")
+    done = asked("solve", "-10", "5", *route, "--solver", "slsqp", "--json", raises=False)
     answer = json.loads(done.stdout)
 
     assert answer["via"] == [[-4, 1], [6, -2]]
@@ -54,11 +49,11 @@ def test_the_json_object_of_a_route():
     assert (plain["via"], plain["final_heading"]) == ([], None)
 
 
-@pytest.mark.parametrize("form", [("--json",), ()])
-def test_a_plot_of_no_path(form, tmp_path):
+@pytest.mark.parametrize("options", [("--plot",), ("--json", "--plot"), ("--geojson",)])
+def test_a_drawing_of_no_path(options, tmp_path):
     """The answer is printed all the same; one line says that nothing is drawn; exit code 1."""
     file = tmp_path / "path.svg"
-    done = asked(*NO_PATH, *form, "--plot", str(file))
+    done = asked(*NO_PATH, *options, str(file))
 
     assert done.exit_code == 1
     assert "none exists" in done.stdout
@@ -87,7 +82,7 @@ def test_the_text_names_what_it_shows():
         (("--solver", "slsqp[count=5]"), "slsqp[count=5,presolve=true]"),
         (("--solver", "slsqp[count=5]", "--json"), None),
         (("--solver", "slsqp[presolve=true]"), None),
-        (("--solver", "penalty[engine=nlopt-direct]"), None),  # its presolve is for a word alone
+        (("--solver", "penalty[engine=direct]"), None),  # its presolve is for a word alone
         (("--solver", "analytic"), None),
     ],
 )
@@ -109,23 +104,40 @@ MISSES = {
 }
 
 
-@pytest.mark.parametrize("path", MISSES)
-def test_a_path_that_misses_says_why(path, tmp_path):
-    plugin = tmp_path / "misses.py"
-    plugin.write_text(
-        "from dubins_study import Claim, Path, Solution, Solver\n"
-        "class Misses(Solver):\n"
-        "    name = 'misses'\n"
-        "    def solve(self, question, limit):\n"
-        "        s = question.scenario\n"
-        f"        return Solution(Claim.LOCAL, {path})\n"
-    )
-    done = asked(*PATH, "--solver", f"{plugin}:Misses")
+@pytest.fixture
+def plugin(tmp_path):
+    """`plugin(body)`: the spec of a solver whose `solve` has this body."""
 
-    verdict = next(line for line in done.stdout.splitlines() if line.startswith("verdict"))
-    assert verdict.removeprefix("verdict     ").startswith(MISSES[path])
+    def written(body):
+        file = tmp_path / "plugin.py"
+        file.write_text(
+            "from dubins_study import Claim, Path, Solution, Solver\n"
+            "class Mine(Solver):\n"
+            "    name = 'mine'\n"
+            "    def solve(self, question, limit):\n"
+            "        s = question.scenario\n"
+            f"        {body}\n"
+        )
+        return f"{file}:Mine"
+
+    return written
+
+
+@pytest.mark.parametrize("path", MISSES)
+def test_a_path_that_misses_says_why(path, plugin):
+    done = asked(*PATH, "--solver", plugin(f"return Solution(Claim.LOCAL, {path})"))
+
+    assert line_of("verdict", done.stdout).startswith(MISSES[path])
     assert "the target is the start" not in done.stdout
     assert "none: the target is the start" in asked("solve", "0", "0").stdout
+
+
+def test_a_solver_that_raises_has_no_solve_time(plugin):
+    """What passed until it raised has a name of its own."""
+    text = asked(*PATH, "--solver", plugin("raise ValueError('later')")).stdout
+
+    assert "solve time" not in text
+    assert re.fullmatch(r"[\d.e-]+ m?s", line_of("ended after", text))
 
 
 def test_the_version():
@@ -136,10 +148,6 @@ def test_the_version():
 def test_only_answers_and_paths_are_drawn(drawn):
     with pytest.raises(PlotError, match=r"drawn is .*; expected an answer of solve, or a Path"):
         plot_path(drawn)
-
-
-def line_of(name, text):
-    return next(line for line in text.splitlines() if line.startswith(name))[12:]
 
 
 def test_the_text_has_segments_and_the_solve_time():
@@ -155,22 +163,6 @@ def test_the_text_has_segments_and_the_solve_time():
     assert re.fullmatch(r"[\d.e-]+ m?s, after [\d.e-]+ m?s to build", line_of("solve time", text))
     many = asked(*PATH, "--solver", "turn-rate-qp[n=20]").stdout
     assert line_of("segments", many).endswith("and 16 more: --json lists them")
-
-
-def test_a_solver_that_raises_has_no_solve_time(tmp_path):
-    """What passed until it raised has a name of its own."""
-    plugin = tmp_path / "raising.py"
-    plugin.write_text(
-        "from dubins_study import Solver\n"
-        "class Raising(Solver):\n"
-        "    name = 'raising'\n"
-        "    def solve(self, question, limit):\n"
-        "        raise ValueError('later')\n"
-    )
-    text = asked(*PATH, "--solver", f"{plugin}:Raising").stdout
-
-    assert "solve time" not in text
-    assert re.fullmatch(r"[\d.e-]+ m?s", line_of("ended after", text))
 
 
 def labels(figure):
@@ -195,6 +187,8 @@ def test_the_answer_is_printed_if_its_drawing_fails(form, tmp_path):
     """There is no room for the file: the answer, then the refusal."""
     (tmp_path / "path.svg").symlink_to("/dev/full")
     request = ("solve", "10", "5", *form, "--plot", str(tmp_path / "path.svg"))
-    with pytest.raises(PlotError, match=r"cannot write .*path.svg: No space left"):
-        CliRunner().invoke(app, request, catch_exceptions=False)
-    assert "11.197" in CliRunner().invoke(app, request).stdout
+    done = asked(*request, raises=False)
+
+    assert isinstance(done.exception, PlotError)
+    assert re.match(r"cannot write .*path.svg: No space left", str(done.exception))
+    assert "11.197" in done.stdout

@@ -9,23 +9,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from dubins_study import Path, Scenario, plot_path, solve
-from dubins_study.cli.app import app
 from dubins_study.cli.solve import _GEOJSON, answer_geojson
 from dubins_study.errors import DubinsStudyError
+from tests.unit.cli.conftest import asked, line_of
 
 START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
 ROUTE = (*START, "10", "5", "--via", "4", "1", "--via", "6", "-2")
-
-
-def asked(*arguments):
-    return CliRunner().invoke(app, arguments, catch_exceptions=False)
-
-
-def line_of(name, text):
-    return next(line for line in text.splitlines() if line.startswith(name))[12:]
 
 
 @pytest.fixture
@@ -86,24 +77,6 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
     assert str(refusal.value).startswith(f"{points}: {REFUSED[text]}")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((), "the target is missing; expected X Y, or --via-file"),
-        (("3",), "the target is a single number; expected X Y, or --via-file"),
-        (("--via-file", "FILE", "--geojson", "FILE"), "--geojson: .* is given twice"),
-        (("3", "4", "--plot", "a.svg", "--geojson", "a.svg"), "--geojson: a.svg is given twice"),
-        (("3", "--via-file", "FILE"), "the target is a single number; expected X Y, or neither"),
-        (("--via", "1", "2", "--via-file", "FILE"), "--via and --via-file are given; expected one"),
-        (("--via-file", "FILE.not"), "cannot be read: No such file or directory"),
-    ],
-)
-def test_a_request_that_is_refused(arguments, message, points):
-    words = [word.replace("FILE", str(points)) for word in arguments]
-    with pytest.raises(DubinsStudyError, match=message):
-        asked("solve", *words)
-
-
 @pytest.mark.parametrize("option", ["--plot", "--geojson"])
 @pytest.mark.parametrize(
     ("file", "reason"),
@@ -160,15 +133,6 @@ def test_points_without_names_as_geojson(tmp_path):
 
     assert [mark["properties"]["name"] for mark in marks] == [None] * 3
     assert [mark["properties"]["heading_rad"] for mark in unseen] == [None] * 2
-
-
-def test_no_path_is_no_geojson(tmp_path):
-    file = tmp_path / "path.json"
-    done = asked("solve", "0", "1", "--branch", "LS", "--geojson", str(file))
-
-    assert done.exit_code == 1
-    assert done.stderr == f"dubins-study: {file} is not written: there is no path\n"
-    assert not file.exists()
 
 
 def test_a_drawn_route():
