@@ -65,13 +65,8 @@ class ForkedProcess(NamedTuple):
     output: int  # read end of the pipe that is its stdout and stderr; does not block
     exit_pipe: int  # readable once the process and all its descendants have ended
 
-    def exit_code(self, timeout_s: float = _KILL_WAIT_S) -> int | None:
-        """Exit code, -N if signal N killed the process, or None if it has not ended in time.
-
-        The code can be read only once.
-        """
-        if not _readable(self.exit_pipe, timeout_s):
-            return None
+    def exit_code(self) -> int:
+        """Exit code, -N if signal N killed the process, which has ended; it can be read once."""
         text = os.read(self.exit_pipe, 32)
         # If the server itself was killed, the kernel has killed its processes.
         return int(text) if text else -signal.SIGKILL
@@ -89,17 +84,6 @@ class ForkedProcess(NamedTuple):
         self.channel.line.close()
         os.close(self.output)
         os.close(self.exit_pipe)
-
-
-def exit_status(code: int) -> tuple[str, str]:
-    """How a process ended, as a short name and as a sentence; its code is -N by signal N."""
-    if code >= 0:
-        return f"exit {code}", f"its process ended itself with code {code}"
-    try:
-        name = signal.Signals(-code).name
-    except ValueError:
-        name = f"signal {-code}"
-    return name, f"its process was ended by {name}"
 
 
 def _readable(descriptor: int, timeout_s: float) -> bool:

@@ -41,9 +41,6 @@ _PROBING = Allowance(60.0, activity="measuring its speed")
 # A worker that never waits for its pool has jobs in advance: as long as those that it has are
 # expected to take less than `AHEAD_S`, and at most `_AHEAD_JOBS`.
 AHEAD_S, _AHEAD_JOBS = 0.05, 64
-# How long a solve takes is expected from those before it: their mean, in which each new one has
-# this weight, and counts at most that many seconds. One slow solve is forgotten soon.
-_NEW_WEIGHT, _MAX_COUNTED_S = 0.2, 0.1
 # After this many seconds without a reply, yield an empty list, so that the caller can write rows.
 _YIELD_INTERVAL_S = 0.2
 # Seconds between two calibration probes.
@@ -127,7 +124,7 @@ class WorkerPool:
         self._warm_up = warm_up
         # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
         self._without_warm_up: set[tuple[SolverKey, bool]] = set()
-        # Solver -> seconds that its next solve is expected to take; a solver that has answered.
+        # Solver that has answered -> seconds that its next solve is expected to take: as its last.
         self._expected_s: dict[SolverKey, float] = {}
         # Solver that ended its worker while it was loaded -> the reply to its other jobs.
         self._unloadable: dict[SolverKey, Reply] = {}
@@ -288,10 +285,7 @@ class WorkerPool:
         if task.allowance is not self._solving:
             return []
         reply = with_possible_times(value.reply, waited_s)
-        key = task.tag.solver_key
-        seconds = min(reply.times.wall_s or 0.0, _MAX_COUNTED_S)
-        mean_s = self._expected_s.get(key, seconds)
-        self._expected_s[key] = mean_s + _NEW_WEIGHT * (seconds - mean_s)
+        self._expected_s[task.tag.solver_key] = reply.times.wall_s or 0.0
         return [(task.tag, value._replace(reply=reply))]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:

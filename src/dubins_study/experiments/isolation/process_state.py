@@ -25,6 +25,7 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
+import psutil
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 THREADS = 1
@@ -49,7 +50,6 @@ _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
 _LEAK_INTERVAL_S = 0.02
 # Functions that a solver must not replace.
 _clocks = attrgetter("time", "monotonic", "perf_counter", "process_time", "perf_counter_ns")
-_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 def bound_process(memory_bytes: int) -> None:
@@ -109,6 +109,7 @@ class ProcessState:
 
     def __init__(self, memory_limit: float):
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
+        self._process = psutil.Process()
         self._modules, self._libraries = 0, ThreadpoolController()
         self._next_leak_check = 0.0
         self.accept()
@@ -117,7 +118,7 @@ class ProcessState:
         """Accept the current state, with the changes that a solver's libraries made at loading."""
         self._pin_new_libraries()
         self._accepted = _state()
-        self._resident, self._files = _leakable()
+        self._resident, self._files = self._leakable()
 
     def changes(self) -> list[str]:
         """What differs from the accepted state, by name; empty if nothing does."""
@@ -147,29 +148,21 @@ class ProcessState:
         if monotonic() < self._next_leak_check:
             return False
         self._next_leak_check = monotonic() + _LEAK_INTERVAL_S
-        resident, files = _leakable()
+        resident, files = self._leakable()
         return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
 
+    def _leakable(self) -> tuple[int, int]:
+        """Resident bytes and number of open files of this process; zeros if no file can be read."""
+        with suppress(OSError):
+            return self._process.memory_info().rss, self._process.num_fds()
+        return 0, 0
 
-def reset_peak() -> int | None:
-    """Let the peak of resident memory begin anew; bytes resident now, None if it cannot (Linux)."""
+
+def peak_kib(*, reset: bool = False) -> int:
+    """The most resident memory since the last reset (KiB); 0 where it cannot be known (Linux)."""
     with suppress(OSError):
-        FilePath("/proc/self/clear_refs").write_bytes(b"5")
-        return peak_bytes()
-    return None
-
-
-def peak_bytes() -> int | None:
-    """The most resident memory since `reset_peak`, in bytes; None if no file can be opened."""
-    with suppress(OSError):
+        if reset:
+            FilePath("/proc/self/clear_refs").write_bytes(b"5")
         status = FilePath("/proc/self/status").read_bytes()
-        return 1024 * int(status.partition(b"VmHWM:")[2].split()[0])
-    return None
-
-
-def _leakable() -> tuple[int, int]:
-    """Resident bytes and number of open files of this process; zeros if there is no /proc."""
-    with suppress(OSError, ValueError, IndexError):
-        resident = int(FilePath("/proc/self/statm").read_bytes().split()[1])
-        return resident * _PAGE_BYTES, len(os.listdir("/proc/self/fd"))  # noqa: PTH208
-    return 0, 0
+        return int(status.partition(b"VmHWM:")[2].split()[0])
+    return 0

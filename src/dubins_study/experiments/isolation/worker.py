@@ -6,9 +6,9 @@ import json
 import math
 import os
 import signal
+import timeit
 from collections.abc import Callable
 from dataclasses import replace
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +23,7 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.isolation.process_state import (
     ProcessState,
     bound_process,
-    peak_bytes,
-    reset_peak,
+    peak_kib,
     seed,
 )
 from dubins_study.experiments.provenance import now, versions
@@ -36,7 +35,7 @@ from dubins_study.study.words import VIA_POINTS, Outcome
 
 # Size of the calibration probe: loops of plain Python, operations on small arrays, repeats.
 _LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
-_BYTES_PER_MIB = 2**20
+_KIB_PER_MIB = 2**10
 # Easy question that every solver is asked once before its first recorded answer.
 _WARM_UP = Scenario(x=0, y=0, heading=0.3, target_x=3, target_y=2, radius=1, label="warm-up")
 _WARM_UP_ROUTE = replace(_WARM_UP, via=((-6.0, 1.0),))  # loops of routes take a second to load
@@ -83,84 +82,70 @@ class _Worker:
     """The loaded solvers, and the state of the process that they share."""
 
     def __init__(self, memory_limit: float):
-        # The encoded reply to all questions stands for a solver that cannot be loaded.
-        self._solvers: dict[tuple[str, str], _LoadedSolver | list[Any]] = {}
+        self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
+        # Solver that cannot be loaded or warmed up -> the encoded reply to all questions.
+        self._refused: dict[tuple[str, str], list[Any]] = {}
         self._state = ProcessState(memory_limit)
 
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
         """The answer to a task, and whether the process was changed by it."""
         kind, *arguments = task
-        if kind == "solve":
-            return self._solve(*arguments), bool(self._state.changes())
         if kind == "probe":
             return probe(), False
-        if kind == "load":
-            self._load(*arguments)
-        else:
-            self._warm_up(*arguments)
+        spec, profile, *arguments = arguments
+        key, started = (spec, profile), now()
+        reply = self._refused.get(key)
+        try:
+            if kind == "load":
+                self._solvers[key] = _load(spec, profile)
+            elif kind == "warm up" and reply is None:
+                self._solvers[key] = _warmed_up(self._solvers[key], *arguments)
+            elif reply is None:
+                reply = _reply(self._solvers[key], *arguments)
+        except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
+            outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+            answer = no_answer(outcome, exception_text(error))
+            digest = self._solvers[key].code_digest if key in self._solvers else ""
+            reply = encode_reply(WorkerReply(answer, started, "", digest))
+        if kind == "solve":
+            return reply, bool(self._state.changes())
+        if reply is not None:
+            self._refused[key] = reply
         self._state.accept()
         return None, False
 
-    def _load(self, spec: str, profile: str) -> None:
-        started, digest = now(), ""
-        try:
-            solver = load(spec, profile)
-            digest = code_digest(spec, profile)
-            packages = versions(tuple(solver.packages)) | reported_versions(solver)
-            self._solvers[spec, profile] = _LoadedSolver(solver, json.dumps(packages), digest)
-        except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
-            self._solvers[spec, profile] = _error_reply(error, started, digest)
 
-    def _warm_up(self, spec: str, profile: str, limit: float, route: bool, floors: bool) -> None:
-        """Ask an easy question, so that a solver's imports, templates and caches are ready.
-
-        Of a leg, or of a route where the solver takes one. With `floors` and a leg, measure the
-        floor of the solver's times as well.
-        """
-        loaded = self._solvers[spec, profile]
-        if isinstance(loaded, list):
-            return
-        started = now()
-        try:
-            seed()
-            branch = loaded.solver.branches[0]
-            if route:
-                if VIA_POINTS in loaded.solver.takes:
-                    short = min(limit, _WARM_UP_ROUTE_S)
-                    ask(loaded.solver, Question(_WARM_UP_ROUTE, branch), short)
-                return
-            ask(loaded.solver, Question(_WARM_UP, branch), limit)
-            if floors and unavailable(loaded.solver) is None:
-                from dubins_study.experiments.isolation.floor import floor_s
-
-                floor = floor_s(loaded.solver)
-                self._solvers[spec, profile] = loaded._replace(floor_s=floor)
-        except BaseException as error:
-            self._solvers[spec, profile] = _error_reply(error, started, loaded.code_digest)
-
-    def _solve(self, spec: str, profile: str, question: list[Any], time_limit: float) -> list[Any]:
-        """The encoded reply to a question."""
-        loaded = self._solvers[spec, profile]
-        if isinstance(loaded, list):
-            return loaded
-        started = now()
-        try:
-            decoded = decode_question(question)
-            seed()
-            before = reset_peak()
-            started = now()
-            reply = ask(loaded.solver, decoded, time_limit)
-            peak = None if before is None else peak_bytes()
-            memory = None if before is None or peak is None else (peak - before) / _BYTES_PER_MIB
-            texts = started, loaded.versions, loaded.code_digest
-            return encode_reply(WorkerReply(reply, *texts, memory, loaded.floor_s))
-        except BaseException as error:
-            return _error_reply(error, started, loaded.code_digest)
+def _load(spec: str, profile: str) -> _LoadedSolver:
+    solver = load(spec, profile)
+    packages = versions(tuple(solver.packages)) | reported_versions(solver)
+    return _LoadedSolver(solver, json.dumps(packages), code_digest(spec, profile))
 
 
-def _error_reply(error: BaseException, started: str, digest: str) -> list[Any]:
-    outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-    return encode_reply(WorkerReply(no_answer(outcome, exception_text(error)), started, "", digest))
+def _warmed_up(loaded: _LoadedSolver, limit: float, route: bool, floors: bool) -> _LoadedSolver:
+    """Ask an easy question, so that imports and caches are ready; measure the floor of a leg."""
+    seed()
+    solver, branch = loaded.solver, loaded.solver.branches[0]
+    if not route:
+        ask(solver, Question(_WARM_UP, branch), limit)
+    elif VIA_POINTS in solver.takes:
+        ask(solver, Question(_WARM_UP_ROUTE, branch), min(limit, _WARM_UP_ROUTE_S))
+    if route or not floors or unavailable(solver) is not None:
+        return loaded
+    from dubins_study.experiments.isolation.floor import floor_s
+
+    return loaded._replace(floor_s=floor_s(solver))
+
+
+def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> list[Any]:
+    """The encoded reply to a question."""
+    question = decode_question(encoded)
+    seed()
+    before, started = peak_kib(reset=True), now()
+    reply = ask(loaded.solver, question, time_limit)
+    peak = peak_kib() if before else 0
+    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
+    texts = started, loaded.versions, loaded.code_digest
+    return encode_reply(WorkerReply(reply, *texts, memory_mib, loaded.floor_s))
 
 
 def probe() -> float:
@@ -169,17 +154,15 @@ def probe() -> float:
     One repeat takes about a millisecond: half for plain Python, half for numpy on arrays of a few
     dozen numbers, as in the solvers.
     """
-    return min(_probe_duration() for _ in range(_REPEATS))
+    return min(timeit.repeat(_probe_work, number=1, repeat=_REPEATS))
 
 
-def _probe_duration() -> float:
+def _probe_work() -> None:
     matrix = np.linspace(0.0, 1.0, 36 * 36).reshape(36, 36)
     vector = np.linspace(-1.0, 1.0, 36)
-    began = perf_counter()
     total = 0.0
     for i in range(_LOOPS):
         total += math.sin(i) * 0.5
     for _ in range(_ARRAYS):
         vector = matrix @ vector
         vector /= float(np.abs(vector).max()) or 1.0
-    return perf_counter() - began

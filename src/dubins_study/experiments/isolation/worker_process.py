@@ -13,11 +13,11 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import psutil
 
-from dubins_study.experiments.isolation.fork_server import exit_status, fork
+from dubins_study.experiments.isolation.fork_server import fork
 from dubins_study.solvers.reply import Reply, no_answer
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
@@ -32,8 +32,6 @@ _MAX_PAUSE_S = 1.0
 # Length of the last output that is kept, in bytes, and that a message shows, in characters.
 _OUTPUT_BYTES, _OUTPUT_CHARS = 400, 200
 _READ_BYTES = 2**20
-# Reads that empty the output pipe of a process that has ended.
-_MAX_READS = 4
 _GIB = 2**30
 
 
@@ -81,7 +79,7 @@ def _as_sent(value: Any) -> Any:
 
 
 class WorkerProcess:
-    """A process that answers tasks (see `worker.answer_tasks`) until the `with` block ends.
+    """A process that answers tasks (see `worker.answer_tasks`) until it is closed.
 
     Attributes:
         pending: the tasks that it has received but not answered, in order.
@@ -98,12 +96,6 @@ class WorkerProcess:
         self._begun, self._since_s = True, self._checked_s
         self._output = b""
         self._open = {self._process.channel.line.fileno(), self._process.output}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def put(
         self,
@@ -215,9 +207,11 @@ class WorkerProcess:
     def _crash_reply(self) -> Reply:
         """The reply to the task of a worker that has ended: its exit status and last output."""
         code = self._process.exit_code()
-        status, message = exit_status(-signal.SIGKILL if code is None else code)
-        for _ in range(_MAX_READS):
-            self._read_output()
+        status, message = f"exit {code}", f"its process ended itself with code {code}"
+        if code < 0:
+            known = -code in {*signal.Signals}
+            status = signal.Signals(-code).name if known else f"signal {-code}"
+            message = f"its process was ended by {status}"
         output = self.last_output()
         if output:
             message = f"{message}; its last output: {output}"

@@ -12,6 +12,7 @@ import math
 import re
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -65,7 +66,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """
     if ours(spec):
         return _describe(spec, profile)
-    with WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize) as worker:
+    with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
         event = worker.request([spec, profile], Allowance(_LOAD_LIMIT_S), tuple)
     if isinstance(event, Answer):
         fields, message = event.value
