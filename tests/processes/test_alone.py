@@ -82,8 +82,9 @@ def test_a_run_without_streams_loads_no_numba(tmp_path):
 def test_a_single_solve_compiles_nothing():
     """Numba takes longer to load than a solve, its judgement and its certificate."""
     program = "from dubins_study import Scenario, solve; solve(Scenario(0, 0, 0, 10, 5, 1))"
+    one_leg = "from dubins_study.study.closed_form import pose; pose.pose_shortest(1, 2, 0, 1, 0)"
 
-    assert "numba" not in loaded_by(program)
+    assert "numba" not in loaded_by(f"{program}; {one_leg}")
 
 
 def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -218,13 +216,6 @@ def test_large_headings_keep_their_digits():
         columns = ([0.0], [0.0], [start.heading], [2.0], [3.0], [1.0], [end.heading])
         for length in (shortest_to_pose(start, end, 1.0).total, pose_rows(*columns).length[0]):
             assert found.holds(length, 0.0)
-
-
-def test_one_leg_does_not_load_numba():
-    program = "import sys; from dubins_study.study.closed_form import pose; "
-    program += "pose.pose_shortest(1, 2, 0, 1, 0); sys.exit('numba' in sys.modules)"
-
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
 
 
 @pytest.mark.slow

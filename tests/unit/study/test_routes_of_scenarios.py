@@ -43,7 +43,7 @@ def test_points_and_legs_of_a_route():
     assert ROUTE.legs == 3
     np.testing.assert_array_equal(ROUTE.points, [[0, 0], [4, 1], [6, -2], [10, 5]])
     assert ROUTE.final_heading == math.pi / 2
-    assert PLAIN.legs == 1
+    assert PLAIN.legs == Scenario(target_x=0, target_y=0, final_heading=1).legs == 1
     np.testing.assert_array_equal(PLAIN.points, [[0, 0], [10, 5]])
     assert (PLAIN.via, PLAIN.final_heading) == ((), None)
 
@@ -80,10 +80,7 @@ def test_a_scenario_comes_back_from_its_pickle_its_repr_and_its_copy(scenario):
     [
         ([(0, -0.0)], r"via point 1 is \(0.0, -0.0\), the same point as the start; expected a po"),
         ([(1, 2), (1, 2)], r"via point 2 is \(1.0, 2.0\), the same point as via point 1; expected"),
-        (
-            [(1, 2), (10, 5)],
-            r"the target is \(10.0, 5.0\), the same point as via point 2; expected",
-        ),
+        ([(1, 2), (10, 5)], r"the target is \(10.0, 5.0\), the same point as via point 2; expect"),
         ("12", "via is '12'; expected pairs of numbers, such as"),
         ({(1, 2)}, "via is .*; expected pairs of numbers"),
         ([1, 2], r"via is \[1, 2\]; expected pairs of numbers"),
@@ -108,11 +105,6 @@ def test_via_points_that_are_refused(via, message):
 def test_final_headings_that_are_refused(value):
     with pytest.raises(ScenarioError, match=r"^final_heading(:| is) .*; (expected|write)"):
         replace(PLAIN, final_heading=value)
-
-
-def test_a_leg_that_ends_where_it_starts_may_have_a_final_heading():
-    """Without via points, equal points are a question: a turn on the spot."""
-    assert Scenario(target_x=0, target_y=0, final_heading=1).legs == 1
 
 
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=2, max_size=8))
@@ -189,13 +181,9 @@ def test_cells_of_via_points(via_x, via_y, via):
     [
         ({"via_x": "4 6", "via_y": "1"}, "via_x has 2 numbers and via_y has 1; expected as many"),
         ({"via_x": "4 6"}, "via_x has 2 numbers and via_y has 0; expected as many"),
-        (
-            {"via_x": "[4, 6]"},
-            r"via_x is '\[4, 6\]'; expected numbers separated by spaces, such as",
-        ),
+        ({"via_x": "[4, 6]"}, r"via_x is '\[4, 6\]'; expected numbers separated by spaces, such"),
         ({"via_y": "1_0"}, "via_y is '1_0'; expected numbers separated by spaces"),
         ({"via_x": [4, "6"]}, "via_x is '6'; expected a number"),
-        ({"via_y": [math.inf]}, "via_y is inf; expected a finite number"),
         ({"via_x": [0], "via_y": [0]}, r"via point 1 is \(0.0, 0.0\), the same point as the start"),
         ({"via_x": [0], "via_y": [1e15]}, "radius is 1.0; expected at least 100 beside"),
         ({"via": [(1, 2, 3)]}, r"via point 1 is \(1, 2, 3\); expected x and y"),
