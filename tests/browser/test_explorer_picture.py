@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from itertools import combinations
 
 import pytest
@@ -62,19 +61,6 @@ def test_nothing_is_wider_than_the_screen(explorer, viewport):
             box = page.locator(".explorer-plane").bounding_box()
             assert box["x"] < x < box["x"] + box["width"], preset
             assert box["y"] < y < box["y"] + box["height"], preset
-
-
-def test_no_id_stands_twice_and_every_pattern_exists(explorer):
-    page = explorer()
-    ids = page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)")
-    fills = page.evaluate(
-        "[...document.querySelectorAll('[fill]')].map(e => e.getAttribute('fill'))"
-    )
-
-    assert len(ids) == len(set(ids))
-    named = {match[1] for fill in fills if (match := re.match(r"url\(#(.*)\)", fill))}
-    assert len(named) == 3
-    assert named <= set(ids)
 
 
 def test_forced_colours_leave_every_line_s_sample(explorer):

@@ -39,7 +39,7 @@ def test_nothing_scrolls_sideways(new_tab, report_page: Path, viewport, scheme: 
 
 
 def test_every_anchor_is_there_once(new_tab, report_page: Path):
-    """Ids are unique, in figures too, and every link inside the page leads somewhere."""
+    """Ids are unique, in figures too; links, markers and patterns inside the page are there."""
     page = new_tab()
     page.goto(report_page.as_uri())
     ids = page.evaluate("[...document.querySelectorAll('[id]')].map((part) => part.id)")
@@ -50,10 +50,15 @@ def test_every_anchor_is_there_once(new_tab, report_page: Path):
         """[...document.querySelectorAll('svg use')].map(
             (part) => part.href.baseVal.slice(1))"""
     )
+    fills = page.evaluate(
+        "[...document.querySelectorAll('[fill]')].map((part) => part.getAttribute('fill'))"
+    )
+    patterns = {fill[5:-1] for fill in fills if fill.startswith("url(#")}
 
     assert len(ids) == len(set(ids)) > 50
-    assert {*links, *used} <= set(ids)
+    assert {*links, *used, *patterns} <= set(ids)
     assert len(used) > 50
+    assert len(patterns) >= 3  # of the explorer's plane
 
 
 def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
