@@ -169,7 +169,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
     (tmp_path / "engine").write_text("dask")
     out = tmp_path / "out"
     with pytest.raises(
-        RunError, match=r"^4 Dask workers ended while they solved the same work unit"
+        RunError, match=r"^a Dask worker failed: KilledWorker: .* on 4 different workers"
     ):
         here.asked_of(address, experiment, out, solvers=[solver])
 

@@ -27,8 +27,6 @@ from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, Sol
 from dubins_study.study.tolerances import tolerances
 
 _LOG = logging.getLogger(__name__)
-# fields of the settings of a run that its entry in the manifest has too
-_OF_SETTINGS = ("run_id", "jobs", "time_limit_s", "memory_limit_gib")
 
 
 def run(
@@ -134,9 +132,12 @@ def _solve(
         return
     entry = RunEntry(
         command=request.command(),
+        run_id=settings.run_id,
         engine=settings.executor,
+        jobs=settings.jobs,
         threads=THREADS,
-        **{name: getattr(settings, name) for name in _OF_SETTINGS},
+        time_limit_s=settings.time_limit_s,
+        memory_limit_gib=settings.memory_limit_gib,
         **executor.run_entry,
     )
     with RunRecord(folder, manifest, entry, completes) as record:

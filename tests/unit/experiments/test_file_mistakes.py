@@ -165,5 +165,5 @@ def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(ExperimentError, match="cannot be read: No such file"):
         read(str(tmp_path / "nope.toml"))
     (tmp_path / "latin.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(ExperimentError, match="not UTF-8"):
+    with pytest.raises(ExperimentError, match="'utf-8' codec can't decode byte 0xff"):
         read(str(tmp_path / "latin.toml"))

@@ -146,7 +146,7 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
         (HEAD + "1,2,3\n", "line 2: y is empty; expected a number"),
         (HEAD + "1,2,3,4,5,6,7,8,9\n", "Expected 8 fields in line 2, saw 9"),
         (HEAD + '1,2,"3', "EOF inside string starting at row 1"),
-        (HEAD.encode() + b"\xff", "cannot be read: it is not UTF-8 text"),
+        (HEAD.encode() + b"\xff", "cannot be read: 'utf-8' codec can't decode byte 0xff"),
     ],
 )
 def test_a_file_that_is_no_table(tmp_path, text, message):

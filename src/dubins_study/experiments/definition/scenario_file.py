@@ -46,8 +46,6 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
         rows = read(place)
     except ScenarioFileError:
         raise
-    except UnicodeError:
-        raise ScenarioFileError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except OSError as error:
         raise ScenarioFileError(f"{file}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:  # the parser's own words

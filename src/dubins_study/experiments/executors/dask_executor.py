@@ -57,7 +57,15 @@ def dask_executor(scheduler: str) -> Iterator[Executor]:
             logger = logging.getLogger(name)
             stack.callback(logger.setLevel, logger.level)
             logger.setLevel(logging.CRITICAL + 1)
-        client = stack.enter_context(_connected(scheduler))
+        try:  # Dask warns where versions of Python or of its packages differ
+            client = distributed.Client(scheduler, timeout=_ANSWER_WAIT_S, set_as_default=False)
+        except Exception as error:  # any lower layer: names, sockets, certificates, protocols
+            raise RunError(
+                f"no Dask scheduler answers at {scheduler!r} ({exception_text(error)}); expected "
+                "an address such as tcp://127.0.0.1:8786, or tls://... and certificates (see "
+                "docs/scaling.md)"
+            ) from None
+        stack.callback(_close, client)
         threads = client.nthreads()
 
         def solve(
@@ -70,24 +78,9 @@ def dask_executor(scheduler: str) -> Iterator[Executor]:
         yield Executor(max(1, sum(threads.values())), run_entry, solve)
 
 
-@contextmanager
-def _connected(address: str) -> Iterator[Any]:
-    """A client of a scheduler; Dask warns where versions of Python or of its packages differ."""
-    from distributed import Client
-
-    try:
-        client = Client(address, timeout=_ANSWER_WAIT_S, set_as_default=False)
-    except Exception as error:  # any lower layer: names, sockets, certificates, protocols
-        raise RunError(
-            f"no Dask scheduler answers at {address!r} ({exception_text(error)}); expected an "
-            "address such as tcp://127.0.0.1:8786, or tls://... and certificates (see "
-            "docs/scaling.md)"
-        ) from None
-    try:
-        yield client
-    finally:
-        with suppress(Exception):
-            client.close(timeout=_ANSWER_WAIT_S)
+def _close(client: Any) -> None:
+    with suppress(Exception):
+        client.close(timeout=_ANSWER_WAIT_S)
 
 
 class _Submission:
@@ -173,8 +166,6 @@ class _Submission:
 
     def _reply(self, future: Any) -> UnitReply | None:
         """A worker's reply; None if it did not arrive, in which case another reply will come."""
-        from distributed import KilledWorker
-
         if future.key not in self._units:
             return None
         if future.status == "cancelled":
@@ -185,12 +176,6 @@ class _Submission:
                 return reply
         except TimeoutError:
             pass
-        except KilledWorker as error:
-            _, unit = self._units[future.key]
-            raise RunError(
-                f"{error.allowed_failures + 1} Dask workers ended while they solved the same work "
-                f"unit of {unit.cells} cells, the last one at {error.last_worker.address}; {_KEPT}"
-            ) from None
         except Exception as error:  # any error of Dask, in this process or in a worker
             raise RunError(_explanation(error)) from None
         # The worker that held the rows has died: another worker solves the unit.

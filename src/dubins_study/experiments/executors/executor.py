@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.plan.cells import Cell, Chain, given_guess, shuffled
+from dubins_study.experiments.plan.cells import Chain, shuffled
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.path import Path
@@ -24,11 +24,6 @@ class WorkUnit(NamedTuple):
     chains: list[Chain]
     # Key of a chain's first cell -> last path earlier in its sweep, if there is one.
     before: Mapping[Key, Path]
-
-    @property
-    def cells(self) -> int:
-        """How many cells there are."""
-        return sum(map(len, self.chains))
 
     def remaining(self, done: Mapping[Key, Path | None]) -> WorkUnit:
         """The cells that are not done. A chain with done cells in between is cut into pieces.
@@ -49,27 +44,6 @@ class WorkUnit(NamedTuple):
                 if path is not None:
                     before[piece[0].key] = path
         return WorkUnit(self.settings, pieces, before)
-
-
-class ChainState(NamedTuple):
-    """The index of a chain's next cell, and the last path that arrived before that cell."""
-
-    chain: Chain
-    place: int
-    path: Path | None
-
-    @property
-    def cell(self) -> Cell:
-        return self.chain[self.place]
-
-    def initial_guess(self) -> Path | None:
-        return self.path if self.cell.initial_guess == "warm" else given_guess(self.cell)
-
-    def after(self, path: Path | None) -> ChainState | None:
-        """The state after the current cell, whose path may not arrive; None at the chain's end."""
-        if self.place + 1 == len(self.chain):
-            return None
-        return ChainState(self.chain, self.place + 1, path or self.path)
 
 
 # Called with the duration (s) of a calibration probe and the number of its machine (0: this one).

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 
-from dubins_study.experiments.executors.executor import ChainState, Executor, Probed, WorkUnit
+from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
 from dubins_study.experiments.isolation.process_state import THREADS
-from dubins_study.experiments.plan.cells import Cell
+from dubins_study.experiments.plan.cells import Cell, given_guess
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
@@ -51,24 +52,26 @@ def solve_chains(
     """
     # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
-    jobs = (_job(ChainState(chain, 0, unit.before.get(chain[0].key))) for chain in ordered)
+    jobs = (
+        job for chain in ordered for job in _next_job(iter(chain), unit.before.get(chain[0].key))
+    )
     for results in pool.solve(jobs, stop, unit.settings.time_limit_s):
         rows = []
         for job, answer in results:
-            state: ChainState = job.tag
-            check_code(state.cell, answer, unit.settings.executor)
-            row, path = row_of(state.cell, job.question.initial_guess, unit.settings, answer)
+            cell, following, earlier_path = job.tag
+            check_code(cell, answer, unit.settings.executor)
+            row, path = row_of(cell, job.question.initial_guess, unit.settings, answer)
             rows.append(row)
-            following = state.after(path)
-            if following is not None:
-                pool.put_first([_job(following)])
+            pool.put_first(_next_job(following, path or earlier_path))
         yield rows
 
 
-def _job(state: ChainState) -> Job:
-    cell = state.cell
-    question = Question(cell.scenario, cell.branch, state.initial_guess(), cell.repeat)
-    return Job(cell.solver, cell.profile, question, state)
+def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
+    """The job of the next cell of a chain, if any; `path` is the last that arrived before it."""
+    for cell in itertools.islice(cells, 1):
+        guess = path if cell.initial_guess == "warm" else given_guess(cell)
+        question = Question(cell.scenario, cell.branch, guess, cell.repeat)
+        yield Job(cell.solver, cell.profile, question, (cell, cells, path))
 
 
 def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
@@ -117,15 +120,10 @@ def ask_isolated(
 
     If a solve ends the worker, that is an answer, and the next question goes to a new worker.
     """
-    jobs = (Job(solver, profile, question, place) for place, question in enumerate(questions))
+    jobs = (Job(solver, profile, question) for question in questions)
     known = tolerances(profile, limit), describe_solver(solver, profile).method
-    waiting: dict[int, Answer] = {}
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
     with WorkerPool(1, warm_up=ours(solver)) as pool:
-        place = 0
         for results in pool.solve(jobs, Interruption(), limit):
-            for job, worker_reply in results:
-                waiting[job.tag] = judged(solver, job.question, worker_reply.reply, *known)
-            while place in waiting:
-                yield waiting.pop(place)
-                place += 1
+            for job, worker_reply in results:  # in their order, as there is one worker
+                yield judged(solver, job.question, worker_reply.reply, *known)

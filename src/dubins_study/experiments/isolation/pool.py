@@ -5,7 +5,6 @@ If a solver crashes or blocks its worker, the job gets a reply too. The pool jud
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -119,7 +118,6 @@ class WorkerPool:
     ):
         self._probed = probed
         self._memory_bytes = round(memory_limit_gib * _BYTES_PER_GIB)
-        self._allow(math.inf)
         self._workers: list[_Worker | None] = [None] * workers
         self._warm_up = warm_up
         # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
@@ -155,15 +153,6 @@ class WorkerPool:
         self._first.clear()
         self._later = iter(())
 
-    def _allow(self, time_limit_s: float) -> None:
-        """Limit solves. A task's allowance tells its kind: these, `_LOADING` and `_PROBING`."""
-        self._time_limit_s = time_limit_s
-        self._solving = Allowance(time_limit_s, GRACE_S)
-        self._warming_up = tuple(
-            Allowance(time_limit_s + _WARM_UP_S, activity=f"warming up on a {what}")
-            for what in ("leg", "route")
-        )
-
     def solve(
         self, jobs: Iterable[Job], stop: Interruption, time_limit_s: float
     ) -> Iterator[Results]:
@@ -174,7 +163,13 @@ class WorkerPool:
         finished.
         """
         self.drop_waiting()
-        self._allow(time_limit_s)
+        self._time_limit_s = time_limit_s
+        # A task's allowance tells its kind: these, `_LOADING` and `_PROBING`.
+        self._solving = Allowance(time_limit_s, GRACE_S)
+        self._warming_up = tuple(
+            Allowance(time_limit_s + _WARM_UP_S, activity=f"warming up on a {what}")
+            for what in ("leg", "route")
+        )
         self._later = iter(jobs)
         yielded_s = monotonic()
         while True:

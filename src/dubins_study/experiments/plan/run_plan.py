@@ -69,11 +69,10 @@ class Request(NamedTuple):
         arguments = ["dubins-study", "run"]
         if self.experiment is not None:
             arguments.append(str(self.experiment))
-        if self.scenarios is not None:
-            arguments += ["--scenarios", str(self.scenarios)]
         for spec in self.solvers or ():
             arguments += ["--solver", spec]
         options = {
+            "--scenarios": self.scenarios,
             "--jobs": self.jobs,
             "--time-limit": self.time_limit,
             "--memory-limit": self.memory_limit,

@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from dubins_study.experiments.store.lock import LOCK
 from dubins_study.experiments.store.part_writer import TEMPORARY, write_part
-from dubins_study.study.rows.manifest import MANIFEST, Definition, Manifest, read_manifest
+from dubins_study.study.rows.manifest import MANIFEST, Manifest, read_manifest
 from dubins_study.study.rows.parts import (
     ARROW_SCHEMA,
     PARTS,
@@ -48,7 +48,14 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
     with os_errors_as(f"cannot write to {folder}"):
         if (folder / MANIFEST).exists() and not restart:
             earlier = read_manifest(folder)
-            _check_same_experiment(folder, earlier.experiment, manifest.experiment)
+            for key, what in (("name", "experiment"), ("text", "text of experiment")):
+                value = getattr(earlier.experiment, key)
+                if value != getattr(manifest.experiment, key):
+                    raise ResultsError(
+                        f"{folder} holds results of another {what} ({value!r:.60}), not of "
+                        f"{manifest.experiment.name!r:.60} as it is now; choose another --out, or "
+                        "--restart to throw them away"
+                    )
             # The user may have deleted the folder of parts to start again; rows need it.
             (folder / PARTS).mkdir(exist_ok=True)
             joined = manifest.with_changes(  # whose rows name their own versions
@@ -62,18 +69,6 @@ def open_folder(folder: FilePath, manifest: Manifest, restart: bool) -> tuple[Ma
         for part in part_files(folder):
             part.unlink()
     return manifest, []
-
-
-def _check_same_experiment(folder: FilePath, earlier: Definition, now: Definition) -> None:
-    """Refuse a folder that holds an experiment with another name or another text."""
-    for key, what in (("name", "experiment"), ("text", "text of experiment")):
-        value = getattr(earlier, key)
-        if value != getattr(now, key):
-            raise ResultsError(
-                f"{folder} holds results of another {what} ({value!r:.60}), not of "
-                f"{now.name!r:.60} as it is now; choose another --out, or --restart to throw them "
-                "away"
-            )
 
 
 def _mend(folder: FilePath) -> list[str]:
