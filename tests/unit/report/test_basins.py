@@ -17,9 +17,7 @@ from dubins_study.report.topics.basins import (
     OTHER,
     TURNS,
     basins_section,
-    capping,
     ends,
-    is_capped,
     minimum,
     shares,
 )
@@ -92,7 +90,8 @@ def every_end():
 
 def test_every_end_is_told_apart(load_rows):
     """By verdict, claim and length; full turns are counted in minima only."""
-    table = ends(load_rows("basins", every_end()).rows)
+    cold = attempt(THREE)  # not of the study
+    table = ends(load_rows("basins", [*every_end(), cold]).rows)
 
     assert table["end"].tolist() == [
         OPTIMUM,
@@ -108,31 +107,6 @@ def test_every_end_is_told_apart(load_rows):
     line = shares(table).iloc[0]
     assert (line["guesses"], line["optimal"], line["refuted"]) == (9, 1 / 9, 3)
     assert line[["turns_1", "turns_2", "turns_more", "most_turns"]].tolist() == [1, 1, 0, 2]
-
-
-def test_what_a_cap_changes_by_hand(load_rows):
-    free, bounded = SPEC, "slsqp[model=joint,order=LRS,initial_guess=given]"
-    local = {"claim": Claim.LOCAL}
-    rows = [
-        given(THREE, 0.0, 0.0, **local),
-        given(THREE, 0.0, 1.0, path=turned(THREE, "LS", 1), **local),
-        given(THREE, 0.0, 0.0, **local) | {"solver": bounded},
-        given(THREE, 0.0, 1.0, path=None, claim=Claim.INFEASIBLE) | {"solver": bounded},
-        given(THREE, 0.0, 0.0, path=None, claim=Claim.INFEASIBLE)
-        | {"solver": "nlp[initial_guess=given]"},
-    ]
-
-    change = capping(shares(ends(load_rows("basins", rows).rows)))
-
-    assert change["optimal"].to_dict() == {False: 0.5, True: 0.5}
-    assert change["turned"].to_dict() == {False: 0.5, True: 0.0}
-    assert change["refuted"].to_dict() == {False: 0, True: 1}
-    assert is_capped(bounded)
-    assert not is_capped(free)
-
-
-def test_cold_starts_are_not_of_the_study(load_rows):
-    assert ends(load_rows("basins", [attempt(THREE)]).rows).empty
 
 
 def test_the_section_tells_what_the_rows_hold(load_rows):

@@ -60,14 +60,6 @@ def by_theory(factor=1.0):
     return [*rows, left(behind(1.0), SPLIT, 0.0)]
 
 
-def test_the_barriers_sequence_by_hand():
-    """0.1, 0.02, 0.02^1.5, ... until it is within the tolerance, never below an eleventh of it."""
-    assert last_barrier(1e-8) == pytest.approx(0.02 ** (1.5**4), rel=1e-12)
-    assert last_barrier(1e-8) == pytest.approx(2.506e-9, rel=1e-3)
-    assert last_barrier(1e-6) == pytest.approx(1e-6 / 11)
-    assert last_barrier(1.0) == 0.1
-
-
 def test_whose_barrier_is_known():
     """Ipopt's on the unsplit model, from its settings; nobody else's."""
     settings = {

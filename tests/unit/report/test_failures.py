@@ -150,16 +150,6 @@ def test_a_comparison_leaves_them_out(load_rows):
     assert len(pairs(base, new)) == 2
 
 
-def test_they_stand_on_the_page(results):
-    folder = results("run", rows_with(2))
-
-    page = render([folder])
-
-    text = page.read_text(encoding="utf-8")
-    assert "undecided" in text
-    assert (page.parent / "tables" / "summary.csv").exists()
-
-
 def not_taken(scenario, solver="ipopt"):
     """The row of a solver that was not called."""
     return lost(scenario, solver, outcome="unsupported", label="route", via_x=[9.0], via_y=[9.0])

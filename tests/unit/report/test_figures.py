@@ -103,16 +103,18 @@ def test_the_page_has_figures_of_many_topics(pictures):
     assert len(pictures) > 15
 
 
-def test_no_figure_is_taller_than_a_screen(pictures):
-    for name, block in pictures.items():
-        width, height = block.figure.get_size_inches()
-        assert height / width <= SCREEN[block.half], name
+def test_every_figure_fits_a_screen_and_says_what_its_axes_are(pictures):
+    """A label at each axis or one for all; maps of named cells have names instead.
 
-
-def test_no_legend_is_larger_than_its_plot(pictures):
-    """Its box has less area than the panels together, and lies in the figure."""
+    A legend has less area than the panels together, and lies in the figure.
+    """
     for name, block in pictures.items():
         figure = block.figure
+        width, height = figure.get_size_inches()
+        assert height / width <= SCREEN[block.half], name
+        labels = [ax.get_xlabel() for ax in figure.axes] + [t.get_text() for t in figure.texts]
+        cells = any(ax.images for ax in figure.axes)
+        assert any(labels) or cells or figure.get_supxlabel(), name
         boxes = [ax.get_window_extent() for ax in figure.axes if ax.get_visible()]
         plots = sum(box.width * box.height for box in boxes)
         legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
@@ -121,15 +123,6 @@ def test_no_legend_is_larger_than_its_plot(pictures):
             assert box.width * box.height < plots, name
             assert figure.bbox.padded(1).containsx(box.x1), name
             assert figure.bbox.padded(1).containsy(box.y0), name
-
-
-def test_every_figure_says_what_its_axes_are(pictures):
-    """A label at each axis or one for all; maps of named cells have names instead."""
-    for name, block in pictures.items():
-        figure = block.figure
-        labels = [ax.get_xlabel() for ax in figure.axes] + [t.get_text() for t in figure.texts]
-        cells = any(ax.images for ax in figure.axes)
-        assert any(labels) or cells or figure.get_supxlabel(), name
 
 
 def test_every_caption_ends_and_every_lead_is_one_sentence(sections):

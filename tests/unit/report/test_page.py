@@ -123,15 +123,6 @@ def test_every_section_says_first_what_to_see(whole):
     assert leads == sections
 
 
-def test_every_figure_and_table_is_a_file_too(whole):
-    for folder, suffixes in (("figures", ("svg", "pdf")), ("tables", ("csv", "md", "tex"))):
-        files = sorted((whole.parent / folder).iterdir())
-        stems = {file.stem for file in files}
-        assert {file.name for file in files} == {f"{s}.{x}" for s in stems for x in suffixes}
-        assert all(file.stat().st_size > 0 for file in files)
-    assert (whole.parent / "report.md").stat().st_size > 0
-
-
 def test_figures_fit_a_column_and_a_screen(whole):
     """Each is as wide as a column of a journal or two, 88 or 180 mm, and at most 7 inches high.
 

@@ -176,13 +176,6 @@ def test_a_path_that_cannot_be_drawn_has_no_points(curvature: float, length: flo
     json.dumps(drawn_path([curvature], [length]), allow_nan=False)
 
 
-def test_a_path_of_no_length_is_a_point():
-    shown = drawn_path([1.0] * 4, [0.0] * 4)
-
-    assert shown is not None
-    assert np.unique(points(shown), axis=0).tolist() == [[3.0, 4.0]]
-
-
 def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(tmp_path):
     """Ten different questions a solver, the worst first; compared with a plain sort."""
     level = {"longer": 3, "misses": 2, "none": 1}
