@@ -54,26 +54,40 @@ def rows() -> list[dict[str, Any]]:
     return records
 
 
+def address_of(place: FilePath, records: list[dict[str, Any]]) -> str:
+    """A page of these attempts, written below a folder."""
+    folder = write_folder(place / "mine", "mine", records, time_limit_s=30.0)
+    return topic_page(folder, place / "report", "single attempts").as_uri()
+
+
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
-    place = tmp_path_factory.mktemp("attempts")
-    folder = write_folder(place / "mine", "mine", rows(), time_limit_s=30.0)
-    return topic_page(folder, place / "report", "single attempts").as_uri()
+    return address_of(tmp_path_factory.mktemp("attempts"), rows())
 
 
 @pytest.fixture
 def plot(new_tab, address: str):
     """`plot(**options)`: the page with its plot drawn."""
 
-    def opened(at: str = "", **options):
+    def opened(at: str = "", of: str = address, **options):
         page = new_tab(reduced_motion="reduce", **options)
-        page.goto(address + at)
+        page.goto(of + at)
         page.locator("#attempts > details").evaluate("part => { part.open = true }")
-        page.locator("#attempts-plot").scroll_into_view_if_needed()
-        page.wait_for_selector("#attempts-plot[data-ready=yes]")
+        drawn_part(page, "plot")
         return page
 
     return opened
+
+
+def drawn_part(page, name: str) -> None:
+    """Scroll to a part of the section, which is drawn when it comes near."""
+    page.locator(f"#attempts-{name}").scroll_into_view_if_needed()
+    page.wait_for_selector(f"#attempts-{name}[data-ready=yes]")
+
+
+def show(page, attempt_row: int) -> None:
+    """Open an attempt in the drawer."""
+    page.evaluate("async i => attempts.show(await attempts.open(), [i])", attempt_row)
 
 
 def row(page, solver: str, number: int = 0, branch: str = "best") -> int:
@@ -271,7 +285,7 @@ def drawn_end(page) -> tuple[tuple[float, float], tuple[float, float], tuple[flo
 
 
 def test_a_click_opens_the_path_with_its_numbers(plot):
-    """The address names the attempt until Escape closes it."""
+    """The address names the attempt until Escape closes it; `next` shows others at its place."""
     page = plot()
     choose(page, "far")
     page.mouse.click(*position(page, row(page, "far", 11)))
@@ -288,27 +302,17 @@ def test_a_click_opens_the_path_with_its_numbers(plot):
     assert facts["message"] == f"{HOSTILE}\nsecond line"
     assert float(facts["length"].removesuffix(" R")) == pytest.approx(expected["length"], rel=5e-3)
     assert drawer.locator("img").count() == 0
-    assert "#attempt=000000b/0/mine/far/best/cold/default" in page.url
-
-    page.keyboard.press("Escape")
-    assert not drawer.is_visible()
-    assert "#attempt" not in page.url
-
-
-@pytest.mark.slow
-def test_points_at_one_place_are_led_through(plot):
-    """`next` shows the others there."""
-    page = plot()
-    choose(page, "fine", "far")
-    page.mouse.click(*position(page, row(page, "far", 11)))
-    drawer = page.get_by_role("dialog")
-    drawer.wait_for()
     first = page.url
+    assert "#attempt=000000b/0/mine/far/best/cold/default" in first
     assert re.search(r"1 of \d+ here", drawer.text_content())
     drawer.get_by_role("button", name="next").press("Enter")
     assert page.url != first
     drawer.get_by_role("button", name="previous").press("Enter")
     assert page.url == first
+
+    page.keyboard.press("Escape")
+    assert not drawer.is_visible()
+    assert "#attempt" not in page.url
 
 
 @pytest.mark.parametrize("solver", [RAW, LONG, "analytic"])
@@ -316,7 +320,7 @@ def test_a_drawn_path_is_the_solvers(plot, solver: str):
     """Of a few arcs and of twenty: it ends where the solver's controls lead to."""
     answer = solve(ODD, solver)
     page = plot()
-    page.evaluate("async i => attempts.show(await attempts.open(), [i])", row(page, solver, -1))
+    show(page, row(page, solver, -1))
     path, reference, target = drawn_end(page)
     scale = page.evaluate(
         "() => Number(document.querySelector('#attempt-drawer circle.turning').getAttribute('r'))"
@@ -343,9 +347,8 @@ def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, s
     wrong = attempt(scenario, "mine", path=Path(scenario.start, [0.0], [3.0]), claim=Claim.LOCAL)
     made = [right, wrong | {"scenario_id": right["scenario_id"]}]
     page = new_tab(reduced_motion="reduce")
-    folder = write_folder(tmp_path / "few", "few", made)
-    page.goto(topic_page(folder, tmp_path / "out", "single attempts").as_uri())
-    page.evaluate("async i => attempts.show(await attempts.open(), [i])", row(page, "mine", -1))
+    page.goto(address_of(tmp_path, made))
+    show(page, row(page, "mine", -1))
     _, end, target = drawn_end(page)
     line, dots, arrows = page.evaluate(
         """() => {
@@ -370,11 +373,8 @@ def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, s
 def test_an_address_opens_its_attempt(plot):
     """A link of a hostile name too."""
     page = plot()
-    link = page.evaluate(
-        "async i => { const data = await attempts.open(); attempts.show(data, [i]);"
-        " return document.querySelector('#attempt-drawer a').getAttribute('href'); }",
-        row(page, MINE, 3),
-    )
+    show(page, row(page, MINE, 3))
+    link = page.locator("#attempt-drawer a").first.get_attribute("href")
     other = plot(at=link)
     drawer = other.get_by_role("dialog")
     drawer.wait_for()
@@ -398,9 +398,7 @@ def test_an_address_of_no_attempt_says_so(new_tab, address: str, name: str, reas
     assert reason in problem.text_content()
     assert "Expected: an address that “link to this attempt” gives" in problem.text_content()
     assert page.locator("#attempt-drawer").count() == 0
-    assert page.evaluate(
-        "() => document.getElementById('attempt-problem').closest('section').id === 'attempts'"
-    )
+    assert page.locator("section#attempts #attempt-problem").count() == 1
     good = page.evaluate("async () => (await attempts.open()).id(0)")
     page.evaluate("id => { location.hash = `#attempt=${id}`; }", good)
     page.get_by_role("dialog").wait_for()
@@ -432,20 +430,28 @@ def test_everything_is_reached_by_keyboard(plot):
     assert button.evaluate("node => node === document.activeElement")
 
 
-@pytest.mark.slow
-def test_the_worst_attempts_of_a_solver_are_drawn(plot):
-    """Ten paths and references, the largest miss first; each picture opens the drawer."""
-    page = plot()
-    page.locator("#attempts-worst").scroll_into_view_if_needed()
-    page.wait_for_selector("#attempts-worst[data-ready=yes]")
+def gallery(page, solver: str):
+    """The pictures of a solver's worst attempts."""
     page.get_by_label("solver", exact=True).select_option(
-        page.locator("#worst-solver option[title=far]").get_attribute("value")
+        page.locator(f"#worst-solver option[title={solver}]").get_attribute("value")
     )
-    cards = page.locator("#attempts-worst .card")
+    return page.locator("#attempts-worst .card")
 
-    assert cards.count() == 10
+
+def test_the_worst_attempts_of_a_solver_are_drawn(plot):
+    """Ten paths and references, the largest miss first; each picture opens the drawer.
+
+    Right answers are nobody's worst.
+    """
+    page = plot()
+    drawn_part(page, "worst")
+    assert gallery(page, "fine").count() == 0
+    assert page.get_by_text("None of its attempts is wrong.").is_visible()
+    cards = gallery(page, "far")
     texts = cards.locator("span:first-of-type").all_text_contents()
     misses = [float(re.search(r"miss ([\d.]+) R", text)[1]) for text in texts]
+
+    assert len(texts) == 10
     assert all("false claim: local, misses" in text for text in texts)
     assert misses == sorted(misses, reverse=True)
     assert cards.locator("svg .solver").count() == cards.locator("svg .reference").count() == 10
@@ -453,29 +459,11 @@ def test_the_worst_attempts_of_a_solver_are_drawn(plot):
     assert "misses: a false claim" in page.get_by_role("dialog").text_content()
 
 
-def test_a_solver_without_wrong_attempts_has_no_gallery(plot):
-    """Right answers are nobody's worst."""
-    page = plot()
-    page.locator("#attempts-worst").scroll_into_view_if_needed()
-    page.wait_for_selector("#attempts-worst[data-ready=yes]")
-    page.get_by_label("solver", exact=True).select_option(
-        page.locator("#worst-solver option[title=fine]").get_attribute("value")
-    )
-
-    assert page.locator("#attempts-worst .card").count() == 0
-    assert page.get_by_text("None of its attempts is wrong.").is_visible()
-
-
-def test_the_plot_opens_with_few_colours_and_shapes(new_tab, tmp_path: FilePath):
+def test_the_plot_opens_with_few_colours_and_shapes(plot, tmp_path: FilePath):
     """At most three, all different; a plug-in's solver is one of them."""
     mine = "my_solver.py:MySolver"
     records = [one | {"solver": mine} for one in rows() if one["solver"] == "far"]
-    folder = write_folder(tmp_path / "mine", "mine", [*rows(), *records], time_limit_s=30.0)
-    page = new_tab()
-    page.goto(topic_page(folder, tmp_path / "report", "single attempts").as_uri())
-    page.locator("#attempts > details").evaluate("part => { part.open = true }")
-    page.locator("#attempts-plot").scroll_into_view_if_needed()
-    page.wait_for_selector("#attempts-plot[data-ready=yes]")
+    page = plot(of=address_of(tmp_path, [*rows(), *records]))
     marks = page.locator("#attempts-plot .marks li")
     looks = page.locator("#attempts-plot .marks path").evaluate_all(
         "paths => paths.map((path) => [path.style.stroke, path.getAttribute('d')])"
@@ -487,8 +475,19 @@ def test_the_plot_opens_with_few_colours_and_shapes(new_tab, tmp_path: FilePath)
         assert len(set(each)) == len(looks)
 
 
+def in_a_shell(command: str, programs: FilePath, **options: Any) -> Any:
+    """What a command prints as JSON, with programs that are found before all others."""
+    path = f"{programs}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["sh", "-c", command],
+        **{"capture_output": True, "text": True, "check": True, "timeout": 120},
+        **{"env": os.environ | {"PATH": path}, **options},
+    )
+    return json.loads(done.stdout)
+
+
 def command_of(page, attempt_row: int) -> str:
-    page.evaluate("async i => attempts.show(await attempts.open(), [i])", attempt_row)
+    show(page, attempt_row)
     return page.locator("#attempt-drawer .command code").text_content()
 
 
@@ -501,13 +500,8 @@ def test_the_command_repeats_the_attempt(plot, solver: str, branch: str):
     page = plot()
     command = command_of(page, row(page, solver, -1, branch))
     expected = solved(ODD, solver, branch)
-    programs = f"{FilePath(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["sh", "-c", command.replace(" -- ", " --json -- ")],
-        **{"capture_output": True, "text": True, "check": True, "timeout": 120},
-        env=os.environ | {"PATH": programs},
-    )
-    answer = json.loads(done.stdout)
+    programs = FilePath(sys.executable).parent
+    answer = in_a_shell(command.replace(" -- ", " --json -- "), programs)
 
     assert "--time-limit 30" in command
     for name in ("verdict", "claim", "solver", "branch", "margin", "reference", "length", "gap"):
@@ -522,13 +516,7 @@ def test_no_name_gets_out_of_its_quotes(plot, tmp_path: FilePath):
     program = tmp_path / "dubins-study"
     program.write_text(f"#!{sys.executable}\nimport json, sys\nprint(json.dumps(sys.argv[1:]))\n")
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
-    done = subprocess.run(
-        ["sh", "-c", command],
-        **{"capture_output": True, "text": True, "check": True, "timeout": 60},
-        env=os.environ | {"PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
-        cwd=tmp_path,
-    )
-    words = json.loads(done.stdout)
+    words = in_a_shell(command, tmp_path, cwd=tmp_path)
 
     assert words[words.index("--solver") + 1] == MINE
     assert {entry.name for entry in tmp_path.iterdir()} == {"dubins-study"}
@@ -602,21 +590,16 @@ ODD_ROWS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ODD_ROWS)
-def test_odd_rows_are_shown_too(new_tab, tmp_path: FilePath, name: str):
+def test_odd_rows_are_shown_too(plot, tmp_path: FilePath, name: str):
     """The plot, though it may be empty, the drawer and the pictures of the worst; no error."""
-    page = new_tab(reduced_motion="reduce")
-    folder = write_folder(tmp_path / "odd", "odd", ODD_ROWS[name])
-    page.goto(f"{topic_page(folder, tmp_path / 'out', 'single attempts').as_uri()}#attempts")
-    page.locator("#attempts-plot").scroll_into_view_if_needed()
-    page.wait_for_selector("#attempts-plot[data-ready=yes]")
+    page = plot(of=address_of(tmp_path, ODD_ROWS[name]))
     page.get_by_label("vertical").select_option("wall_s")
     page.get_by_label("horizontal").select_option("bearing")
-    page.locator("#attempts-worst").scroll_into_view_if_needed()
-    page.wait_for_selector("#attempts-worst[data-ready=yes]")
+    drawn_part(page, "worst")
     cards = page.locator("#attempts-worst .card")
     if name in ("one attempt", "no path exists"):  # they are right
         assert cards.count() == 0
-        page.evaluate("async () => attempts.show(await attempts.open(), [0])")
+        show(page, 0)
     else:
         cards.first.click()
 

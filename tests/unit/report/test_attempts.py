@@ -71,7 +71,7 @@ def attempts(draw):
             "threads": st.just(1),
         }
     )
-    rows = pd.DataFrame(draw(st.lists(row, min_size=1, max_size=30)))
+    rows = pd.DataFrame(draw(st.lists(row, min_size=12, max_size=40)))
     numbers = ["gap", "lower_bound", "reference_high", "pmp_residual", "cut_margin"]
     numbers += ["costate_error", "build_s", "solve_s", "wall_s"]
     return rows.astype(dict.fromkeys(numbers, float))
