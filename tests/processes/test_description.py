@@ -52,8 +52,8 @@ def test_a_plugin_is_loaded_by_another_process(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("import os; os._exit(3)", "ends the process that loads it: exit 3"),
-        ("import os; os.abort()", "ends the process that loads it: SIGABRT"),
+        ("import os; os._exit(3)", "while it was loaded, its process ended itself with code 3"),
+        ("import os; os.abort()", "while it was loaded, its process was ended by SIGABRT"),
         ("class Own(BaseException): pass\nraise Own('x')", "cannot be described: Own: x"),
         ("X = 1", "does not extend dubins_study.Solver; expected"),
     ],

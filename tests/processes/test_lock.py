@@ -14,8 +14,7 @@ import pytest
 from live_run import CELLS, finished, manifest, parts, slow_experiment, started, wait_for
 
 from dubins_study import status
-from dubins_study.experiments.store.folder import done
-from dubins_study.experiments.store.lock import LOCK, is_locked, lock_holder
+from dubins_study.experiments.store.folder import LOCK, done, is_locked, lock_holder
 
 
 def contents(folder):

@@ -36,11 +36,7 @@ Sources = dict[str, bytes]
 
 @cache
 def code_digest(spec: str, profile: str = "default") -> str:
-    """The digest in the column `code_digest`: 12 hexadecimal digits.
-
-    It covers the canonical spec, the values of all settings, the versions of the solver's packages,
-    and the sources that `solver_sources` lists. Each file is read once per process.
-    """
+    """The digest in the column `code_digest`: 12 hexadecimal digits."""
     solver = load(spec, profile)
     description = {
         "spec": canonical(spec, profile),
@@ -68,11 +64,7 @@ def _is_plain(value: object) -> bool:
 
 
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
-    """The source files on which a solver's rows depend.
-
-    For a plug-in these are its file or its whole package, and the rooms of `solvers` that these
-    sources name.
-    """
+    """The source files on which a solver's rows depend: of a plug-in its file or whole package."""
     module = solver_class.__module__
     file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
     if colon and file.endswith(".py"):

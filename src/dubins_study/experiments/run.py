@@ -19,8 +19,7 @@ from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
 from dubins_study.experiments.stages import not_asked, stages
-from dubins_study.experiments.store.folder import compact, done, open_folder, prepare_folder
-from dubins_study.experiments.store.lock import locked
+from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
 from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry

@@ -33,12 +33,7 @@ def stages(chains: list[Chain], rising: bool) -> Iterator[tuple[float, list[Chai
 
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
-    """The cells of a stage that are worth asking, given the folder's rows, and rows of the others.
-
-    Args:
-        folder: holds the rows of all earlier stages.
-        unit: unsolved cells of one size.
-    """
+    """The cells of a stage that are worth asking after all earlier ones, and rows of the others."""
     rows = read_rows(folder, ["label", "via_x", "verdict", "outcome"]).to_pylist()
     solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
     for row in rows:

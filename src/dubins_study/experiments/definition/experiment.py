@@ -172,10 +172,9 @@ class ExperimentFile(NamedTuple):
 
 
 def read(name: str) -> ExperimentFile:
-    """Read a packaged experiment by its name, or any experiment by the path of its TOML file.
+    """Read an experiment by its name or its path; `plan.run_plan.read_checked` checks more of it.
 
-    Solvers are not looked at, nor whether scenarios go together: `plan.run_plan.read_checked`. The
-    `ExperimentError` names the file, every wrong key, its line, its value and what was expected.
+    The `ExperimentError` names the file and every wrong key, its line, value and what was expected.
     """
     return parse(*text_of(name))
 

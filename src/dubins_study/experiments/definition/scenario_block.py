@@ -234,19 +234,13 @@ class Block(_Fields):
 
 
 class ListedBlock(Block):
-    """Scenarios listed one by one in a file of their own; no experiment's file writes this.
+    """Scenarios listed one by one in a file of their own; no experiment's file writes this."""
 
-    `listed` is a frame with the columns of `study.scenario.COLUMNS`, one row a scenario.
-    """
-
-    listed: Any = Field(exclude=True)
+    listed: Any = Field(exclude=True)  # a frame with the columns of `study.scenario.COLUMNS`
 
 
 def key_conflicts(fields: dict[str, Any]) -> list[Problem]:
-    """Blocks of a file with no target or several, and a `first` that is about no block.
-
-    A sampled route has targets, and perhaps final headings, of its own.
-    """
+    """Blocks of a file with no target or several, and a `first` that is about no block."""
     problems = []
     for number, block in tables(fields):
         sample = block.get("sample")

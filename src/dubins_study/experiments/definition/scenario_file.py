@@ -32,10 +32,8 @@ class ScenarioFileError(ScenarioError):
 def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     """The scenarios of a file, one row each, with the columns of `study.scenario.COLUMNS`.
 
-    A CSV file is UTF-8 with commas and a line of column names. In both formats the columns of
-    `study.scenario.DEFAULTS` may be left out, cells of `_MAY_BE_EMPTY` may be empty, a heading is
-    in radians or a text such as `120deg`, and columns may come in any order. `via_x` and `via_y`
-    hold lists of numbers; in a CSV file a text of numbers and spaces, such as `4 6`. The error
+    The columns of `study.scenario.DEFAULTS` may be left out, and cells of `_MAY_BE_EMPTY` may be
+    empty. `via_x` and `via_y` hold lists of numbers; in a CSV file a text such as `4 6`. The error
     names the file and every line with a column, a value and what was expected.
     """
     place = FilePath(file)
@@ -149,11 +147,7 @@ def _parquet_rows(file: FilePath) -> list[_Row]:
 
 
 def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
-    """Refuse columns that are missing, misspelt or twice there, all of them at once.
-
-    As in a frame, a column counts as misspelt if its name is near one that the file leaves out; any
-    other unknown column is passed over.
-    """
+    """Refuse columns that are missing, twice there, or unknown and named like a missing one."""
     missing = [name for name in COLUMNS if name not in head]
     others = [name for name in head if not (name in COLUMNS or nearest(name, missing))]
     sentences = column_problems([name for name in head if name not in others])

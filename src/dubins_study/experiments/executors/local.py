@@ -46,10 +46,7 @@ def local_executor(jobs: int) -> Iterator[Executor]:
 def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
-    """Yield the judged rows of all cells as they come, and an empty list if none come for a while.
-
-    After an interruption only the current solves are finished.
-    """
+    """Yield the judged rows of all cells as they come; an empty list if none come for a while."""
     # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
     jobs = (
@@ -116,10 +113,7 @@ def row_of(
 def ask_isolated(
     solver: str, profile: str, questions: Iterable[Question], limit: float
 ) -> Iterator[Answer]:
-    """Yield the judged answers to questions, in their order, as a run would have them.
-
-    If a solve ends the worker, that is an answer, and the next question goes to a new worker.
-    """
+    """Yield the judged answers to questions, in their order, as a run would have them."""
     jobs = (Job(solver, profile, question) for question in questions)
     known = tolerances(profile, limit), describe_solver(solver, profile).method
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.

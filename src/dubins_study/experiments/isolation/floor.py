@@ -29,10 +29,7 @@ _MOST_CALLS, _MOST_SECONDS, _LIMIT_S = 6, 0.5, 1.0
 
 
 def floor_s(solver: Solver) -> float | None:
-    """The seconds of one call of a solver's engine on a trivial problem; None without an engine.
-
-    An engine that fails on it, or takes longer than a second, has none either.
-    """
+    """The seconds of a call of a solver's engine on a trivial problem; None where it fails."""
     try:
         call = _trivial(solver)
         if call is None:

@@ -188,10 +188,7 @@ def _forked(message: list[Any]) -> ForkedProcess:
 
 
 def _search_path() -> list[str]:
-    """The caller's `sys.path` without its working directory.
-
-    A file in the working directory (`report.py`, `solvers/`) must not hide an installed package.
-    """
+    """The caller's `sys.path` without its working directory, whose files may hide a package."""
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
     entries = [entry for entry in entries if entry != _directory()]
     return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]

@@ -143,7 +143,4 @@ def decode_reply(values: list[Any]) -> WorkerReply:
     trace = [(count, _decode_path(path)) for count, path in solution["trace"]]
     path = _decode_path(solution["path"])
     solution = Solution(**solution | {"path": path, "trace": trace, "point": point})
-    started, versions, digest = map(str, sent[:3])
-    memory_mib, floor_s = (None if value is None else float(value) for value in sent[3:])
-    reply = Reply(Outcome(outcome), solution, Times(**times))
-    return WorkerReply(reply, started, versions, digest, memory_mib, floor_s)
+    return WorkerReply(Reply(Outcome(outcome), solution, Times(**times)), *sent)

@@ -102,7 +102,6 @@ class _Worker(WorkerProcess):
 class WorkerPool:
     """Worker processes, started when there are jobs and kept until the `with` block ends.
 
-    A worker and its children may hold `memory_limit_gib`.
     With `warm_up` a worker asks its solvers an easy question before their first job. `probed` is
     called every two seconds with the duration (s) of a calibration probe; with it the floors of
     the solvers' times are measured, too.
@@ -158,9 +157,7 @@ class WorkerPool:
     ) -> Iterator[Results]:
         """Yield the replies to all jobs as they come, and an empty list if none come for a while.
 
-        A solve may take `time_limit_s`. Jobs are read when a worker is free, and solved in this
-        order except after `put_first`. After an interruption only the current solves are
-        finished.
+        Jobs are read when a worker is free. After an interruption the current solves are finished.
         """
         self.drop_waiting()
         self._time_limit_s = time_limit_s

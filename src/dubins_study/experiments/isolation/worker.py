@@ -33,7 +33,8 @@ from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import VIA_POINTS, Outcome
 
-# Size of the calibration probe: loops of plain Python, operations on small arrays, repeats.
+# Size of the calibration probe, half of it plain Python and half numpy on small arrays: loops,
+# operations on arrays, repeats.
 _LOOPS, _ARRAYS, _REPEATS = 9000, 300, 3
 _KIB_PER_MIB = 2**10
 # Easy question that every solver is asked once before its first recorded answer.
@@ -149,11 +150,7 @@ def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> list
 
 
 def probe() -> float:
-    """Duration (s) of a fixed piece of work in this process, the shortest of three repeats.
-
-    One repeat takes about a millisecond: half for plain Python, half for numpy on arrays of a few
-    dozen numbers, as in the solvers.
-    """
+    """Duration (s) of a millisecond of work in this process, the shortest of three repeats."""
     return min(timeit.repeat(_probe_work, number=1, repeat=_REPEATS))
 
 

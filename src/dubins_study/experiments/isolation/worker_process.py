@@ -36,14 +36,11 @@ _GIB = 2**30
 
 
 class Allowance(NamedTuple):
-    """The seconds that a task may take, and a margin beyond them for what is no part of the limit.
-
-    `activity` says what the worker does where the limit is ours; it is empty for a caller's limit.
-    """
+    """The seconds that a task may take, and a margin for what is no part of the limit."""
 
     limit_s: float
     margin_s: float = 0.0
-    activity: str = ""
+    activity: str = ""  # what the worker does, where the limit is not the caller's
 
 
 _STARTING = Allowance(60.0, activity="starting a worker")
@@ -79,17 +76,13 @@ def _as_sent(value: Any) -> Any:
 
 
 class WorkerProcess:
-    """A process that answers tasks (see `worker.answer_tasks`) until it is closed.
-
-    Attributes:
-        pending: the tasks that it has received but not answered, in order.
-        closed: whether the process is gone.
-    """
+    """A process that answers tasks (see `worker.answer_tasks`) until it is closed."""
 
     def __init__(self, function: str, arguments: list[Any], memory_bytes: int):
         self._process = fork(function, arguments)
         self._memory_bytes = memory_bytes
         self._checked_s, self._checks = monotonic(), 0
+        # The tasks that it has received but not answered, in order.
         self.pending = deque([Task(_STARTING, _as_sent, self._checked_s)])
         self.closed = False
         # Whether the current task has begun, and since when it runs, or waits for the worker.
@@ -136,10 +129,7 @@ class WorkerProcess:
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
     def events(self, ready: set[int]) -> Iterator[Answer | Ended]:
-        """The answers that have arrived, and the end of a worker that has ended or breaks a limit.
-
-        A worker that is over a limit is killed; what it may answer meanwhile comes too late.
-        """
+        """The answers that have arrived, and the end of a worker that ends or breaks a limit."""
         if self._process.output in ready:
             self._read_output()
         ended = self._process.exit_pipe in ready
@@ -261,11 +251,7 @@ def wait(
 
 
 def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
-    """Bytes of memory that a process uses, optionally with its descendants; 0 if it has ended.
-
-    If the sum is above the limit, memory that several processes share is counted only once (Linux),
-    which is slower.
-    """
+    """Bytes of memory that a process uses, optionally with its descendants; 0 if it has ended."""
     try:
         process = psutil.Process(pid)
         family = [process, *process.children(recursive=True)] if with_children else [process]
@@ -275,6 +261,7 @@ def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
     for member in family:
         with suppress(psutil.Error):
             used += member.memory_info().rss
+    # Above the limit, memory that several share is counted only once (Linux), which is slower.
     for member in family if used > limit and with_children else ():
         with suppress(psutil.Error):
             memory = member.memory_full_info()

@@ -63,10 +63,7 @@ class BlockPlan(NamedTuple):
         return solver.warm * math.prod(map(len, lengths.axes))
 
     def guesses(self, solver: SolverDescription) -> Iterator[str]:
-        """The initial guesses as the column `initial_guess` holds them.
-
-        Each is `cold`, `warm`, or the lengths z1, z2 and z3 in radii, exact to the last bit.
-        """
+        """The values of the column `initial_guess`: `cold`, `warm`, or z1, z2 and z3 (radii)."""
         lengths = self.block.guess_lengths
         if lengths is None:
             yield from (g for g in self.initial_guesses if g == "cold" or solver.warm)
@@ -108,10 +105,7 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
 
 
 def overview(file: ExperimentFile) -> dict[str, Any]:
-    """An experiment in numbers; its scenarios count once for every block that asks about them.
-
-    It is refused if it is too large or a solver does not exist.
-    """
+    """An experiment in numbers; its scenarios count once for every block that asks about them."""
     experiment = file.experiment
     plans, problems = block_plans(experiment)
     if problems:
@@ -154,10 +148,9 @@ Chain = tuple[Cell, ...]
 def chains(experiment: Experiment, problems: list[Problem] | None = None) -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once. Blocks that hold an invalid scenario, or one
-    that cannot have a branch, whose sweep gives a warm cell another predecessor than an earlier
-    one, or that have too many cells are appended to `problems`, which may hold others; without that
-    list they are raised together. Once there is a problem, large blocks are not looked through.
+    A cell that several blocks ask for is listed once. Blocks that are not valid are appended to
+    `problems`, which may hold others; without that list they are raised together. Once there is a
+    problem, large blocks are not looked through.
     """
     plans, found = block_plans(experiment)
     collected = [] if problems is None else problems
@@ -232,9 +225,6 @@ def given_guess(cell: Cell) -> Path | None:
 
 
 def shuffled(chain_list: list[Chain], seed: int) -> list[Chain]:
-    """The chains in an order drawn from the seed.
-
-    If the machine is slower for a while, this affects cells of all solvers instead of only one.
-    """
+    """The chains in a drawn order: if the machine is slow for a while, all solvers share that."""
     order = np.random.default_rng(seed).permutation(len(chain_list))
     return [chain_list[i] for i in order]

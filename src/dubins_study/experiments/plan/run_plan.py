@@ -62,10 +62,7 @@ class Request(NamedTuple):
     scenarios: str | FilePath | None = None
 
     def command(self) -> str:
-        """The command line that asks for the same rows.
-
-        It leaves out the results folder and the address of a scheduler, which is private.
-        """
+        """The command line that asks for the same rows, without folder and address."""
         arguments = ["dubins-study", "run"]
         if self.experiment is not None:
             arguments.append(str(self.experiment))
@@ -171,10 +168,7 @@ def plan_run(request: Request) -> RunPlan:
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
-    """Read an experiment as `definition.experiment.read`, and check its solvers too.
-
-    The scenarios of a valid file are left to `plan_run`, which looks at all of them.
-    """
+    """Read an experiment as `definition.experiment.read`, and check its solvers too."""
     return _checked(text_of(name), trust_plugins, {})
 
 

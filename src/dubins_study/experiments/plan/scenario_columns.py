@@ -90,11 +90,7 @@ def block_size(block: Block) -> int:
 
 def _combinations(block: Block) -> int:
     """Number of combinations of the block's own fields, without the sample or the routes."""
-    return _via_size(block) * math.prod(len(block.axis(field) or [None]) for field in FIELDS)
-
-
-def _via_size(block: Block) -> int:
-    return 1 if block.via is None else len(block.via)
+    return len(block.via or [()]) * math.prod(len(block.axis(name) or [None]) for name in FIELDS)
 
 
 def columns(block: Block) -> Columns:
@@ -104,7 +100,7 @@ def columns(block: Block) -> Columns:
     or the route slowest.
     """
     row, combinations = np.arange(block_size(block)), _combinations(block)
-    combination, fields = row % combinations // _via_size(block), Columns()
+    combination, fields = row % combinations // len(block.via or [()]), Columns()
     for field in reversed(FIELDS):
         axis = block.axis(field)
         if axis is not None:
@@ -130,10 +126,7 @@ def columns(block: Block) -> Columns:
 
 
 def sampled_routes(route: Route) -> tuple[list[FloatArray], FloatArray]:
-    """Routes: their points after the start, shape (legs, 2), in radii from it; and final headings.
-
-    The same on every machine. The first routes are the same for every count.
-    """
+    """Routes: their points after the start, shape (legs, 2), in radii from it; final headings."""
     low, high = SPACINGS[route.spacing]
     walks, finals = [], []
     for legs in route.legs:

@@ -34,7 +34,6 @@ from dubins_study.solvers.registry import (
 )
 from dubins_study.solvers.reply import exception_text
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import Outcome
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
 
@@ -60,25 +59,19 @@ class SolverDescription(NamedTuple):
 
 @cache
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
-    """Describe the solver of a spec; refused as by `solvers.registry.load`.
-
-    The process that loads a plug-in must answer within a minute.
-    """
+    """Describe the solver of a spec; refused as by `solvers.registry.load`."""
     if ours(spec):
         return _describe(spec, profile)
     with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
-        event = worker.request([spec, profile], Allowance(_LOAD_LIMIT_S), tuple)
+        allowance = Allowance(_LOAD_LIMIT_S, activity="loading it")
+        event = worker.request([spec, profile], allowance, tuple)
     if isinstance(event, Answer):
         fields, message = event.value
         if message is not None:
             raise SolverError(str(message))
         packages, method = tuple(fields["packages"]), Method(*fields["method"])
         return SolverDescription(**(fields | {"packages": packages, "method": method}))
-    outcome, solution, _ = event.reply
-    if outcome is Outcome.TIMEOUT:
-        raise SolverError(f"solver {spec!r} takes longer than {_LOAD_LIMIT_S:g} s to load")
-    status = solution.native_status or solution.message
-    raise SolverError(f"solver {spec!r} ends the process that loads it: {status}")
+    raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -98,11 +91,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
 
 
 def serve_description(channel: Channel) -> None:
-    """Describe plug-ins in the process that loads them.
-
-    An answer is [fields, None], or [None, what is wrong with the solver]. It holds plain values, so
-    that no object of the plug-in's classes reaches the run.
-    """
+    """Describe plug-ins in the process that loads them, each by its fields or by what is wrong."""
     answer_tasks(channel, lambda task: (_description(*task), False))
 
 
@@ -146,9 +135,8 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
 def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem]:
     """Solvers of a file that do not exist, have no such setting, or cannot be asked what they are.
 
-    Each is made with its settings, braces written out. Plug-in files and programs on PATH are
-    refused unless they are trusted, since the file may come from anyone; none of them is loaded
-    before.
+    Plug-in files and programs on PATH are refused unless they are trusted, since the file may come
+    from anyone; none of them is loaded before.
     """
     profile = fields.get("profile")
     known = profile if isinstance(profile, str) and profile in PROFILES else "default"

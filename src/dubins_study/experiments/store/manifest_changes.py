@@ -20,7 +20,8 @@ RUNNING, FINISHED, INTERRUPTED, KILLED = "running", "finished", "interrupted", "
 
 # Seconds between two updates of the manifest.
 _WRITE_INTERVAL_S = 2.0
-# Number of probes per run: a manifest is read and written as a whole, so it must stay small.
+# Number of probes per run: a manifest is read and written as a whole, so it must stay small. If
+# there are more, every second one is dropped, later ones included.
 _MAX_PROBES = 1000
 
 # A list with one number per line. A JSON text cannot match, since its line breaks are escaped.
@@ -42,9 +43,8 @@ def count_cells(
 ) -> tuple[Manifest, bool]:
     """Record per solver how many cells the folder should hold; rows of old code do not count.
 
-    `requested` are the specs of this run; the numbers of others stay as they are. `rows` are those
-    that the folder will hold after this run, by spec and code digest. Returned are the manifest and
-    whether the folder will be finished then.
+    `rows` are those that the folder will hold after this run, by spec and code digest; returned are
+    the manifest and whether the folder will be finished then. Specs not `requested` stay.
     """
     solvers, complete = {}, True
     for spec, entry in manifest.solvers.items():
@@ -57,11 +57,9 @@ def count_cells(
 
 
 class RunRecord:
-    """Keeps a run's entry in the manifest up to date; durations come from a monotonic clock.
+    """Keeps a run's entry in the manifest, which is given without it, up to date.
 
-    The entry holds the run's `request`; the machine and the source are added here, and how the run
-    ended at the end of the `with` block. `manifest` is without this run; `completes` says whether
-    the run makes the folder finished.
+    `completes` says whether the run makes the folder finished.
     """
 
     def __init__(
@@ -98,10 +96,7 @@ class RunRecord:
             self.write(state=INTERRUPTED, ended=ended, load_end=load)
 
     def probe(self, seconds: float, machine: int = 0) -> None:
-        """Record the duration (s) of a calibration probe, and the number of its machine.
-
-        If there are more than `_MAX_PROBES`, every second probe is dropped, later ones included.
-        """
+        """Record the duration (s) of a calibration probe, and the number of its machine."""
         self._probes_taken += 1
         if self._probes_taken % self._probe_stride == 0:
             when = round(monotonic() - self._began, 3)

@@ -13,8 +13,7 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.experiments.provenance import now
-from dubins_study.experiments.store.folder import read_rows
-from dubins_study.experiments.store.lock import is_locked
+from dubins_study.experiments.store.folder import is_locked, read_rows
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
@@ -30,11 +29,9 @@ _MAX_LISTED = 5
 def merged_rows(
     tables: Sequence[pa.Table], folders: Sequence[FilePath], tolerance: float
 ) -> tuple[pa.Table, int]:
-    """One row per cell, and the number of other attempts that agree with it, copies left out.
+    """The earliest row per cell, and how many other attempts, copies left out, agree with it.
 
-    Each table is of one folder and has at least the columns of `COLUMNS`. The earliest attempt at
-    a cell is kept. Cells whose attempts contradict each other (gaps differ by more than the
-    tolerance) are refused by name.
+    Cells whose attempts contradict each other (gaps differ by more than the tolerance) are refused.
     """
     table = pa.concat_tables(tables)
     rows = table.select(COLUMNS).to_pandas()
@@ -68,12 +65,20 @@ def _contradiction(pair: pd.Series[str], differ: pd.Series[bool]) -> str:
 
 
 class Union(NamedTuple):
-    """The result of a merge: the new results folder, and numbers of rows."""
+    """The result of a merge.
+
+    Args:
+        folder: the new results folder.
+        rows: number of rows in it.
+        agreeing_repeats: number of attempts that were left out because an earlier attempt at the
+            same cell agrees; copies of the same attempt are not counted.
+        stale: number of its rows whose solver code differs from the first folder's.
+    """
 
     folder: FilePath
     rows: int
-    agreeing_repeats: int  # left out since an earlier attempt agrees; copies of one do not count
-    stale: int  # of code that differs from the first folder's
+    agreeing_repeats: int
+    stale: int
 
 
 def merge(folders: Iterable[str | FilePath], out: str | FilePath) -> Union:

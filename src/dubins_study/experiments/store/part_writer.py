@@ -23,8 +23,7 @@ TEMPORARY = ".dubins-study.tmp"
 def write_whole(final: FilePath, write: Callable[[FilePath], object]) -> None:
     """Write a file under a temporary name, sync it, and rename it to `final` in one step.
 
-    `write` is called with a path and writes the content there. An existing file at `final` is
-    replaced. After an error the temporary file is removed.
+    `write` is called with a path and writes the content there.
     """
     temporary = final.with_name(f".{final.name}{TEMPORARY}")
     try:
@@ -57,11 +56,7 @@ Progress = Callable[[int, int], None]
 def write_part(
     folder: FilePath, name: str, table: pa.Table, metadata: Mapping[str, str] | None = None
 ) -> FilePath:
-    """Write a part completely or not at all, and return its file.
-
-    Text columns of the table may be dictionary arrays; the metadata are stored in addition to the
-    schema's version.
-    """
+    """Write a part completely or not at all, and return its file."""
     final = folder / PARTS / f"{name}.parquet"
 
     def write(file: FilePath) -> None:
@@ -84,11 +79,7 @@ def write_part(
 
 
 class PartWriter:
-    """Collects the rows of a run, writes a part about every second, and reports progress.
-
-    The names of the parts begin with the run's id. `total` is the number of all cells of the run,
-    including those that were done before.
-    """
+    """Collects the rows of a run, writes a part about every second, and reports progress."""
 
     def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
         self._folder, self._run_id, self._total, self._progress = folder, run_id, total, progress
@@ -111,11 +102,7 @@ class PartWriter:
         self._report()
 
     def flush(self) -> None:
-        """Write the collected rows as a part.
-
-        If an interruption comes between writing and clearing, the next call writes the rows again;
-        readers ignore the duplicates.
-        """
+        """Write the collected rows as a part; after an interruption perhaps once more."""
         if self._rows:
             name = f"{self._run_id}-{self._parts:06d}"
             write_part(self._folder, name, rows_table(self._rows), {RUN_ID: self._run_id})

@@ -9,8 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from dubins_study.experiments.store.folder import DAMAGED, read_rows
-from dubins_study.experiments.store.lock import is_locked, lock_holder
+from dubins_study.experiments.store.folder import DAMAGED, is_locked, lock_holder, read_rows
 from dubins_study.experiments.store.manifest_changes import KILLED, RUNNING
 from dubins_study.study.rows.manifest import Manifest, RunEntry, read_manifest
 from dubins_study.study.rows.parts import ResultsError, folder_paths
