@@ -39,14 +39,11 @@ class Analytic(Solver):
     branches: ClassVar[tuple[str, ...]] = PATH_BRANCHES
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     summary: ClassVar[str] = "the closed form: exact, every branch, no iteration; routes: search"
+    keeps_limit = True
 
     @property
     def method(self) -> Method:
         return Method("closed form", "closed form")
-
-    @property
-    def keeps_limit(self) -> bool:
-        return True
 
     def build(self, question: Question) -> Question:
         if question.scenario.via:

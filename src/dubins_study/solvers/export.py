@@ -30,35 +30,10 @@ class ExportError(DubinsStudyError, ValueError):
 def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: str = "LRS") -> str:
     """A model of a scenario as the text of a file.
 
-    Args:
-        scenario: start, target and turning radius; its speed plays no part in a length.
-        model: `paper` is (4.12) with its three lengths unbounded above, `disjunctive` the choice
-            among the words LS, RS, LR and RL, which covers every target.
-        format: `nl` (any solver that AMPL can call), `mod` (AMPL's language, `paper` only) or
-            `gams`.
-        order: of the paper's turns: `LRS`, or `RLS`, its mirror image.
-
-    Returns:
-        The text. Its variables are z1, z2 and z3 (the two turns' lengths and the straight's) in
-        `paper`; z[1], z[2], z[3] (left, right, straight) with cosines, sines and a binary per
-        word in `disjunctive`. The first line of `nl`, which has no names, tells their order.
-
-    Raises:
-        ExportError: naming the argument, its value and what was expected.
+    `paper` is (4.12) in z1, z2 and z3, the lengths of the two turns of an order and of the
+    straight; `disjunctive` the choice among LS, RS, LR and RL in z[1], z[2], z[3] (left, right,
+    straight), cosines, sines and a binary a word. `nl` has no names: its first line tells them.
     """
-    _check(model, format, order)
-    if not scenario.one_free_leg:
-        raise ExportError("the scenario has via points or a final heading; expected neither")
-    if format == "mod":
-        return _mod(scenario, order)
-    if model == "paper":
-        program, title = _paper(scenario, order), f"model (4.12), order {order}"
-    else:
-        program, title = _disjunctive(scenario), "disjunctive model, unit radius, vehicle's frame"
-    return _nl(program, title) if format == "nl" else _gams(program, title)
-
-
-def _check(model: str, format: str, order: str) -> None:
     for name, value, choices in (
         ("model", model, MODELS),
         ("format", format, FORMATS),
@@ -71,6 +46,15 @@ def _check(model: str, format: str, order: str) -> None:
         raise ExportError("format is 'mod'; expected nl or gams for the disjunctive model")
     if model == "disjunctive" and order != "LRS":
         raise ExportError(f"order is {order!r}; the disjunctive model has both orders in it")
+    if not scenario.one_free_leg:
+        raise ExportError("the scenario has via points or a final heading; expected neither")
+    if format == "mod":
+        return _mod(scenario, order)
+    if model == "paper":
+        program, title = _paper(scenario, order), f"model (4.12), order {order}"
+    else:
+        program, title = _disjunctive(scenario), "disjunctive model, unit radius, vehicle's frame"
+    return _nl(program, title) if format == "nl" else _gams(program, title)
 
 
 def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:

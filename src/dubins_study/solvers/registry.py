@@ -163,16 +163,9 @@ def canonical(spec: str, profile: str = "default") -> str:
 
 
 def load(spec: str, profile: str = "default") -> Solver:
-    """The solver of a spec.
+    """The solver of a spec: `ipopt`, `turn-rate-qp[n=50,engine=piqp]`, or `file.py:Class`.
 
-    Args:
-        spec: `ipopt`, `turn-rate-qp[n=50,engine=piqp]`, or `file.py:Class` with or without
-            settings.
-        profile: name of the solver's own settings to begin with (its `profiles`); those of the
-            spec come on top of them.
-
-    Raises:
-        SolverError: naming the solver, setting or value, and what was expected.
+    The settings of a profile come before those of the spec. A SolverError names what is wrong.
     """
     name, given = _parse(spec)
     kind = _kind(name)

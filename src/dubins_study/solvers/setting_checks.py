@@ -24,68 +24,57 @@ def missing_package(*names: str) -> str | None:
     return None
 
 
+class _Rule(NamedTuple):
+    """What a setting may be, and how a refusal says so."""
+
+    holds: Callable[[Any], bool]
+    expected: str
+    choices: Collection[str] = ()
+
+
+_RULE = object()  # the key of a setting's rule
+
+
 def check_settings(solver: Any) -> None:
     """Refuse a dataclass with a setting that is not what its declaration says."""
     for setting in fields(solver):
-        value, complaint = getattr(solver, setting.name), setting.metadata.get(_COMPLAINT)
-        if complaint is not None and (text := complaint(value)):
-            raise ValueError(f"{setting.name} is {value!r}; {text}")
+        value, rule = getattr(solver, setting.name), setting.metadata.get(_RULE)
+        if rule is not None and not rule.holds(value):
+            near = did_you_mean(value, rule.choices)
+            raise ValueError(f"{setting.name} is {value!r}; {near}expected {rule.expected}")
 
 
-_COMPLAINT = object()  # the key of what says why a value is refused
-
-
-def _setting(default: Any, complaint: Callable[[Any], str | None]) -> Any:
-    return field(default=default, metadata={_COMPLAINT: complaint})
+def _setting(default: Any, *rule: Any) -> Any:
+    return field(default=default, metadata={_RULE: _Rule(*rule)})
 
 
 def one_of(default: str, choices: Collection[str]) -> Any:
     """A setting that is one of some texts."""
-
-    def complaint(value: Any) -> str | None:
-        if value in choices:
-            return None
-        return f"{did_you_mean(value, choices)}expected one of: {', '.join(choices)}"
-
-    return _setting(default, complaint)
+    expected = f"one of: {', '.join(choices)}"
+    return _setting(default, lambda value: value in choices, expected, choices)
 
 
 def positive(default: float) -> Any:
     """A finite number above zero."""
-    return _setting(
-        default,
-        lambda value: None if 0 < value < math.inf else "expected a number above 0",
-    )
+    return _setting(default, lambda value: 0 < value < math.inf, "a number above 0")
 
 
 def within(default: float, least: float, most: float, ends: bool = True) -> Any:
     """A number in a range, with its ends or without."""
 
-    def complaint(value: Any) -> str | None:
-        inside = least <= value <= most and (ends or least < value < most)  # NaN is not
-        return None if inside else f"expected a number from {least:g} to {most:g}"
+    def inside(value: Any) -> bool:
+        return least <= value <= most and (ends or least < value < most)  # NaN is not
 
-    return _setting(default, complaint)
-
-
-def unless_zero(least: float, most: float) -> Any:
-    """A number in a range, or 0: another setting decides."""
-
-    def complaint(value: Any) -> str | None:
-        right = value == 0 or least <= value <= most
-        return None if right else f"expected 0, or a number from {least:g} to {most:g}"
-
-    return _setting(0.0, complaint)
+    return _setting(default, inside, f"a number from {least:g} to {most:g}")
 
 
 def whole(default: int, least: int, most: int) -> Any:
     """A whole number in a range."""
 
-    def complaint(value: Any) -> str | None:
-        right = isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
-        return None if right else f"expected a whole number from {least} to {most}"
+    def inside(value: Any) -> bool:
+        return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
 
-    return _setting(default, complaint)
+    return _setting(default, inside, f"a whole number from {least} to {most}")
 
 
 # Three sets of options for every engine: equal tolerances, its makers' defaults, their advice. An
@@ -131,7 +120,8 @@ def option_set() -> Any:
 
 def tolerance() -> Any:
     """The setting `tol`, 0 for that of the engine's options."""
-    return unless_zero(1e-14, 1e-2)
+    expected = "0, or a number from 1e-14 to 0.01"
+    return _setting(0.0, lambda value: value == 0 or 1e-14 <= value <= 1e-2, expected)
 
 
 def iterations() -> Any:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
+from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.study.words import Claim
 
@@ -62,7 +62,7 @@ def test_apopt_within_a_worker_s_memory_limit():
     assert statuses == {"Successful solution"}
 
 
-def test_text_means_what_the_expressions_mean():
+def test_text_means_what_the_expressions_mean(monkeypatch):
     """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
     x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
     f = casadi.sin(x[0]) ** 2 - x[1] / p[0] + casadi.sqrt(x[2]) * casadi.exp(-x[0])
@@ -70,16 +70,18 @@ def test_text_means_what_the_expressions_mean():
     bound = np.full(3, math.inf)
     point = np.array([0.3, -1.7, 2.5])
     scope = {name: getattr(math, name) for name in ("sin", "cos", "sqrt", "exp", "log")}
-    scope |= {f"x{i + 1}": value for i, value in enumerate(point.tolist())}
+    scope["x"] = dict(enumerate(point.tolist(), 1))
 
     for longest in (10, 10_000):
+        monkeypatch.setattr("dubins_study.solvers.nlp_engines.expressions._LONGEST", longest)
         for parameters in (np.array([3.0, -2.0]), np.array([-0.5, 1e-9])):
             program = Program(Expressions(x, p, f, g), parameters, -bound, bound)
-            text = algebra_text(program, Language("Python", "x{}", "({})**({})", longest))
+            text = algebra_text(program)
             names = dict(scope)
             for name, expression in text.intermediates:
-                names[name] = eval(expression, names)
-            sides = [eval(side, names) for side in (text.objective, *text.equations)]
+                names[name] = eval(expression.replace("^", "**"), names)
+            sides = [text.objective, *text.equations]
+            sides = [eval(side.replace("^", "**"), names) for side in sides]
 
             functions = program.functions
             expected = [functions.objective(point), *functions.equations(point)]

@@ -389,11 +389,7 @@ NATIVE: dict[str, Callable[[Problem], Solve]] = {
 
 
 def prepare(engine: str, interface: str, problem: Problem) -> Solve:
-    """The problem in an interface's form, as a function that solves it.
-
-    Raises:
-        ProblemError: if the problem has cones and the engine takes none.
-    """
+    """The problem in an interface's form, as a function that solves it."""
     if problem.cones.size and not ENGINES[engine].cones:
         raise ProblemError(f"{ENGINES[engine].label} takes no cones; expected a QP")
     return through_cvxpy(engine, problem) if interface == "cvxpy" else NATIVE[engine](problem)

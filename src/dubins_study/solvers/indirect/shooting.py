@@ -86,6 +86,7 @@ class Shooting(Solver):
     warm: ClassVar[bool] = True
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
     summary: ClassVar[str] = "Pontryagin's conditions by structured shooting, SciPy's root"
+    keeps_limit = True
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
@@ -94,10 +95,6 @@ class Shooting(Solver):
     @property
     def method(self) -> Method:
         return Method("Pontryagin's system", ENGINES[self.root].label, self.initial_guess, self.tol)
-
-    @property
-    def keeps_limit(self) -> bool:
-        return True
 
     def build(self, question: Question) -> Model:
         cases = []

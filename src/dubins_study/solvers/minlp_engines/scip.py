@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import lru_cache
 from pathlib import Path
 from threading import Lock, current_thread, main_thread
 from typing import Any
@@ -47,20 +46,28 @@ _CLAIMS = {
     "timelimit": Claim.LIMIT,
 }
 
+# beside heuristics and cuts: without presolving and propagation
+_LEAN = dict.fromkeys(
+    ("presolving/maxrounds", "propagating/maxrounds", "propagating/maxroundsroot"), 0
+)
+
 
 def scip(settings: Settings) -> MinlpCall:
     """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound."""
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         """An error of SCIP's own is a result; Ctrl-C, which SCIP catches, is raised again."""
+        from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
+
         model, x = _translated(program)
-        options = dict(_lean() if settings.lean else ())
-        options |= {"numerics/feastol": settings.feastol, "limits/gap": settings.gap}
-        options |= {"limits/time": max(seconds, 0.0)}
+        if settings.lean:
+            model.setHeuristics(SCIP_PARAMSETTING.OFF)
+            model.setSeparating(SCIP_PARAMSETTING.OFF)
+            model.setParams(_LEAN)
+        model.setParams({"numerics/feastol": settings.feastol, "limits/gap": settings.gap})
         # in the main thread Ctrl-C must end SCIP, since Python sees it only afterwards
-        options |= {"misc/catchctrlc": current_thread() is main_thread()}
-        for name, setting in options.items():
-            model.setParam(name, setting)
+        catches = current_thread() is main_thread()
+        model.setParams({"limits/time": max(seconds, 0.0), "misc/catchctrlc": catches})
         model.hideOutput()
         try:
             # In about a third of all questions SoPlex, SCIP's own linear solver, writes to the
@@ -120,20 +127,3 @@ def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
     objective = model.addVar(lb=None, obj=1.0)
     model.addCons(objective >= written.objective)
     return model, x
-
-
-@lru_cache(maxsize=1)
-def _lean() -> tuple[tuple[str, Any], ...]:
-    """SCIP's parameters for branch and bound alone."""
-    from pyscipopt import Model as Scip
-    from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
-
-    scip = Scip()
-    before = scip.getParams()
-    scip.setHeuristics(SCIP_PARAMSETTING.OFF)
-    scip.setSeparating(SCIP_PARAMSETTING.OFF)
-    scip.setParam("presolving/maxrounds", 0)
-    scip.setParam("propagating/maxrounds", 0)
-    scip.setParam("propagating/maxroundsroot", 0)
-    after = scip.getParams()
-    return tuple((name, value) for name, value in after.items() if value != before[name])

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.expressions import Language, algebra_text
+from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -31,9 +31,6 @@ _CLAIMS = {
     "Maximum iterations": Claim.LIMIT,
     "Requested accuracy unachievable": Claim.FAILED,
 }
-
-# lines may have 15000 characters
-_LANGUAGE = Language("APMonitor", "x[{}]", "(({})^({}))", 2000)
 
 _MODEL = "model"  # APMonitor's names of its files
 
@@ -83,7 +80,7 @@ def _program() -> FilePath:
 
 def _model(program: Program, guess: FloatArray) -> str:
     """The program in APMonitor's language."""
-    text = algebra_text(program, _LANGUAGE)
+    text = algebra_text(program)
     bounds = zip(guess.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True)
     variables = [
         f"{name} = {value!r}{_bound('>=', lower)}{_bound('<=', upper)}"

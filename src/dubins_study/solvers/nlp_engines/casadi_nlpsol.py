@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from io import StringIO
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -93,64 +92,47 @@ _PLUGINS = {
 _PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "calc_lam_p": False}
 
 
-@dataclass
-class Deadline:
-    """When to stop (s, on `perf_counter`), set anew before every run.
+def _watch(variables: int, rows: int) -> Any:
+    """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
 
-    It must live as long as the programs that it stops: casadi does not keep what it calls.
+    It stops a run at the time `at`, set before; Ipopt's own time limits are fixed once compiled.
     """
+    import casadi
 
-    at: float = math.inf
-    watches: list[Any] = field(default_factory=list)
+    sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
 
-    def watch(self, variables: int, rows: int) -> Any:
-        """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
+    class Watch(casadi.Callback):
+        """Told of every iteration; answers whether to stop."""
 
-        Ipopt's own time limits are fixed once compiled.
-        """
-        import casadi
+        at = math.inf  # s, on `perf_counter`
 
-        deadline = self
-        sizes = {"x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "f": 1}
+        def __init__(self) -> None:
+            casadi.Callback.__init__(self)
+            self.construct("watch", {})
 
-        class Watch(casadi.Callback):
-            """Told of every iteration; answers whether to stop."""
+        def get_n_in(self) -> int:
+            return int(casadi.nlpsol_n_out())
 
-            def __init__(self) -> None:
-                casadi.Callback.__init__(self)
-                self.construct("watch", {})
+        def get_n_out(self) -> int:
+            return 1
 
-            def get_n_in(self) -> int:
-                return int(casadi.nlpsol_n_out())
+        def get_name_in(self, i: int) -> str:
+            return str(casadi.nlpsol_out(i))
 
-            def get_n_out(self) -> int:
-                return 1
+        def get_sparsity_in(self, i: int) -> Any:
+            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
 
-            def get_name_in(self, i: int) -> str:
-                return str(casadi.nlpsol_out(i))
+        def eval(self, _: Any) -> list[int]:
+            return [int(perf_counter() > self.at)]
 
-            def get_sparsity_in(self, i: int) -> Any:
-                return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
-
-            def eval(self, _: Any) -> list[int]:
-                return [int(perf_counter() > deadline.at)]
-
-        self.watches.append(Watch())
-        return self.watches[-1]
-
-
-class _Silence(io.TextIOBase):
-    """What casadi prints, plug-ins included, goes through Python's own streams, here nowhere."""
-
-    def write(self, text: str) -> int:
-        return len(text)
+    return Watch()
 
 
 @lru_cache(maxsize=256)
 def _compiled(
     expressions: Expressions, plugin: str, chosen: tuple[tuple[str, Any], ...], watched: bool
-) -> tuple[Callable[[], Any], Deadline | None]:
-    """What gives the function that solves a program, and what stops it, if anything does.
+) -> tuple[Callable[[], Any], Any]:
+    """What gives the function that solves a program, and its watch, which casadi does not keep.
 
     The function takes x0, p, lbx, ubx, lbg and ubg, and returns the point, the duals of g and
     casadi's statistics.
@@ -164,21 +146,19 @@ def _compiled(
         sizes = expressions.stages._asdict().items()
         options |= {name: list(size) for name, size in sizes} | {"equality": [True] * m}
         options |= {"structure_detection": "manual", "N": len(expressions.stages.nx) - 1}
-    deadline = None
-    if watched:
-        deadline = Deadline()
-        options["iteration_callback"] = deadline.watch(n, m)
+    watch = _watch(n, m) if watched else None
+    options |= {"iteration_callback": watch} if watched else {}
     solver = casadi.nlpsol("engine", plugin, problem, options)
     if not _PLUGINS[plugin].remembers:
         call = _by_arrays(solver) if _PLUGINS[plugin].by_arrays else _plain(solver)
-        return lambda: call, deadline
+        return lambda: call, watch
     # the derivatives, which take ten times as long to make as all else, are kept
     derivatives = {
         "jac_fg": solver.get_function("nlp_jac_fg"),
         "hess_lag": solver.get_function("nlp_hess_l"),
     }
     again = partial(casadi.nlpsol, "engine", plugin, solver.oracle(), options | derivatives)
-    return lambda: _plain(again()), deadline
+    return lambda: _plain(again()), watch
 
 
 # from x0, p, lbx, ubx, lbg, ubg to the point, the duals of g, and casadi's statistics
@@ -230,14 +210,14 @@ def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         with ExitStack() as streams:
-            if plugin != "ipopt":  # whose options silence it
-                streams.enter_context(redirect_stdout(_Silence()))
-                streams.enter_context(redirect_stderr(_Silence()))
+            if plugin != "ipopt":  # whose options silence it; what others print is Python's output
+                streams.enter_context(redirect_stdout(StringIO()))
+                streams.enter_context(redirect_stderr(StringIO()))
             watched = _PLUGINS[plugin].watched and needs_watch(max_iter, guess.size)
-            made, deadline = _compiled(program.expressions, plugin, chosen, watched)
+            made, watch = _compiled(program.expressions, plugin, chosen, watched)
             solve = made()
-            if deadline is not None:
-                deadline.at = perf_counter() + seconds
+            if watch is not None:
+                watch.at = perf_counter() + seconds
             ends = program.lower, program.upper, *(program.bounds or (0, 0))
             try:
                 x, duals, stats = solve(guess, program.p, *ends)

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 
-# What Python's operators do for every type of operand, by casadi's name of the operation, and the
-# text; that of a power is the language's. A square is a power, which the interfaces recognise as
-# convex, and not a product of two expressions.
+# What Python's operators do for every type of operand, by casadi's name of the operation, and its
+# text in APMonitor's language. A square is a power, which the interfaces recognise as convex, and
+# not a product of two expressions.
 _ARITHMETIC: dict[str, tuple[Callable[..., Any], str]] = {
     "OP_ASSIGN": (lambda a: a, "{}"),
     "OP_ADD": (operator.add, "({} + {})"),
@@ -26,11 +26,11 @@ _ARITHMETIC: dict[str, tuple[Callable[..., Any], str]] = {
     "OP_MUL": (operator.mul, "({} * {})"),
     "OP_DIV": (operator.truediv, "({} / {})"),
     "OP_NEG": (operator.neg, "(0 - {})"),
-    "OP_SQ": (lambda a: a**2, ""),
+    "OP_SQ": (lambda a: a**2, "(({})^((2.0)))"),
     "OP_TWICE": (lambda a: 2.0 * a, "((2.0) * {})"),
     "OP_INV": (lambda a: 1.0 / a, "((1.0) / {})"),
-    "OP_POW": (operator.pow, ""),
-    "OP_CONSTPOW": (operator.pow, ""),
+    "OP_POW": (operator.pow, "(({})^({}))"),
+    "OP_CONSTPOW": (operator.pow, "(({})^({}))"),
 }
 # What each interface has functions of its own for, under the names that `math` uses too.
 _FUNCTIONS = {
@@ -80,7 +80,7 @@ def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., 
     """What carries out an operation on operands."""
     numbers = all(isinstance(operand, (int, float)) for operand in operands)
     place = math if numbers else functions
-    if isinstance(place, _Text) and name in {*_ARITHMETIC, *_FUNCTIONS}:
+    if isinstance(place, APMonitor) and name in {*_ARITHMETIC, *_FUNCTIONS}:
         return partial(place.of, name)
     if name in _ARITHMETIC:
         return _ARITHMETIC[name][0]
@@ -103,13 +103,7 @@ def _operation_names() -> dict[int, str]:
     return {getattr(casadi, name): name for name in dir(casadi) if name.startswith("OP_")}
 
 
-class Language(NamedTuple):
-    """What differs between the languages; all write `sin(x)` and `(x + 1) * y`."""
-
-    name: str  # for messages
-    variable: str  # template of the variables' names, of their numbers from 1
-    power: str  # template of the first operand to the power of the second
-    longest: int  # lines have a limit: an expression of more characters becomes an intermediate
+_LONGEST = 2000  # characters; lines may have 15000
 
 
 class AlgebraText(NamedTuple):
@@ -121,31 +115,25 @@ class AlgebraText(NamedTuple):
     intermediates: list[tuple[str, str]]
 
 
-def algebra_text(program: Program, language: Language) -> AlgebraText:
-    """A program at its parameters, in the syntax of a language."""
-    text = _Text(language, [])
-    variables = [language.variable.format(i + 1) for i in range(program.lower.size)]
+def algebra_text(program: Program) -> AlgebraText:
+    """A program at its parameters in APMonitor's language, long expressions cut in pieces."""
+    text = APMonitor([])
+    variables = [f"x[{i + 1}]" for i in range(program.lower.size)]
     objective, equations = rebuilt(program, variables, text)
     sides = [_operand(side) for side in equations]
     return AlgebraText(variables, _operand(objective), sides, text.intermediates)
 
 
-class _Text(NamedTuple):
-    """Operations on texts, which give texts, or the names of long ones."""
+class APMonitor(NamedTuple):
+    """Operations on texts of its language, which give texts, or the names of long ones."""
 
-    language: Language
     intermediates: list[tuple[str, str]]
-
-    @property
-    def __name__(self) -> str:
-        return self.language.name
 
     def of(self, operation: str, *operands: float | str) -> str:
         """The text of an operation on operands."""
-        template = _ARITHMETIC.get(operation, (None, _FUNCTIONS.get(operation, "") + "({})"))[1]
-        exponent = (2.0,) if operation == "OP_SQ" else ()
-        text = (template or self.language.power).format(*map(_operand, operands + exponent))
-        if len(text) <= self.language.longest:
+        template = _ARITHMETIC.get(operation, (None, f"{_FUNCTIONS.get(operation)}({{}})"))[1]
+        text = template.format(*map(_operand, operands))
+        if len(text) <= _LONGEST:
             return text
         self.intermediates.append((f"i{len(self.intermediates) + 1}", text))
         return self.intermediates[-1][0]

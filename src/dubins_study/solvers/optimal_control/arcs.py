@@ -127,17 +127,20 @@ _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter tha
 _CORRECTIONS = 30  # Newton's method takes 2 to 5; more are needed where rates reach their bounds
 
 
-def step_shares(n: int, mesh: str, distance: float) -> FloatArray:
-    """The steps' shares (n,) of a leg's length, summing to 1, for points so many radii apart.
+def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
+    """The shares of its leg's length that n steps have, shape (legs, n), each row summing to 1.
 
     On `graded` half of the steps share about a full circle's length at the start, where the path
     turns, unless equal steps are shorter than that.
     """
     turning, straight = (n + 1) // 2, n // 2
-    share = _TURNING / (_TURNING + distance)
-    if mesh == "equal" or share >= turning / n:
-        return np.full(n, 1.0 / n)
-    return np.repeat((share / turning, (1 - share) / straight), (turning, straight))
+    shares = np.full((course.legs, n), 1.0 / n)
+    for leg, distance in enumerate(np.hypot(*course.steps.T).tolist()):
+        share = _TURNING / (_TURNING + distance)
+        if mesh == "graded" and share < turning / n:
+            parts = share / turning, (1 - share) / straight
+            shares[leg] = np.repeat(parts, (turning, straight))
+    return shares
 
 
 class Rollout(NamedTuple):

@@ -23,7 +23,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Transcribed,
 )
-from dubins_study.solvers.setting_checks import missing_package, whole
+from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.path import FloatArray
 
 
@@ -160,9 +160,6 @@ class Collocation(NlpTranscription):
         "fast": {"tol": 1e-7},
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
     }
-
-    def unavailable(self) -> str | None:
-        return missing_package("pyomo", "casadi") or super().unavailable()
 
     def template(self, course: Course) -> Template:
         final = course.last is not None

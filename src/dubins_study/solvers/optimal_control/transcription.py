@@ -48,9 +48,7 @@ from dubins_study.study.words import NEEDS, Claim
 
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
-_SAME = (
-    1e-6  # relative; of two answers this near, the one that its engine calls a solution is taken
-)
+_SAME = 1e-6  # relative; of two answers this near, one that its engine calls a solution is taken
 
 
 class Guess(NamedTuple):
@@ -148,11 +146,7 @@ class Transcription(EngineSolver):
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     warm: ClassVar[bool] = True
-
-    @property
-    def keeps_limit(self) -> bool:
-        # compiling takes seconds for hundreds of legs
-        return False
+    keeps_limit = False  # compiling takes seconds for hundreds of legs
 
     def template(self, course: Course) -> Template:
         """The transcription of a course, compiled."""

@@ -74,11 +74,8 @@ class TurnRateQp(Transcription):
         return Method("turn rates", label, self.initial_guess, self.tolerance)
 
     def template(self, course: Course) -> Qps:
-        away = np.hypot(*course.steps.T)
-        shares = np.array([step_shares(self.n, self.mesh, float(each)) for each in away])
-        return Qps(
-            self, template(self.n, course.legs, course.last is not None, self.engine), shares
-        )
+        qp = template(self.n, course.legs, course.last is not None, self.engine)
+        return Qps(self, qp, step_shares(self.n, self.mesh, course))
 
 
 @dataclass(frozen=True, eq=False)

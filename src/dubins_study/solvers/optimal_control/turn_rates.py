@@ -54,9 +54,9 @@ class TurnRates(NlpTranscription):
     }
 
     def template(self, course: Course) -> Steps:
-        away = np.hypot(*course.steps.T)
-        shares = np.array([step_shares(self.n, self.mesh, float(each)) for each in away])
-        most = np.minimum(1.0, MOST_TURN_EACH / (shares * (away[:, None] + _DETOUR)))
+        shares = step_shares(self.n, self.mesh, course)
+        longest = np.hypot(*course.steps.T)[:, None] + _DETOUR
+        most = np.minimum(1.0, MOST_TURN_EACH / (shares * longest))
         engine = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
         return Steps(shares, most.ravel(), engine)
 

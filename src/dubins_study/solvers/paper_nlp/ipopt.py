@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.engines import ENGINES, ipopt_in_casadi
+from dubins_study.solvers.engines import ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
@@ -22,7 +22,6 @@ from dubins_study.solvers.paper_nlp.program import pyomo_model
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import (
     iterations,
-    missing_package,
     one_of,
     option_set,
     tolerance,
@@ -32,7 +31,7 @@ from dubins_study.study.path import FloatArray
 
 
 @dataclass(frozen=True)
-class Ipopt(LocalNlp):
+class Ipopt(LocalNlp, EngineSolver):
     """Model (4.12) by Ipopt; settings that are not explained here: `LocalNlp`.
 
     Args:
@@ -52,6 +51,7 @@ class Ipopt(LocalNlp):
     name: ClassVar[str] = "ipopt"
     packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
     summary: ClassVar[str] = "the paper's model (4.12) in Pyomo by Ipopt"
+    engine = "ipopt"
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},
@@ -61,16 +61,6 @@ class Ipopt(LocalNlp):
     def method(self) -> Method:
         posed = self.formulation, self.initial_guess
         return ENGINES["ipopt"].method(*posed, self.options, self.tol)
-
-    def unavailable(self) -> str | None:
-        return missing_package(*self.packages)
-
-    def library_versions(self) -> dict[str, str]:
-        return ipopt_in_casadi()
-
-    @property
-    def keeps_limit(self) -> bool:
-        return True
 
     def adapter(self) -> Adapter:
         chosen = ENGINES["ipopt"].options.of(self.options, self.tol, self.max_iter)

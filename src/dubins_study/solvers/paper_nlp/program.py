@@ -163,32 +163,12 @@ _CLAIMS = {
 }
 
 
-_LICENCE_VARIABLES = ("ARTELYS_", "ZIENA_")
-_LICENCE_FILES = ("artelys", "ziena")
-
-
+@cache  # a licence may be a seat at a server that takes its time to answer
 def unlicensed() -> str | None:
     """Why KNITRO cannot solve here although it is installed, or None."""
-    if _licensed():
+    if _interface("knitro_direct").available():
         return None
     return "knitro is installed, but no licence was found (its wheel installs without one)"
-
-
-@cache
-def _licensed() -> bool:
-    # looked for once: a licence is a file, or a seat at a server that takes its time to answer
-    return _licence_in_sight() and bool(_interface("knitro_direct").available())
-
-
-def _licence_in_sight() -> bool:
-    """Whether there is anything that KNITRO may read a licence from.
-
-    To ask KNITRO itself takes seconds (Artelys License Manager User's Manual, 2.2 and 3.6).
-    """
-    if os.name != "posix" or any(name.startswith(_LICENCE_VARIABLES) for name in os.environ):
-        return True
-    places = FilePath.home(), FilePath.home() / ".ziena", FilePath.cwd()
-    return any(next(place.glob(f"{start}_*"), None) for place in places for start in _LICENCE_FILES)
 
 
 def _interface(name: str) -> Any:

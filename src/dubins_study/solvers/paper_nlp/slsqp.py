@@ -35,6 +35,7 @@ class Slsqp(LocalNlp):
     name: ClassVar[str] = "slsqp"
     packages: ClassVar[tuple[str, ...]] = ("scipy",)
     summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"
+    keeps_limit = True
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"ftol": 1e-8},
         "accurate": {"ftol": 1e-14},
@@ -44,10 +45,6 @@ class Slsqp(LocalNlp):
     def method(self) -> Method:
         posed = self.formulation, self.initial_guess
         return ENGINES["slsqp"].method(*posed, self.options, self.ftol)
-
-    @property
-    def keeps_limit(self) -> bool:
-        return True
 
     def adapter(self) -> Adapter:
         call = ENGINES["slsqp"].load()(self.ftol, self.maxiter, self.options)

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import block_array, csr_array, eye_array, kron
 
 from dubins_study.solvers.answers import at_start, coordinate_rounding, costs
 from dubins_study.solvers.course import FULL_TURN, path_of
@@ -92,24 +92,16 @@ class Flow(NamedTuple):
 
 def flow_of(found: Layers) -> Flow:
     """The program of layers; a leg's place is that of its two headings, leg after leg."""
-    sizes = [headings.size for headings in found.headings]
-    first = np.cumsum([0, *sizes])  # of each point's rows
-    rows, columns, values, done = [], [], [], 0
+    n = len(found.lengths)
+    blocks: list[list[Any]] = [[None] * n for _ in range(n)]  # of a point's headings and a leg
     for leg, lengths in enumerate(found.lengths):
-        before, after = (each.ravel() for each in np.indices(lengths.shape))
-        place = done + np.arange(lengths.size)
-        ends = [(first[leg] + before, 1.0)]
-        if leg + 1 < len(found.lengths):
-            ends.append((first[leg + 1] + after, -1.0))
-        for row, value in ends:
-            rows.append(row)
-            columns.append(place)
-            values.append(np.full(row.size, value))
-        done += lengths.size
-    shape = (sum(sizes[:-1]), done)
-    at = np.concatenate(rows), np.concatenate(columns)
-    flow = csr_array((np.concatenate(values), at), shape=shape)
-    begin = np.zeros(shape[0])
+        before, after = lengths.shape
+        blocks[leg][leg] = kron(eye_array(before), np.ones((1, after)))
+        if leg + 1 < n:
+            blocks[leg + 1][leg] = kron(np.ones((1, before)), -eye_array(after))
+    flow = csr_array(block_array(blocks))
+    flow.sort_indices()
+    begin = np.zeros(flow.shape[0])
     begin[0] = 1.0
     return Flow(np.concatenate([lengths.ravel() for lengths in found.lengths]), flow, begin)
 
@@ -147,6 +139,7 @@ class HeadingMilp(EngineSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
     summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
+    keeps_limit = False  # a program of thousands of legs takes seconds to state
     variants: ClassVar[tuple[str, ...]] = tuple(
         f"heading-milp[engine={name}]" for name in _ENGINES if name != "highs"
     )
@@ -158,11 +151,6 @@ class HeadingMilp(EngineSolver):
     @property
     def method(self) -> Method:
         return Method("grid of headings", ENGINES[self.engine].label, "none", TOLERANCE)
-
-    @property
-    def keeps_limit(self) -> bool:
-        # a program of thousands of legs takes seconds to state
-        return False
 
     def build(self, question: Question) -> Model:
         route = route_of(question.scenario)

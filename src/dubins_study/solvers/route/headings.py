@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.course import path_of
+from dubins_study.solvers.course import FULL_TURN, path_of
 from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -46,7 +46,7 @@ _ENGINES = (
 )
 _DEFAULT = "differential-evolution"
 _MOST_EVALUATIONS = 10**5  # of one search, if none are given: DIRECT takes memory for all at once
-_HALF_TURN, _FULL_TURN = math.pi, 2 * math.pi
+_HALF_TURN = math.pi
 Trace = list[tuple[int, FloatArray]]  # evaluations until then, and the best point (k,)
 
 
@@ -136,7 +136,7 @@ class Headings(SearchSolver):
                 return
             guess = route.toward_next()
             if drawn:
-                guess = random.uniform(0.0, _FULL_TURN, route.unknowns)
+                guess = random.uniform(0.0, FULL_TURN, route.unknowns)
             if nothing_unknown:
                 length = route_length(route, guess)
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
@@ -192,7 +192,7 @@ class LengthInBox:
 
     def __init__(self, route: Route, low: FloatArray) -> None:
         self._route, self._low = route, low
-        self.upper: FloatArray = np.full(low.size, _FULL_TURN)
+        self.upper: FloatArray = np.full(low.size, FULL_TURN)
 
     def at(self, free: FloatArray) -> float:
         """The length at one point, shape (k,)."""

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
-from dubins_study.solvers.course import heading_gap, path_of
+from dubins_study.solvers.course import FULL_TURN, heading_gap, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -27,7 +27,7 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
@@ -37,7 +37,6 @@ from dubins_study.study.words import NEEDS, TURN, Claim
 _LETTERS = "LRSLR"
 _TURNS = tuple(TURN[letter] for letter in _LETTERS)
 _ARCS = np.array([turn != 0.0 for turn in _TURNS])
-_FULL_TURN = 2 * math.pi
 _GUESSES = ("bearing", "one", "words", "straight", "zero", "random")
 _PER_LEG = len(_LETTERS) + 1  # unknowns: the arcs, and the heading after them
 # where the three segments of each of `pose.WORDS6` stand among the arcs of a leg
@@ -93,7 +92,7 @@ class RouteNlp(EngineSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(NLP_ENGINES)
     summary: ClassVar[str] = "the paper's model (4.12) with the arcs L R S L R a leg"
-    guarantee: ClassVar[Guarantee] = Guarantee.LOCAL
+    keeps_limit = False  # at 50 legs compiling or a dense engine's iteration takes up to 5 s
     variants: ClassVar[tuple[str, ...]] = tuple(
         f"route-nlp[engine={engine}]" for engine in NLP_ENGINES if engine != "ipopt"
     )
@@ -106,11 +105,6 @@ class RouteNlp(EngineSolver):
     def method(self) -> Method:
         posed = "one NLP a word" if self.model == "words" else "joint NLP, LRSLR a leg"
         return ENGINES[self.engine].method(posed, self.initial_guess, self.options, self.tol)
-
-    @property
-    def keeps_limit(self) -> bool:
-        # at 50 legs a dense engine's iteration takes up to 5 s, and so does compiling
-        return False
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
@@ -189,7 +183,7 @@ def program(route: Route, places: Places = ()) -> Program:
     """
     places = places or (_ALL,) * route.legs
     ends = [route.first] if route.last is None else [route.first, route.last]
-    upper = np.where(_ARCS, _FULL_TURN, math.inf)
+    upper = np.where(_ARCS, FULL_TURN, math.inf)
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
     known = any(leg != _ALL for leg in places)
@@ -282,7 +276,7 @@ def straight_guess(route: Route) -> FloatArray:
 
 def random_guess(route: Route, random: np.random.Generator) -> FloatArray:
     """Arcs up to a full turn, straights up to twice the distance plus 2."""
-    most = np.tile(np.where(_ARCS, _FULL_TURN, 0.0), (len(route.steps), 1))
+    most = np.tile(np.where(_ARCS, FULL_TURN, 0.0), (len(route.steps), 1))
     most[:, ~_ARCS] = 2 * np.hypot(*route.steps.T)[:, None] + 2
     return _point(route, most * random.uniform(size=most.shape))
 
