@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
 from dubins_study.report.topics.bias import (
     barrier,
     bias_section,
-    by_barrier,
     last_barrier,
-    left_over,
-    without_barrier,
 )
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
@@ -75,25 +71,10 @@ def test_whose_barrier_is_known():
     np.testing.assert_allclose(known, [1e-5, 1e-6 / 11, math.nan, 1e-9 / 11, math.nan, math.nan])
 
 
-def test_numbers_by_hand(load_rows):
-    """Twice the predicted turn is a ratio of 2 and a slope of 1, at each barrier."""
-    table = left_over(load_rows("bias", by_theory(2.0)))
-    told, others = by_barrier(table), without_barrier(table)
-
-    assert told["mu"].tolist() == pytest.approx([1e-6, last_barrier(1e-8), 1e-9])
-    assert told["barrier_set"].tolist() == [True, False, True]
-    np.testing.assert_allclose(told[["ratio_low", "ratio_high"]], 2.0)
-    np.testing.assert_allclose(told["slope"], [1, math.nan, 1])
-    assert told["failed"].tolist() == [0, 1, 0]
-    assert others["solver"].tolist() == [ACTIVE, SPLIT]
-    assert others["exact"].tolist() == [1, 1]
-    assert others["most"].tolist() == pytest.approx([1e-3, 0])
-
-
 def test_the_section_says_what_the_rows_say(load_rows):
     """Where the prediction holds it says so, with numbers; where it does not, not.
 
-    A part of the rows is enough; without an answer there is no section.
+    A part of the rows is enough.
     """
     lost = attempt(behind(5.0), TOLD.format(1e-9), path=None, claim=Claim.NONE, outcome="crashed")
     good, bad, part = (
@@ -109,4 +90,3 @@ def test_the_section_says_what_the_rows_say(load_rows):
     assert "though the solver calls 1 of them failures" in good
     assert "z₂ does not follow this everywhere: it is up to a relative 1.0 away" in bad
     assert "Over 3 attempts" in part
-    assert bias_section(load_rows("none", [lost])) is None

@@ -7,8 +7,7 @@ import math
 import pytest
 
 from dubins_study.report.topics.certificates import certificates_section, proofs
-from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 
 PROVED = {
     "proof": "proved",
@@ -23,25 +22,13 @@ PROVED = {
 def rows():
     """One solver proved, with multipliers; one with a bad bound, an extremal and a lost row."""
     first, second, third = paper_scenarios()[:3]
+    extremal = {"proof": "extremal", "false_bound": True}
     return [
         attempt(first, "slsqp", costate_error=1e-9, **PROVED),
         attempt(second, "slsqp", costate_error=1e-7, **(PROVED | {"cut_margin": 0.2})),
-        attempt(
-            first,
-            "disjunctive",
-            lower_bound=9.0,
-            **(PROVED | {"proof": "extremal", "false_bound": True}),
-        ),
+        attempt(first, "disjunctive", lower_bound=9.0, **(PROVED | extremal)),
         attempt(second, "disjunctive", lower_bound=1.0, **(PROVED | {"proof": "bounded"})),
-        attempt(
-            third,
-            "disjunctive",
-            path=None,
-            claim=Claim.NONE,
-            outcome="crashed",
-            length=None,
-            gap=None,
-        ),
+        lost(third, "disjunctive"),
     ]
 
 
@@ -58,7 +45,6 @@ def test_numbers_by_hand(load_rows):
     assert math.isnan(table.loc["disjunctive", "costate_error"])
 
 
-@pytest.mark.slow
 def test_multipliers_are_compared_with_costates_that_are_there(load_rows):
     """Not of a single arc, which leaves them free, nor of a path that is no extremal or is lost."""
     scenario = paper_scenarios()[0]
@@ -109,5 +95,3 @@ def test_the_section_says_what_the_rows_say(load_rows):
     text = certificates_section(load_rows("wide", wide)).text
     assert "2 intervals hold the lengths on both sides of a jump" in text
     assert "lower bounds" not in text
-    bare = load_rows("bare", [attempt(scenario) for scenario in paper_scenarios()])
-    assert certificates_section(bare) is None

@@ -36,27 +36,25 @@ def rows():
 
 
 def test_numbers_by_hand(load_rows):
-    """The slower problem's median counts, and one wrong answer makes a size wrong."""
-    sizes = by_size(with_parts(load_rows("convex", rows()).rows))
-    lines = sizes.set_index(["engine", "interface", "kind", "rates"])
+    """The slower problem's median counts, and one wrong answer makes a size wrong.
 
-    assert lines.loc[("PIQP", "own", "QP", 50), "wall_s"] == 0.3
-    assert lines.loc[("PIQP", "cvxpy", "QP", 50), "wall_s"] == 0.7
-    assert lines["right"].to_dict() == {
+    The quickest right engine, the counts of each engine, and the picture's differences are shown.
+    """
+    results = load_rows("convex", rows())
+    sizes = by_size(with_parts(results.rows)).set_index(["engine", "interface", "kind", "rates"])
+    section = convex_section(results)
+    picture, quickest, engines = section.blocks
+    counts = engines.frame.set_index(["engine", "interface"])
+
+    assert sizes.loc[("PIQP", "own", "QP", 50), "wall_s"] == 0.3
+    assert sizes.loc[("PIQP", "cvxpy", "QP", 50), "wall_s"] == 0.7
+    assert sizes["right"].to_dict() == {
         ("Clarabel", "own", "SOCP", 500): True,
         ("OSQP", "own", "QP", 50): False,
         ("PIQP", "cvxpy", "QP", 50): True,
         ("PIQP", "own", "QP", 50): True,
         ("SCS", "own", "QP", 50): False,
     }
-
-
-def test_section(load_rows):
-    """The quickest right engine, the counts of each engine, and the picture's differences."""
-    section = convex_section(load_rows("convex", rows()))
-    picture, quickest, engines = section.blocks
-    counts = engines.frame.set_index(["engine", "interface"])
-
     assert quickest.texts() == [
         ["QP, 50 turn rates", "PIQP 300 ms"],
         ["SOCP, 500 turn rates", "Clarabel 2.00 s"],
@@ -72,9 +70,7 @@ def test_section(load_rows):
     assert line.get_ydata() == pytest.approx([0.4])  # 0.7 through cvxpy, 0.3 without
 
 
-def test_page(results, load_rows, tmp_path):
-    """The page shows the section, and none for rows of other experiments."""
+def test_page(results, tmp_path):
     page = topic_page(results("convex", rows()), tmp_path / "page", "convex problems")
 
     assert "The convex problems of a sequence" in page.read_text(encoding="utf-8")
-    assert convex_section(load_rows("basins", [attempt(paper_scenarios()[0])])) is None

@@ -98,14 +98,18 @@ def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(attempts):
     assert line["words without a path"] == 0
 
 
-def test_factors_and_shares(attempts):
+def test_factors_and_shares(load_rows):
     """205 / 10 evaluations and 0.23 / 0.01 s everywhere; the presolve's twin is known."""
-    rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
-    made = attempts(rows)
+    results = load_rows(
+        "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
+    )
+    made = compared(results)
     parts = split(made)
+    names = [block.name for block in cost_section(results).blocks]
     line = factors(made, parts).loc["ipopt"]
     part = shares(made, parts, "evaluations").loc["ipopt"]
 
+    assert names == ["cost-evaluations", "cost-seconds", "cost"]
     assert (line["questions"], line["evaluations"], line["seconds"]) == (4, 20.5, pytest.approx(23))
     assert line["evaluations_low"] == line["evaluations_high"] == 20.5
     assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
@@ -129,13 +133,3 @@ def test_wrong_answers_and_engines_that_do_not_count(attempts):
     assert parts.seconds["total"].tolist() == [0.23]
     assert shares(made, parts, "evaluations").empty
     assert pd.isna(factors(made, parts).loc["ipopt", "evaluations"])
-
-
-def test_the_section_is_there_only_with_efforts(load_rows):
-    rows = [make(scenario) for scenario in outside() for make in (costly, presolved)]
-    section = cost_section(load_rows("benchmark", rows))
-    bare = load_rows("bare", [attempt(scenario) for scenario in outside()])
-
-    names = [block.name for block in section.blocks]
-    assert names == ["cost-evaluations", "cost-seconds", "cost"]
-    assert cost_section(bare) is None

@@ -35,58 +35,10 @@ def entry(formulation, engine, kind="local NLP", reason=None):
     )
 
 
-ENTRIES = [
-    entry("closed form", "closed form", "exact"),
-    entry(WORDS, "closed form", "exact", "no engine is needed"),
-    entry(WORDS, "SLSQP"),
-    entry(JOINT, "SLSQP"),
-    entry(WORDS, "SCIP", "global"),
-    entry(JOINT, "SCIP", "global", "too slow"),
-    entry(WORDS, "KNITRO", reason="no licence"),
-    entry(JOINT, "KNITRO", reason="no licence"),
-]
-
-
 def cell(cells, engine, formulation):
     cells = cells[cells["engine"] == engine]
     (line,) = cells[cells["formulation"] == formulation].to_dict("records")
     return line
-
-
-def test_every_pair_is_filled_or_has_a_reason():
-    """Also the pairs that could be asked and have no row; the closed form has no line."""
-    methods = pd.DataFrame([method("closed form", "closed form", "none"), method(WORDS, "SLSQP")])
-    table = matrix(methods, ENTRIES)
-
-    assert table["engine"].tolist() == [*("SLSQP", "SLSQP", "KNITRO", "KNITRO", "SCIP", "SCIP")]
-    assert table["kind"].tolist() == [*["local NLP"] * 4, *["global"] * 2]
-    assert table["formulation"].tolist() == [WORDS, JOINT] * 3
-    assert (table["filled"] | (table["reason"] != "")).all()
-    assert cell(table, "SLSQP", WORDS)["filled"]
-    assert cell(table, "KNITRO", JOINT)["reason"] == "no licence"
-    assert table["note"].tolist() == [0, 1, 2, 2, 1, 3]
-    assert "no row" in cell(table, "SLSQP", JOINT)["reason"]
-    assert cell(table, "SLSQP", WORDS)["note"] == 0
-
-
-def test_a_row_counts_whatever_the_manifest_says():
-    """KNITRO was installed where these rows were made; an engine that no entry knows is last."""
-    methods = pd.DataFrame([method(WORDS, "KNITRO"), method(JOINT, "mine")])
-    table = matrix(methods, ENTRIES)
-
-    assert cell(table, "KNITRO", WORDS)["filled"]
-    assert cell(table, "KNITRO", WORDS)["reason"] == ""
-    assert cell(table, "mine", JOINT)["kind"] == "other"
-    assert table["engine"].iloc[-1] == "mine"
-    assert cell(table, "mine", WORDS)["reason"] == ""
-
-
-def test_without_entries_only_filled_pairs_are_shown():
-    table = matrix(pd.DataFrame([method(WORDS, "b"), method(JOINT, "A")]), [])
-
-    assert table["engine"].unique().tolist() == ["A", "b"]
-    assert not table["note"].any()
-    assert table["filled"].sum() == 2
 
 
 def test_the_best_guess_is_the_most_surely_right_then_the_fastest():
@@ -133,29 +85,51 @@ def labelled(label, place, solver, right, **changes):
 
 @pytest.fixture
 def benchmark(load_rows):
-    """Two engines in two strata; the rows of a benchmark, with entries."""
+    """Two engines in two strata and one that no entry knows; the rows of a benchmark, with entries.
+
+    The engine b was not to be had where the manifest was written.
+    """
     made = [labelled("near", n, "a", right=n < 3) for n in range(4)]
     made += [labelled("far", n, "a", right=True) for n in range(4)]
     made += [labelled(s, n, "b", right=False) for s in ("near", "far") for n in range(4)]
+    made += [labelled("far", 0, "mine", right=True, formulation=JOINT)]
+    made += [labelled("far", 0, "closed form", right=True, formulation="closed form")]
     text = 'label = "near"\nlabel = "far"\n'
     experiment = {"name": "e", "text": text, "section": "benchmark"}
-    entries = [entry(WORDS, "a"), entry(WORDS, "b"), entry(JOINT, "a", reason="because")]
+    entries = [
+        entry("closed form", "closed form", "exact"),
+        entry(WORDS, "closed form", "exact", "no engine is needed"),
+        *(entry(WORDS, "a"), entry(JOINT, "a", reason="because")),
+        *(entry(WORDS, "b", reason="no licence"), entry(JOINT, "b")),
+        *(entry(WORDS, "SCIP", "global"), entry(JOINT, "SCIP", "global", "too slow")),
+    ]
     dumped = [each.model_dump() for each in entries]
     return load_rows("e", made, experiment=experiment, matrix=dumped)
 
 
 def test_the_section_shows_every_pair_and_every_reason(benchmark):
-    """The cell has share, interval and time; the reason stands below under its number."""
+    """The cell has share, interval and time; the reason stands below under its number.
+
+    A row counts whatever the manifest says; a pair that could be asked and has no row says so.
+    """
     section = matrix_section(benchmark)
     tables = {block.name: block for block in section.blocks if hasattr(block, "columns")}
     lines = tables["matrix"].frame.set_index("engine")
 
     assert lines.loc["a", WORDS] == "87.5 %\n52.9–97.8\n2.10 ms"
     assert lines.loc["b", WORDS].startswith("0 %\n0–32.4\n")
-    number = lines.loc["a", JOINT].strip("[]")
-    assert tables["matrix-reasons"].frame["reason"].iloc[int(number) - 1] == "because"
-    assert tables["strata"].frame["near"].tolist() == ["75 %\n30–95", "0 %\n0–49"]
-    assert tables["strata"].frame["far"].tolist() == ["100 %\n51–100", "0 %\n0–49"]
+    assert lines.loc["mine", JOINT].startswith("100 %\n")
+    assert tables["matrix"].frame["engine"].tolist() == ["a", "b", "SCIP", "mine"]
+    reasons = tables["matrix-reasons"].frame["reason"]
+    for engine, formulation, reason in (
+        *(("a", JOINT, "because"), ("b", JOINT, "no row"), ("SCIP", WORDS, "no row")),
+        ("SCIP", JOINT, "too slow"),
+    ):
+        number = lines.loc[engine, formulation].strip("[]")
+        assert reason in reasons.iloc[int(number) - 1]
+    shares = tables["strata"].frame
+    assert shares["near"].dropna().tolist() == ["75 %\n30–95", "0 %\n0–49"]
+    assert shares.loc[shares["near"].notna(), "far"].tolist() == ["100 %\n51–100", "0 %\n0–49"]
     assert stratum_order(benchmark, ["far", "near"]) == ["near", "far"]
 
 

@@ -13,15 +13,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
-from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from dubins_study import render
 from dubins_study.experiments.definition.experiment import packaged, parse, read
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.content import Picture, Place, Section, Table, Widget
-from dubins_study.report.page.environment import folded, summary
+from dubins_study.report.elements.content import Table
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
 from dubins_study.report.page.markup import inline
 from dubins_study.report.page.render import head_of
@@ -78,22 +75,6 @@ def test_the_first_use_of_a_word_is_a_link():
     assert "&lt;b&gt;" in first
     assert second == "A gap."
     assert len({word.anchor for word in GLOSSARY}) == len(GLOSSARY)
-
-
-def test_a_section_shows_its_first_block():
-    """Or two half figures side by side, and what scripts bring to life."""
-    table = Table("t", "All of it: more.", pd.DataFrame({"a": [1]}), (Column("a", "a"),))
-    widget = Widget("w", "", Markup())
-    half, wide = (Picture("p", "", Figure(), "", half=half) for half in (True, False))
-
-    def shape(*blocks, place=Place.FRONT):
-        return tuple(folded(Section("s", "S", "", blocks, place=place)))
-
-    assert shape(table, wide) == ((table,), (wide,))
-    assert shape(half, half, table) == ((half, half), (table,))
-    assert shape(half, wide, widget) == ((half, widget), (wide,))
-    assert shape(table, wide, place=Place.PAPER) == ((table, wide), ())
-    assert summary(table) == "All of it"
 
 
 def test_the_number_behind_a_cell_is_the_raw_one():

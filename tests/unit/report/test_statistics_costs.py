@@ -15,8 +15,6 @@ from dubins_study.report.statistics import costs
 from dubins_study.report.statistics.costs import cost_table, shared_questions
 
 INF, NAN = float("inf"), float("nan")
-# Three questions; b fails the second and was not asked the fourth; nobody answers the last.
-TABLE = pd.DataFrame({"a": [1.0, 4.0, 2.0, 3.0, INF], "b": [2.0, INF, 1.0, NAN, INF]})
 paid = st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=30)
 FACTORS = [1.0, 2.0, 4.0, 100.0, INF]
 # whole numbers, so that ties and equal ratios occur
@@ -106,16 +104,6 @@ def test_cost_table_takes_the_median_over_repeats_and_no_half_right_answer():
     assert table.loc["p"].to_dict() == {"a": 2.0, "b": INF}
     assert table.loc["q"].isna().all()
     assert shared_questions(table).index.tolist() == ["p"]
-
-
-def test_an_answer_after_the_limit_is_a_failure():
-    """Limit 5: a pays 1 + 4 + 2 + 3 + 10 over five, b 2 + 10 + 1 + 10 over the four it was asked;
-    with the limit 3 the answer after 4 is late."""
-    par2 = costs.penalised(TABLE, 5.0, 2.0).mean()
-    assert par2.to_dict() == {"a": 4.0, "b": 23 / 4}
-    assert costs.penalised(TABLE, 3.0, 2.0)["a"].tolist() == [1, 6, 2, 3, 6]
-    assert costs.penalised(TABLE, 5.0)["b"].tolist()[:3] == [2.0, 5.0, 1.0]
-    assert math.isnan(costs.penalised(TABLE, 5.0).loc[3, "b"])
 
 
 @given(tables)

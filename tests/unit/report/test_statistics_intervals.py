@@ -30,9 +30,6 @@ from dubins_study.report.statistics.intervals import (
 )
 
 INF, NAN = float("inf"), float("nan")
-# Survival of the treated mice, days: Efron and Tibshirani 1993, An Introduction to the Bootstrap,
-# table 2.1.
-MICE = (94, 197, 16, 38, 99, 141, 23)
 # Name -> the statistic, and the column to divide by.
 STATISTICS = {
     "median": (medians,),
@@ -105,26 +102,15 @@ def resampled(table, scenarios, resamples):
         yield np.repeat(table, [times[scenario] for scenario in scenarios], axis=0)
 
 
-def test_the_median_of_the_mice_has_its_exact_distribution():
-    """Each of the seven survivals is the median of a resample with a known probability.
+def test_a_resample_draws_each_scenario_as_often_as_by_chance():
+    """With replacement: how often one of seven is drawn is binomial; 20000 resamples leave a share
+    uncertain by 0.0035 (one standard error at 1/2)."""
+    counts = intervals.scenario_counts(7, 20_000)
+    times = [(counts == k).mean(axis=0) for k in range(8)]
 
-    The median is above the k-th value if at most three of seven draws are among the first k: a
-    binomial probability (Efron 1982, The Jackknife, the Bootstrap and Other Resampling Plans, sec.
-    10.3). The standard error of that distribution is printed as 37.83 in Efron and Tibshirani 1993,
-    table 2.2; the ends of the interval are its quantiles. 20000 resamples leave a share uncertain
-    by 0.0035 (one standard error at 1/2), and no quantile lies within 0.01 of a step.
-    """
-    ordered = np.sort(MICE)
-    above = [stats.binom.cdf(3, 7, k / 7) for k in range(8)]
-    probability = -np.diff(above)
-    centre = probability @ ordered
-    assert math.sqrt(probability @ (ordered - centre) ** 2) == pytest.approx(37.83, abs=0.005)
-
-    quantiles, below = [0.025, 0.975], np.cumsum(probability)
-    assert np.abs(below[:, np.newaxis] - quantiles).min() > 0.01
-    expected = ordered[np.searchsorted(below, quantiles)]
-    line = bootstrap(pd.DataFrame({"treated": MICE}), medians, resamples=20_000).loc["treated"]
-    assert line.tolist() == [94, *expected]
+    assert (counts.sum(axis=1) == 7).all()
+    for k, share in enumerate(times):
+        assert share == pytest.approx(np.full(7, stats.binom.pmf(k, 7, 1 / 7)), abs=0.015)
 
 
 @given(
