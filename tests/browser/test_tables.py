@@ -195,14 +195,6 @@ def test_a_long_table_is_folded(page_of):
     assert not fold.is_visible()
 
 
-def test_without_scripts_the_table_is_whole(page_of):
-    """All lines are there, scrolled in a box of their own; no tools that do nothing."""
-    page = page_of(160, java_script_enabled=False)
-
-    assert page.locator("tbody tr:visible").count() == 160
-    assert page.locator(".table-tools").count() == 0
-
-
 def test_tables_of_a_report_are_sorted(new_tab, report_page: FilePath):
     """Every table of the page has its buttons, and cells of text from outside stay text."""
     page = new_tab()

@@ -71,11 +71,7 @@ def unknown(block: Block) -> bool:
 
 
 class Runner:
-    """Runs the blocks of one page in one folder, in their order.
-
-    Args:
-        folder: an empty folder, which is the working directory of all blocks.
-    """
+    """Runs the blocks of one page in their order, all in one folder that is empty at first."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -90,11 +86,7 @@ class Runner:
         }
 
     def run(self, block: Block) -> None:
-        """Run or write one block.
-
-        Raises:
-            AssertionError: with the command, its output and what the page says.
-        """
+        """Run or write one block; an error has the command, its output and what the page says."""
         if block.file:
             (self.folder / block.file).write_text(block.text, encoding="utf-8")
         if block.file or block.language in SHOWN:

@@ -331,12 +331,6 @@ def test_solvers_of_legs_import_neither_the_search_of_routes_nor_the_check(name)
     assert way_to_the_answers(imports(), name, ("study.route", "study.check")) == []
 
 
-def test_the_closed_form_and_what_asks_do_import_them():
-    """Else the test above could not fail."""
-    for name in ("solvers.analytic", "solvers.attempt", "solvers.frame"):
-        assert way_to_the_answers(imports(), name)
-
-
 @pytest.mark.parametrize(
     ("place", "source"),
     [

@@ -65,25 +65,18 @@ def test_a_quiet_command_says_nothing(stream, monkeypatch, clock):
     assert shown(monkeypatch, clock, stream()) == ""
 
 
-def test_one_line_in_a_terminal(monkeypatch):
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("COLUMNS", "60")
+@pytest.mark.parametrize("colours", [True, False])
+def test_one_line_in_a_terminal(monkeypatch, colours):
+    """NO_COLOR keeps the line and takes its colours."""
+    for name, value in {"TERM": "xterm", "COLUMNS": "60", "NO_COLOR": ""}.items():
+        monkeypatch.setenv(name, value if colours or value else "1")
     monkeypatch.setattr(sys, "stderr", Terminal())
     with output.progress("paper", []) as move:
         move(1, 4)
         move(3, 4)
     assert sys.stderr.getvalue().count("\n") == 1
     assert "3/4" in sys.stderr.getvalue()
-
-
-def test_no_colours_where_none_are_wanted(monkeypatch):
-    """NO_COLOR keeps the line and takes its colours."""
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("NO_COLOR", "1")
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    with output.progress("paper", []) as move:
-        move(1, 4)
-    assert "\x1b[3" not in sys.stderr.getvalue()
+    assert ("\x1b[3" in sys.stderr.getvalue()) == colours
 
 
 def test_a_terminal_that_does_not_move_its_cursor_is_none(monkeypatch):

@@ -6,11 +6,7 @@ import math
 
 import numpy as np
 
-from dubins_study.report.topics.bias import (
-    barrier,
-    bias_section,
-    last_barrier,
-)
+from dubins_study.report.topics.bias import barrier, bias_section, last_barrier
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario

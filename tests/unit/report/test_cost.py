@@ -9,13 +9,7 @@ import pytest
 
 from dubins_study.report.statistics.costs import KINDS
 from dubins_study.report.statistics.methods import compared
-from dubins_study.report.topics.cost import (
-    cost_section,
-    factors,
-    presolve_pairs,
-    shares,
-    split,
-)
+from dubins_study.report.topics.cost import cost_section, factors, presolve_pairs, shares, split
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim

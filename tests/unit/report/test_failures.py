@@ -13,11 +13,7 @@ from dubins_study.report.page.render import render
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.existence import existence
-from dubins_study.report.topics.failures import (
-    failures,
-    failures_section,
-    unreturned,
-)
+from dubins_study.report.topics.failures import failures, failures_section, unreturned
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.two_runs.changes import pairs

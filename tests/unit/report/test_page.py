@@ -12,6 +12,7 @@ from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import count, digits, seconds, share
+from dubins_study.report.elements.style import VARIABLES
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
@@ -20,13 +21,7 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import printable_text
 from dubins_study.study.words import Claim
 from tests.fuzz.page import check_report, odd_parts
-from tests.unit.report.results_folder import (
-    astray,
-    attempt,
-    lost,
-    paper_scenarios,
-    write_folder,
-)
+from tests.unit.report.results_folder import astray, attempt, lost, paper_scenarios, write_folder
 from tests.unit.report.topic_page import topic_page, with_pdf_files
 
 HOSTILE = (
@@ -148,10 +143,17 @@ def test_the_page_asks_for_nothing(whole):
     assert not re.search(r"url\((?!#)", page)
 
 
-def test_every_figure_has_words_for_those_who_cannot_see_it(whole):
+def test_every_figure_has_words_for_those_who_cannot_see_it_and_follows_the_page(whole):
+    """Its ink, its paper and all hues, of lines and of hatches, are the page's variables."""
     page = whole.read_text(encoding="utf-8")
+    figures = re.findall(r"<svg role='img' aria-label='.*?</svg>", page, re.DOTALL)
 
-    assert page.count("<svg") == page.count("<svg role='img' aria-label='") >= 9
+    assert page.count("<svg") == len(figures) >= 9
+    for figure in figures:
+        drawn = re.sub(r">[^<]+<", "><", figure)
+        assert not {colour for colour in VARIABLES if colour in drawn}
+        assert "var(--" in drawn
+        assert "<metadata" not in drawn
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from io import StringIO
 from pathlib import Path as FilePath
-from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,6 @@ from dubins_study.report.data.results import load
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
-from dubins_study.report.page.markup import inline
 from dubins_study.report.page.render import head_of
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.study.rows.parts import ResultsError
@@ -29,40 +27,6 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
-
-SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"
- xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 10 10"><metadata>made by</metadata>
- <defs><path id="mark" d="M 0 1.23456789
-L 1 -2.5e-3
-z"/><clipPath id="cut"><rect x="0.5" y="1" width="2.0" height="3"/></clipPath></defs>
- <g id="axes_1"><g id="empty"/>
-  <use xlink:href="#mark" x="1.23456789" y="2.0" style="fill: #1a1c1f; stroke: none"/>
-  <path d="M 3.999999 4 L 5 6" clip-path="url(#cut)" style="fill: #1a1c1f; stroke: none"/>
-  <rect width="1" height="1" fill="#0072b2"/>
-  <text style="fill: #123456" transform="rotate(-0 1 2)">1.23456789 &lt;b&gt; id="x" #1a1c1f</text>
- </g></svg>"""
-
-
-def test_a_figure_follows_the_page_and_shows_the_same():
-    """Text is unchanged, ids are of this figure alone, and what refers to them finds them.
-
-    The colour of a hatch, an attribute, becomes a style: the page's modes change styles alone.
-    """
-    element = inline(SVG, "times", "a <figure>")
-    tree = ElementTree.fromstring(element)
-    name = "{http://www.w3.org/2000/svg}"
-    use, text = tree.find(f".//{name}use"), tree.find(f".//{name}text")
-    anchor = use.attrib["{http://www.w3.org/1999/xlink}href"].removeprefix("#")
-
-    assert tree.attrib["aria-label"] == "a <figure>"
-    assert text.text == '1.23456789 <b> id="x" #1a1c1f'
-    assert anchor == "times-mark"
-    assert tree.find(f".//*[@id='{anchor}']").attrib["d"] == "M 0 1.23456789 L 1 -2.5e-3 z"
-    assert 'clip-path="url(#times-cut)"' in element
-    assert 'id="times-cut"' in element
-    assert use.attrib["style"] == "fill: var(--ink); stroke: none"
-    assert tree.find(f".//{name}g/{name}rect").attrib["style"] == "fill: var(--blue)"
-    assert "metadata" not in element
 
 
 def test_the_first_use_of_a_word_is_a_link():
