@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 
-from hypothesis import core, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 
@@ -35,13 +35,3 @@ def test_modules_that_are_loaded_do_not_change_the_examples(tmp_path, monkeypatc
     monkeypatch.setitem(sys.modules, "new_constants", module)
 
     assert list(map(repr, examples("repeatable"))) == list(map(repr, before))
-
-
-def test_a_seed_draws_other_examples_that_can_be_repeated(monkeypatch):
-    """As `--hypothesis-seed` sets it."""
-    drawn = []
-    for seed in (1, 1, 2):
-        monkeypatch.setattr(core, "global_force_seed", seed)
-        drawn.append(list(map(repr, examples("seeded"))))
-
-    assert drawn[0] == drawn[1] != drawn[2]

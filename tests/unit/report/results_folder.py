@@ -121,11 +121,7 @@ def _settings(spec: str) -> dict[str, Any]:
 def write_folder(
     folder: FilePath, name: str, rows: Iterable[dict[str, Any]], **manifest: Any
 ) -> FilePath:
-    """A results folder with one part.
-
-    Its section is `section` if given, else what a packaged experiment of its name has;
-    that of `benchmark` is the suites'.
-    """
+    """A results folder with one part, of the section that a packaged experiment of its name has."""
     rows = list(rows)
     named = read(name).experiment.section if name in packaged() else None
     named = "benchmark" if name == "benchmark" else named
@@ -166,11 +162,8 @@ def attempts_of(
 ) -> pd.DataFrame:
     """Rows written to one folder an experiment, each row a cell of its own, and read as attempts.
 
-    Args:
-        place: where to write; a folder that stands until the last question has been asked.
-        rows: any columns of the schema, and `experiment`; what is missing is filled in. The index
-            numbers the rows, and so their repeats, in whatever order they stand.
-        parts: the number of the part that each row goes to; all into one if None.
+    What is missing of a row is filled in; the index numbers the rows, and so their repeats. `parts`
+    are the numbers of the parts that the rows go to; one part if None.
     """
     whole = rows.drop(columns=["repeat", "answerable"], errors="ignore").reset_index(drop=True)
     whole = whole.assign(**{name: v for name, v in _CELL.items() if name not in whole})

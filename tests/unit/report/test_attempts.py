@@ -19,7 +19,7 @@ from scipy.stats import binomtest
 from dubins_study.report.data.attempts import PRESOLVED, PROOFS, VERDICTS
 from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.certificates import proofs
-from dubins_study.report.topics.existence import KINDS, existence
+from dubins_study.report.topics.existence import existence
 from dubins_study.report.topics.failures import failures, gist
 from dubins_study.report.topics.success import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary import solver_summary
@@ -127,7 +127,6 @@ def numbers_are_those_of(found, rows):
     # trial is the scenario with a branch: experiments, initial guesses and repeats are its parts.
     weight = 1 / rows.groupby(["solver", "branch"])["solver"].transform("size")
     rows = rows.assign(weight=weight)
-    existence_is_that_of(found, rows)
     every, rows = rows, rows[rows["reference_word"].notna()]
     lines = solver_summary(found).to_dict("records")
     # solvers that were asked nothing that has a path are left out, unless none was
@@ -166,24 +165,6 @@ def numbers_are_those_of(found, rows):
         for m, s in zip(bad.message, bad.native_status, strict=True)
     ]
     assert set(table["message"]) == set(map(gist, said))
-
-
-def existence_is_that_of(found, rows):
-    """Counted row by row, in Python."""
-    for line in existence(found).to_dict("records"):
-        counted = dict.fromkeys(KINDS, 0.0)
-        own = rows[(rows["solver"] == line["solver"]) & rows["reference_word"].isna()]
-        for row in own.to_dict("records"):
-            counted[kind_of(row)] += row["weight"]
-        assert {kind: line[kind] for kind in KINDS} == pytest.approx(counted, abs=1e-5)
-
-
-def kind_of(row):
-    if row["verdict"] == PRESOLVED:
-        return "presolved"
-    if row["verdict"] in ("optimal", "none exists"):
-        return "right"
-    return "wrong" if row["false_claim"] else "silent"
 
 
 def of_gaps(gaps):

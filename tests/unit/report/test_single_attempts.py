@@ -116,21 +116,6 @@ def test_via_points_and_final_headings_come_back(results, tmp_path):
     assert "via_x" not in unpacked(sample(results, 10))["scenarios"]
 
 
-def test_short_paths_come_back_as_their_controls(results: Results):
-    """In units of the radius, to seven digits."""
-    chosen = sample(results, 10**6)
-    short = [
-        (row, path["arcs"])
-        for row, path in zip(chosen.to_dict("records"), unpacked(chosen)["paths"], strict=True)
-        if path and "arcs" in path
-    ]
-
-    assert len(short) > 50
-    for row, arcs_drawn in short:
-        expected = np.column_stack([row["curvatures"] * 2, row["lengths"] / 2])
-        np.testing.assert_allclose(arcs_drawn, expected, rtol=1e-6)
-
-
 def test_long_paths_come_back_as_points_of_the_path(results: Results):
     """From the start to the end, each point within a grid's step of the path."""
     chosen = sample(results, 10**6)
