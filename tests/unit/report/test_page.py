@@ -12,7 +12,7 @@ from dubins_study import render
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import count, digits, seconds, share
-from dubins_study.report.elements.style import VARIABLES
+from dubins_study.report.elements.style import INK, MUTED, PAPER, RULE, VARIABLES
 from dubins_study.report.page.markup import markdown, to_csv, to_markdown
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
@@ -151,7 +151,7 @@ def test_every_figure_has_words_for_those_who_cannot_see_it_and_follows_the_page
     assert page.count("<svg") == len(figures) >= 9
     for figure in figures:
         drawn = re.sub(r">[^<]+<", "><", figure)
-        assert not {colour for colour in VARIABLES if colour in drawn}
+        assert not {c for c in (INK, MUTED, RULE, PAPER, *VARIABLES) if c in drawn}
         assert "var(--" in drawn
         assert "<metadata" not in drawn
 
