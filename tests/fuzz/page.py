@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from tests.fuzz.hostile import MARK
+from tests.fuzz.watched import raw_controls
 
 _ELEMENTS = """
     html head meta title style body header h1 h2 h3 p dl dt dd code strong em cite bdi small nav ol
@@ -137,9 +138,7 @@ def _check_document(text: str) -> None:
 def _controls(text: str) -> set[str]:
     """Control characters, and those that turn the direction of writing."""
     turning = set("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-    return {c for c in text if (ord(c) < 32 and c not in "\n\t") or 127 <= ord(c) < 160} | (
-        turning & set(text)
-    )
+    return raw_controls(text) | (turning & set(text))
 
 
 def check_json(text: str) -> None:

@@ -17,8 +17,8 @@ from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.export import export
 from dubins_study.study.words import Claim, Outcome, Verdict
-from tests.unit.solvers.test_disjunctive import INSTALLED
 from tests.unit.solvers.test_export import CASES, KINDS
+from tests.unit.solvers.test_global_minlp import INSTALLED
 from tests.unit.solvers.test_nlp_engines import ALONE
 
 FORK = """
@@ -65,9 +65,25 @@ def test_the_registry_imports_no_backend():
     }
 
 
-def test_the_face_is_lazy():
-    """Importing the package imports nothing heavy; every public name is there when asked for."""
-    assert not loaded_by("import dubins_study.cli.app") & {"numpy", "pandas", "numba", "matplotlib"}
+ONE_LEG = "from dubins_study.study.closed_form import pose; pose.pose_shortest(1, 2, 0, 1, 0)"
+SOLVE = "from dubins_study import Scenario, solve; solve(Scenario(0, 0, 0, 10, 5, 1))"
+PENALTY = "import dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable()"
+
+
+@pytest.mark.parametrize(
+    ("program", "heavy"),
+    [
+        ("import dubins_study.cli.app", {"numpy", "pandas", "numba", "matplotlib"}),
+        # numba takes longer to load than a solve, its judgement and its certificate
+        (f"{SOLVE}; {ONE_LEG}", {"numba"}),
+        (PENALTY, {"cma", "scipy.optimize"}),
+    ],
+)
+def test_what_loads_nothing_heavy(program, heavy):
+    assert not loaded_by(program) & heavy
+
+
+def test_every_public_name_is_there_when_asked_for():
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
 
 
@@ -79,25 +95,11 @@ def test_a_run_without_streams_loads_no_numba(tmp_path):
     assert "numba" not in loaded_by(f"from dubins_study import run; {program}")
 
 
-def test_a_single_solve_compiles_nothing():
-    """Numba takes longer to load than a solve, its judgement and its certificate."""
-    program = "from dubins_study import Scenario, solve; solve(Scenario(0, 0, 0, 10, 5, 1))"
-    one_leg = "from dubins_study.study.closed_form import pose; pose.pose_shortest(1, 2, 0, 1, 0)"
-
-    assert "numba" not in loaded_by(f"{program}; {one_leg}")
-
-
 def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
     """Not even by an import that no source names, on a question without a path."""
     answers = ("dubins_study.study.closed_form", "dubins_study.study.check")
 
     assert [name for name in loaded_by(ASK_ALL) if name.startswith(answers)] == []
-
-
-def test_importing_the_solver_imports_no_engine():
-    program = "import dubins_study.solvers.stochastic.penalty as p; p.Penalty().unavailable()"
-
-    assert not loaded_by(program) & {"cma", "scipy.optimize"}
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from live_run import finished, interpreted, output
+from live_run import finished, interpreted, output, quick_experiment
 
 from dubins_study.experiments import code_digest as digest_module
 from dubins_study.experiments.code_digest import code_digest, solver_sources
@@ -137,30 +137,14 @@ def test_other_libraries_make_another_code(monkeypatch):
         code_digest.cache_clear()
 
 
-EXPERIMENT = """
-title = "changing"
-question = "what is stale?"
-solvers = ["{spec}", "analytic"]
-[[scenarios]]
-target_x = [1, 2]
-target_y = 3
-"""
-
-
-def run_changed(file, patience, out):
-    """Run an experiment of the plug-in `mine.py` beside it, whose code is another by `patience`."""
-    plugin = file.with_name("mine.py")
-    plugin.write_text(PLUGIN.format(patience=patience, remark=""))
-    file.write_text(EXPERIMENT.format(spec=f"{plugin}:Mine"))
-    return output(finished("run", file, "--trust-plugins", "--out", out))
-
-
 @pytest.mark.slow
 def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     """They are kept, counted, and left out of everything else."""
     spec, out = f"{tmp_path}/mine.py:Mine", tmp_path / "out"
+    file = quick_experiment(tmp_path, 2, f'{spec}", "analytic')
     for patience in (1, 2):
-        done = run_changed(tmp_path / "changing.toml", patience, out)
+        (tmp_path / "mine.py").write_text(PLUGIN.format(patience=patience, remark=""))
+        done = output(finished("run", file, "--trust-plugins", "--out", out))
         assert "4 of 4 cells done, finished" in done
 
     kept = read_rows(out, ["run_id"]).to_pandas()

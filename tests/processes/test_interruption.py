@@ -9,27 +9,16 @@ import threading
 from pathlib import Path
 
 import pytest
-from live_run import manifest, started, wait_for
+from live_run import manifest, quick_experiment, started, wait_for
 
 from dubins_study import run
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.store.folder import done
 
-EXPERIMENT = """
-title = "interrupted"
-question = "what is kept?"
-solvers = ["slsqp"]
-[[scenarios]]
-target_x = { linear = [1, 9, 30] }
-target_y = 3
-"""
-
 
 @pytest.fixture
 def experiment(tmp_path):
-    file = tmp_path / "interrupted.toml"
-    file.write_text(EXPERIMENT)
-    return str(file)
+    return str(quick_experiment(tmp_path))
 
 
 def test_the_first_sets_a_flag_and_the_second_raises():

@@ -131,18 +131,12 @@ def test_every_lie_is_in_the_tables(beside):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("spec", "check", "words"),
-    [
-        ("lies.py:Lying[lie=claimed time]", "claims", "is a length, not a travel time"),
-    ],
-)
-def test_what_does_no_harm_is_a_note(beside, spec, check, words):
-    report = report_of(f"{LYING}/{spec}", check)
+def test_what_does_no_harm_is_a_note(beside):
+    report = report_of(f"{LYING}/lies.py:Lying[lie=claimed time]", "claims")
 
     assert report.passed, report
-    assert report[check].status is Status.NOTE
-    assert words in text_of(report[check])
+    assert report["claims"].status is Status.NOTE
+    assert "is a length, not a travel time" in text_of(report["claims"])
 
 
 @pytest.mark.slow
@@ -231,16 +225,6 @@ def test_an_installed_plugin_is_one_of_the_solvers(installed, tmp_path):
     assert report["passed"]
     assert {check["name"] for check in report["checks"]} == set(CHECKS)
     assert (tmp_path / "results" / "paper" / "report" / "index.html").is_file()
-
-
-@pytest.mark.slow
-def test_the_installed_lie_ends_with_exit_code_1(installed, tmp_path):
-    arguments = ("check-solver", "lying[lie=heading in degrees]", "--check", "controls")
-    done = finished(*arguments, cwd=tmp_path, **installed)
-
-    assert done.returncode == 1, done.stderr
-    assert "FAIL  controls" in done.stdout
-    assert "your path arrives if the heading is taken for degrees" in done.stdout
 
 
 @pytest.mark.slow
