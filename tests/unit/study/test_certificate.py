@@ -190,23 +190,6 @@ def test_no_adversary_is_proved(name, branch):
     assert found.pmp_residual > PMP_TOLERANCE
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("curvature", "length"),
-    [
-        repeated(50_000, [1, -1, 0], [SMALL, SMALL, 2e-6], ([0.0], [1e3])),
-        ([1 - 9e-10, 0], [3.0, 1e6]),
-    ],
-)
-def test_what_is_as_short_as_the_shortest_may_be_an_extremal(curvature, length):
-    """But it has no cut margin: a ripple, and a rate that is not full over a long way."""
-    found, path = at_its_end(curvature, length)
-
-    assert found.proof is Proof.EXTREMAL
-    assert found.cut_margin is None
-    assert path.length == pytest.approx(found.reference_low, rel=1e-12)
-
-
 def test_a_straight_that_bends_is_no_straight():
     """nu3 vanishes at both its ends and not between, where an integrator sees it."""
     found, _ = at_its_end([1.0, 1e-5], [1.0, 6.0], "LS")

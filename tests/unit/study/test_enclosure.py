@@ -1,27 +1,34 @@
-"""Proven intervals of one leg in balls, and in the compiled loops of frames with final headings.
+"""Proven intervals of one leg in balls, and the compiled loops over frames: lengths and bounds.
 
-The adversary (`tests/adversary`) tests that those of a free final heading hold the truth.
+The adversary (`tests/adversary`) tests that those of a free final heading hold the truth, and
+compares its loops with the scalar form.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import mpmath as mp
 import numpy as np
 import pandas as pd
 import pytest
-from hard_cases import hard_poses, poses_of
+from hard_cases import hard_frame, hard_poses, poses_of
 
+from dubins_study.study.check import pose_enclosure_kernel
 from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.verdict import judge
+from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays, shortest_rows
+from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
+from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.pose import leg, shortest_to_pose
-from dubins_study.study.closed_form.pose_kernel import PoseArrays
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows, turn_between
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.words import POSE_BRANCHES
+from dubins_study.study.words import BRANCHES, POSE_BRANCHES
 
 START = Pose(0, 0, 0)
 
@@ -200,3 +207,104 @@ def test_just_behind_the_start_a_turn_of_nothing_is_none():
         found = enclose(scenario, branch)
         assert found.low <= 2 * math.pi - 2e-7 <= found.high + 1e-13
         assert found.low > 6.28
+
+
+class Kind(NamedTuple):
+    """The loops of one kind of leg, and frames of hard ones."""
+
+    lengths: Callable[..., Rows | PoseRows]
+    bounds: Callable[..., object]
+    arrays: type[ScenarioArrays | PoseArrays]
+    hard: Callable[[int], pd.DataFrame]
+    branches: tuple[str, ...]
+
+
+FREE = Kind(shortest_rows, bound_rows, ScenarioArrays, hard_frame, BRANCHES)
+GIVEN = Kind(pose_rows, bound_pose_rows, PoseArrays, hard_poses, POSE_BRANCHES)
+KINDS = pytest.mark.parametrize("kind", [FREE, GIVEN], ids=["free", "given"])
+
+
+def columns(kind, frame):
+    return kind.arrays(*(frame[name].to_numpy() for name in kind.arrays._fields))
+
+
+def bounded(kind, frame, branch):
+    return kind.bounds(columns(kind, frame), branch)
+
+
+@KINDS
+def test_threads_and_vectors_do_not_change_a_bit(kind):
+    """Threaded, alone, and one row at a time: strict IEEE arithmetic gives the same numbers."""
+    frame = kind.hard(700)
+    many = pd.concat([frame] * (SMALL // 700 + 2), ignore_index=True)
+    alone, threaded = (kind.lengths(*columns(kind, rows)) for rows in (frame, many))
+    for i in range(0, 700, 7):
+        single = kind.lengths(*columns(kind, frame[i : i + 1]))
+        assert [a[0] for a in single] == [a[i] for a in alone]
+    of_branches = (
+        (bounded(kind, frame, branch), bounded(kind, many, branch)) for branch in kind.branches
+    )
+    for few, all_rows in [(alone, threaded), *of_branches]:
+        for a, b in zip(few, all_rows, strict=True):
+            np.testing.assert_array_equal(a, b[:700])
+            np.testing.assert_array_equal(a, b[700:1400])
+
+
+GOOD = {"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": 3.0, "target_y": 1.0, "radius": 1.0}
+GOOD |= {"final_heading": 0.5}
+BAD = [
+    *({"x": math.nan}, {"x": math.inf}, {"target_y": math.inf}, {"heading": math.nan}),
+    *({"radius": math.nan}, {"radius": 0.0}, {"target_x": 1e300, "radius": 1e-300}),
+]
+UNDECIDED = [
+    *({"radius": math.inf}, {"heading": 2 * LARGEST_ANGLE}),
+    {"target_x": 0.0, "target_y": 0.0, "final_heading": 0.0},  # the start
+    {"target_x": math.sin(1), "target_y": 1 - math.cos(1), "final_heading": 1.0},
+    {"target_x": 1.0, "target_y": 1.0, "final_heading": math.pi / 2},  # on the circle
+]
+UNDECIDED_IF_GIVEN = [
+    *({"final_heading": 2 * LARGEST_ANGLE}, {"final_heading": math.nan}, {"radius": -1.0}),
+    {"target_y": 0.0, "final_heading": 0.0},  # straight ahead
+    {"target_x": 2.0, "target_y": 2.0, "final_heading": 0.0},
+]
+DECIDED = [{}, {"target_x": 5e-324, "target_y": 4.0}]  # whose axis is no edge of `best`
+CASES = [
+    *((FREE, values, True) for values in BAD + UNDECIDED),
+    *((FREE, values, False) for values in DECIDED),
+    *((GIVEN, values, True) for values in BAD + UNDECIDED + UNDECIDED_IF_GIVEN),
+    (GIVEN, {}, False),
+]
+
+
+@pytest.mark.parametrize(("kind", "values", "left"), CASES)
+def test_rows_that_the_loops_cannot_decide_are_left(kind, values, left):
+    """A bad row has no path, beside one that is good."""
+    frame = pd.DataFrame([GOOD | values, GOOD])
+    rows = kind.lengths(*columns(kind, frame))
+
+    assert bounded(kind, frame, "best").left.tolist() == [left, False]
+    no_path = values in BAD or values in UNDECIDED_IF_GIVEN[1:3]
+    if no_path or not left:
+        assert (rows.word == NO_PATH).tolist() == [no_path, False]
+        assert np.isnan(rows.length).tolist() == [no_path, False]
+
+
+def test_the_turn_of_the_loops_is_within_its_proven_error():
+    """Of headings at every size up to the largest, in 60 digits, modulo a full turn."""
+    rng = np.random.default_rng(10)
+    headings = rng.choice([-1, 1], (2, 2_000)) * 10 ** rng.uniform(-3, 9, (2, 2_000))
+    found = turns(*headings)
+    with mp.workdps(60):
+        for a, b, turn in zip(*headings.tolist(), found.tolist(), strict=True):
+            parts = (mp.mpf(b) - a - turn) / (2 * mp.pi)
+            assert abs(parts - mp.nint(parts)) * 2 * mp.pi < pose_enclosure_kernel._TURN_ERROR
+            assert 0 <= turn < 2 * math.pi + 1e-15
+
+
+@compiled
+def turns(a, b):
+    """`turn_between` of arrays."""
+    found = np.empty(a.size)
+    for i in range(a.size):
+        found[i] = turn_between(a[i], b[i])
+    return found

@@ -10,21 +10,19 @@ from brute_force import integrated, pose_words_by_search
 from hard_cases import hard_poses, poses_of
 from hypothesis import strategies as st
 
-from dubins_study.study.body_coordinates import EPS, Local
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.closed_form.kernel import NO_PATH
 from dubins_study.study.closed_form.pose import (
     WORDS6,
     leg,
     pose_delta,
-    pose_gradient,
     pose_path,
     pose_segments,
     pose_shortest,
     shortest_to_pose,
 )
 from dubins_study.study.closed_form.pose_kernel import pose_rows
-from dubins_study.study.closed_form.shortest import shortest_local
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import POSE_BRANCHES
 
@@ -145,48 +143,6 @@ def test_the_arcs_of_nearly_one_circle_add_up_to_the_turn(p):
             t, _, q = pose_segments(x, y, a, b, index, pose_delta(0.0, abs(x) + abs(y)))
 
             assert abs(math.remainder(t + q - turn * (b - a), 2 * math.pi)) < 1e-14
-
-
-@pytest.mark.parametrize("target", [(3, 1), (-2, 0.5), (0.3, 1.2), (-0.5, -1.2), (0, 1), (-5, -4)])
-def test_the_free_final_heading_is_the_least_over_final_headings(target):
-    """Against the closed form of the free heading, on a grid refined once: 1e-8 relative.
-
-    The length is quadratic or kinked about its least, and the fine step is 3e-8 rad.
-    """
-    headings = np.linspace(-math.pi, math.pi, 20_001)
-    for _ in range(2):
-        one = np.ones(headings.size)
-        columns = (0 * one, 0 * one, 0 * one, target[0] * one, target[1] * one, one, headings)
-        length = pose_rows(*columns).length
-        best = headings[length.argmin()]
-        headings = best + np.linspace(-1, 1, 20_001) * (headings[1] - headings[0])
-
-    assert length.min() == pytest.approx(shortest_local(Local(*target, 1e-15)).total, rel=1e-8)
-
-
-def test_derivatives_by_both_headings():
-    """Central differences of every word, where none of its arcs is next to nothing: 1e-6.
-
-    The step of 1e-6 leaves h^2 / 6 times the third derivative and 1e-15 / h of rounding.
-    """
-    rng = np.random.default_rng(5)
-    h, compared = 1e-6, 0
-    for _ in range(300):
-        x, y, a, b = *rng.uniform(-4, 4, 2), *rng.uniform(-3, 3, 2)
-        for word in range(6):
-            t, p, q = pose_segments(x, y, a, b, word, 0.0)
-            arcs = (t, q) if word < 4 else (t, q, p - math.pi)
-            if math.isnan(t) or min(*arcs, 2 * math.pi - t, 2 * math.pi - q) < 0.1 or p < 0.1:
-                continue
-
-            def length(a: float, b: float, word: int = word, x: float = x, y: float = y) -> float:
-                return sum(pose_segments(x, y, a, b, word, 0.0))
-
-            by_a = (length(a + h, b) - length(a - h, b)) / (2 * h)
-            by_b = (length(a, b + h) - length(a, b - h)) / (2 * h)
-            assert pose_gradient(word, t, p, q) == pytest.approx((by_a, by_b), abs=1e-6)
-            compared += 1
-    assert compared > 800
 
 
 @pytest.mark.parametrize("branch", POSE_BRANCHES)

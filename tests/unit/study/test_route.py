@@ -89,16 +89,6 @@ def test_published_examples_are_enclosed(example):
         assert route.length == pytest.approx(curvature * printed, rel=1e-13)
 
 
-def test_a_route_is_found_again_to_the_bit():
-    """Nothing is drawn at random and nothing depends on time before the limit."""
-    points = random_route(11, 5, 0.5, 4.0)
-
-    one, other = (search(points, 0.3, limit=LIMIT, tolerance=1e-6) for _ in range(2))
-
-    assert one.headings.tolist() == other.headings.tolist()
-    assert (one.low, one.high, one.boxes) == (other.low, other.high, other.boxes)
-
-
 @pytest.mark.parametrize(
     ("points", "first", "length", "within"),
     [

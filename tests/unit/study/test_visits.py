@@ -42,31 +42,6 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
     assert np.hypot(*(there - point)) == pytest.approx(seen.miss, abs=1e-9 * radius)
 
 
-@pytest.mark.parametrize("seed", range(300))
-def test_points_of_a_path_are_visited_in_their_order_and_as_early_as_samples_say(seed):
-    rng = np.random.default_rng(seed)
-    radius = 10.0 ** rng.uniform(-3, 3)
-    path = random_path(rng, radius)
-    driven = np.sort(rng.uniform(0, path.length, 4))
-    via = [(x, y) for x, y in path.at(driven)[:, :2].tolist()]
-    allowed = 1e-3 * radius  # which samples can resolve
-
-    seen = visits(path, via, radius, allowed)
-
-    assert seen.miss <= allowed
-    assert list(seen.at) == sorted(seen.at)
-    samples, s = path.sample(40_001)[:, :2], np.linspace(0, path.length, 40_001)
-    after = 0.0
-    step = path.length / 40_000
-    for (x, y), at, on_path in zip(via, seen.at, driven, strict=True):
-        near = np.hypot(*(samples - (x, y)).T) <= allowed
-        # the least distance comes at most `allowed` of way, or half a turn, after the first entry
-        entered = float(s[near & (s >= after - step)][0])
-        assert at >= entered - step
-        assert at <= on_path + 2 * allowed + 1e-9 * radius
-        after = entered
-
-
 def test_each_visit_is_the_earliest_after_the_one_before():
     """On a circle driven twice, points on opposite sides alternate."""
     path = Path(Pose(0, 0, 0), [1.0], [4 * math.pi])
