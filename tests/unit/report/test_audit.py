@@ -307,15 +307,3 @@ def test_one_published_length_is_not_the_shortest():
     ]
     assert longer[0]["difference"] == pytest.approx(1.5373e-8, rel=1e-3)
     assert all(r["verdict"] == r["expected"] and 0 <= r["width"] <= 1e-9 for r in records)
-
-
-@pytest.mark.parametrize(
-    ("printed", "verdict"),
-    [("3.41", routes.TOO_SHORT), ("3.42", routes.SHORTEST), ("3.43", routes.LONGER)],
-)
-def test_a_length_may_be_rounded(printed, verdict, monkeypatch):
-    """3.4156 rounds to 3.42; no path rounds to 3.41, and 3.43 is longer than a path."""
-    line = routes.PrintedRoute("here", "example 1", printed)
-    monkeypatch.setattr(routes, "PRINTED_ROUTES", (line,))
-
-    assert routes.audit_routes(ROUTES)[0]["verdict"] == verdict

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 
 import numpy as np
 import pytest
@@ -98,32 +97,36 @@ def test_the_plainest_example_and_its_command(load_rows):
     assert line["command"] == "dubins-study solve --solver 'scip[a=1]' -- 5 2"
 
 
-def test_a_command_asks_the_question_again():
-    """Negative numbers are no options; radius, heading and branch are given if they matter."""
-    values = {"x": 0.1, "y": 0.0, "heading": -2.5, "target_x": -3.0, "target_y": 1e-7}
-    setting = {"radius": 2.0, "branch": "LS", "solver": "nlp[a=b,c=d]", "profile": "accurate"}
-    text = solve_command({**values, **setting})
-
-    assert shlex.split(text) == [
-        *("dubins-study", "solve", "--from", "0.1", "0", "-2.5", "--radius", "2"),
-        *("--branch", "LS", "--profile", "accurate", "--solver", "nlp[a=b,c=d]"),
-        *("--", "-3", "1e-07"),
-    ]
+ASKED = {"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": -3.0, "target_y": 1.0, "radius": 1.0}
+ASKED |= {"branch": "best", "solver": "a"}
+ELSEWHERE = {"x": 0.1, "heading": -2.5, "target_y": 1e-7, "radius": 2.0, "branch": "LS"}
+SETTING = {"solver": "nlp[a=b,c=d]", "profile": "accurate"}
+ROUTE = {"via_x": np.array([0.1, -2.0]), "via_y": [3.0, 1e-7], "final_heading": -7.5}
 
 
-def test_a_command_asks_a_route_again():
-    """Via points as rows hold them, and a final heading, which may be more than a full turn."""
-    values = {"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": -3.0, "target_y": 1.0, "radius": 1.0}
-    route = {"via_x": np.array([0.1, -2.0]), "via_y": [3.0, 1e-7], "final_heading": -7.5}
-    empty = {"via_x": None, "via_y": math.nan, "final_heading": math.nan}
-    asked = {"branch": "best", "solver": "a"}
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "--solver a -- -3 1"),
+        ({"via_x": None, "via_y": math.nan, "final_heading": math.nan}, "--solver a -- -3 1"),
+        ({"heading": 7.5}, "--from 0 0 7.5rad --solver a -- -3 1"),
+        (
+            ELSEWHERE | SETTING,
+            "--from 0.1 0 -2.5 --radius 2 --branch LS --profile accurate --solver 'nlp[a=b,c=d]'"
+            " -- -3 1e-07",
+        ),
+        (
+            ROUTE,
+            "--via 0.1 3 --via -2 1e-07 --final-heading -7.5rad --solver a -- -3 1",
+        ),
+    ],
+)
+def test_a_command_asks_the_question_again(changes, words):
+    """Negative numbers are no options; radius, heading and branch are given if they matter.
 
-    assert solve_command(values | route | asked) == (
-        "dubins-study solve --via 0.1 3 --via -2 1e-07 --final-heading -7.5rad --solver a -- -3 1"
-    )
-    assert "--from 0 0 7.5rad" in solve_command(values | asked | {"heading": 7.5})
-    plain = "dubins-study solve --solver a -- -3 1"
-    assert solve_command(values | empty | asked) == solve_command(values | asked) == plain
+    Via points as rows hold them, and headings, which may be more than a full turn.
+    """
+    assert solve_command(ASKED | changes) == f"dubins-study solve {words}"
 
 
 def test_the_section(load_rows):
