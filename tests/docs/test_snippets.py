@@ -166,7 +166,7 @@ PAGES = {
 NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
     ("docs/submit.md", "dubins-study run"): "two suites take an hour; of a solver of the reader's",
-    ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_elsewhere.py has a folder",
+    ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
     ("docs/tutorial.md", "pip install ."): "installs; tests/processes/test_wheel.py does the same",
     ("docs/scaling.md", "dask ssh "): "needs several hosts",
     ("docs/scaling.md", "from distributed import SSHCluster"): "needs several hosts",

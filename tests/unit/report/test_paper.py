@@ -1,4 +1,4 @@
-"""The paper's printed tables against the closed form."""
+"""The paper's printed tables against the closed form; its figures, and sweeps over the radius."""
 
 from __future__ import annotations
 
@@ -18,10 +18,19 @@ from dubins_study.report.paper.printed import (
 )
 from dubins_study.report.topics.paper import side_by_side
 from dubins_study.report.topics.paper_figures import figures_section
+from dubins_study.report.topics.radius import (
+    answers,
+    radius_section,
+    sweep_rows,
+    visibly_wrong,
+    warm_section,
+    warm_starts,
+)
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
-from tests.unit.report.results_folder import attempt, load_folders, paper_scenarios
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Claim
+from tests.unit.report.results_folder import astray, attempt, load_folders, paper_scenarios
 
 
 @pytest.fixture
@@ -120,3 +129,96 @@ def test_the_papers_figures_name_their_paths(results):
         assert [text.get_text() for text in legend.get_texts()] == lengths
     named = {text.get_text() for text in panels["paths-feasible"][0].texts}
     assert {"P", "X₁", "X₂", "X₃ = T"} <= named
+
+
+RADII = (20.0, 40.0, 55.0, 60.0, 80.0)  # the target enters a circle at 57.35
+
+
+def where(radius):
+    """Test problem 5 at some radius."""
+    return Scenario(0, 0, 2.0943951023931953, -80, 20, radius, label="problem 5")
+
+
+def folder_rows():
+    """Right answers, one by 0.5 % and one by 50 % too long, one lost, and a radius not asked."""
+    exact = {"formulation": "closed form", "engine": "closed form"}
+    rows = [attempt(where(radius), **exact) for radius in RADII]
+    rows += [attempt(where(radius), "slsqp", wall_s=1e-3) for radius in RADII if radius != 55.0]
+    rows += [attempt(where(radius), "slsqp", initial_guess="warm", wall_s=9.0) for radius in RADII]
+    made = {"verdict": "longer", "formulation": "turn rates"}
+    rows += [
+        attempt(where(20.0), "turn-rate-qp", gap=0.005, **made),
+        attempt(where(40.0), "turn-rate-qp", gap=0.5, **made),
+    ]
+    wrong = {"path": astray(where(55.0)), "claim": Claim.FAILED, "formulation": "turn rates"}
+    rows.append(attempt(where(55.0), "turn-rate-qp", **wrong))
+    return rows
+
+
+@pytest.fixture
+def loaded(load_rows):
+    return load_rows("radius-sweep", folder_rows())
+
+
+def test_only_visibly_wrong_answers_are_drawn(loaded):
+    """Half a percent lies on the line of the shortest lengths; the table counts it."""
+    (rows,) = sweep_rows(loaded.rows).values()
+    drawn = visibly_wrong(rows)
+    table = answers(rows).set_index("solver")
+
+    assert drawn["radius"].tolist() == [40.0, 55.0]
+    assert drawn["gap"].notna().tolist() == [True, False]
+    counts = table.loc["turn-rate-qp", ["attempts", "right", "little", "longer", "lost"]]
+    assert counts.tolist() == [3, 0, 1, 1, 1]
+    assert table.loc["turn-rate-qp", "most"] == 0.5
+    assert table.loc["slsqp", ["attempts", "right"]].tolist() == [9, 9]
+
+
+def test_a_sweep_is_a_figure_that_names_the_words_and_the_circle(loaded):
+    section = radius_section(loaded)
+    assert section is not None
+    texts = [text.get_text() for text in section.blocks[0].figure.axes[0].texts]
+
+    assert "R* = 57.35" in texts
+    assert [text for text in texts if text in ("LS", "RS", "RL", "LR")] == ["LS", "RL"]
+
+
+def sweep_scenario(radius):
+    return Scenario(0, 0, 0, -3, 4, radius, label="sweep")
+
+
+def warm_rows():
+    """A solver that saves, one that pays, two that are the same: one counts no iterations, the
+    other none for a cold start."""
+    made = []
+    for place, radius in enumerate((1.0, 1.1, 1.2, 1.3, 1.4)):
+        where = sweep_scenario(radius)
+        for start, time, work in (("cold", 0.01, 10), ("warm", 0.001 * (place + 1), 5)):
+            made.append(attempt(where, "ipopt", initial_guess=start, wall_s=time, iterations=work))
+        for start, time, work in (("cold", 0.01, 10), ("warm", 0.02, 30)):
+            made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
+        made += [
+            attempt(where, solver, initial_guess=start, iterations=iterations)
+            for solver, counts in (("shooting", (None, None)), ("nlp", (0, 3)))
+            for start, iterations in zip(("cold", "warm"), counts, strict=True)
+        ]
+        made.append(attempt(where, "never-warm"))
+    return made
+
+
+def test_ratios_by_hand(load_rows):
+    """Ratios 0.1 to 0.5 in five steps; iterations halved; without a number there is no ratio.
+
+    A solver that is never warm is left out.
+    """
+    results = load_rows("radius-sweep", warm_rows())
+    table = warm_starts(results.rows).set_index("solver")
+
+    assert table.index.tolist() == ["ipopt", "nlp", "shooting", "slsqp"]
+    assert table.loc["ipopt", ["questions", "ratio", "work"]].tolist() == pytest.approx(
+        [5, 0.3, 0.5]
+    )
+    assert table.loc[["shooting", "nlp"], "work"].isna().all()
+    assert warm_section(results).blocks[0].name == "warm-starts"
+    cold = [row for row in warm_rows() if row["initial_guess"] == "cold"]
+    assert warm_section(load_rows("cold", cold)) is None
