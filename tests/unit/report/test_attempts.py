@@ -222,16 +222,16 @@ SUMMARIES = {
             )
         ),
     ),
-    # Right in two of three repeats counts 2/3.
-    "repeats are parts of a question": (
-        {"scenario_id": list("000111"), "verdict": ["optimal"] * 5 + ["longer"]}
-        | {"repeat": [0, 1, 2] * 2},
-        {"attempts": 6, "questions": 2, "right": 5 / 3, "right_share": 5 / 6},
-    ),
     # Counted as twenty trials the interval would be narrower by a factor of about the root of two.
-    "cold and warm attempts at a question are one trial": (
+    "cold and warm attempts at a question are parts of one trial": (
         {"scenario_id": [*"0123456789"] * 2, "initial_guess": ["cold"] * 10 + ["warm"] * 10}
-        | {"verdict": (["optimal"] * 7 + ["longer"] * 3) * 2},
+        | {
+            "verdict": ["optimal"] * 7
+            + ["longer"] * 3
+            + ["optimal"] * 6
+            + ["longer"] * 3
+            + ["optimal"]
+        },
         {"attempts": 20, "questions": 10, "right": 7}
         | dict(
             zip(

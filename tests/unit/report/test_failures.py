@@ -14,7 +14,7 @@ from dubins_study.report.page.render import render
 from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.existence import existence, existence_section
-from dubins_study.report.topics.failures import failures, failures_section, unreturned
+from dubins_study.report.topics.failures import failures, failures_section
 from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.two_runs.changes import pairs
@@ -58,15 +58,6 @@ def rows():
 def folder(results):
     """The rows in a folder whose run had a limit of 1.5 s an attempt."""
     return results("e", rows(), time_limit_s=1.5)
-
-
-def test_outcomes_by_solver(folder):
-    """Only the solver that was stopped; each outcome apart, with the nearest as its example."""
-    (line,) = unreturned(load([folder]).attempts).to_dict("records")
-
-    assert (line["solver"], line["attempts"], line["unreturned"]) == ("a", 4, 3)
-    assert (line["timeout"], line["out_of_memory"], line["crashed"]) == (2, 1, 0)
-    assert (line["target_x"], line["target_y"]) == (0.2, 1.0)
 
 
 def test_messages_that_differ_in_numbers_are_one(folder):

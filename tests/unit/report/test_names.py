@@ -8,11 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.report.data.results import load
-from dubins_study.report.elements.columns import SOLVER
 from dubins_study.report.elements.looks import distinct, figure_names, names_of, short_labels
-from dubins_study.report.page.markup import to_csv
-from dubins_study.report.page.render import render
-from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.statistics.metrics import natural
 from dubins_study.report.topics.appendix import solvers_section
@@ -131,26 +127,6 @@ def test_a_name_says_engine_formulation_guess_and_what_differs(folder):
 
     assert labels.to_dict() == LABELS
     assert list(labels) == list(LABELS.values())
-
-
-@pytest.mark.slow
-def test_the_page_shows_the_name_and_the_spec_on_hover(folder, tmp_path):
-    """The CSV file keeps the spec, which is what a command reads."""
-    text = render([folder], tmp_path / "out").read_text(encoding="utf-8")
-    tables = [
-        block
-        for topic in TOPICS
-        for section in sections_of(topic, load([folder]))
-        for block in section.blocks
-        if SOLVER in getattr(block, "columns", ())
-    ]
-
-    for spec, label in LABELS.items():
-        assert f'<span title="{spec}">{label}</span>' in text
-    assert tables
-    for table in tables:
-        assert set(table.frame["solver"]) <= set(LABELS)
-        assert all(f"{spec}" in to_csv(table) for spec in table.frame["solver"])
 
 
 def test_natural_order_reads_small_numbers():
