@@ -201,6 +201,12 @@ def frame(**columns):
     return pd.DataFrame({**base, **columns})
 
 
+def wilson(successes, trials):
+    """The ends of Wilson's 95 % interval, by scipy."""
+    low, high = binomtest(successes, trials).proportion_ci(method="wilson")
+    return {"right_low": low, "right_high": high}
+
+
 SUMMARIES = {
     # Four questions with a path, two answered optimally: half are right, whatever came of the
     # others. What was asked where no path exists is not counted.
@@ -214,32 +220,13 @@ SUMMARIES = {
         },
         {"attempts": 4, "questions": 4, "right_share": 0.5, "misses": 1, "none": 1}
         | {"false_claims": 1, "not_returned": 1, "right_text": "50.0 % of 4,\n15.0 to 85.0 %"}
-        | dict(
-            zip(
-                ("right_low", "right_high"),
-                binomtest(2, 4).proportion_ci(method="wilson"),
-                strict=True,
-            )
-        ),
+        | wilson(2, 4),
     ),
     # Counted as twenty trials the interval would be narrower by a factor of about the root of two.
     "cold and warm attempts at a question are parts of one trial": (
         {"scenario_id": [*"0123456789"] * 2, "initial_guess": ["cold"] * 10 + ["warm"] * 10}
-        | {
-            "verdict": ["optimal"] * 7
-            + ["longer"] * 3
-            + ["optimal"] * 6
-            + ["longer"] * 3
-            + ["optimal"]
-        },
-        {"attempts": 20, "questions": 10, "right": 7}
-        | dict(
-            zip(
-                ("right_low", "right_high"),
-                binomtest(7, 10).proportion_ci(method="wilson"),
-                strict=True,
-            )
-        ),
+        | {"verdict": ["optimal"] * 7 + ["longer"] * 6 + ["optimal"] * 7},
+        {"attempts": 20, "questions": 10, "right": 7} | wilson(7, 10),
     ),
 }
 

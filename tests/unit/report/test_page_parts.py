@@ -25,6 +25,7 @@ from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.page.environment import TEMPLATES
 from dubins_study.report.page.explorer import explorer_section, write_explorer
 from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.report.page.markup import inline
 from dubins_study.report.page.render import head_of
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.study.closed_form.shortest import shortest
@@ -36,6 +37,16 @@ from dubins_study.study.words import Claim
 from tests.fuzz.page import odd_parts
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
+
+
+def test_hatches_of_a_figure_follow_the_page_and_its_texts_stay():
+    """The colour of a hatch is an attribute; only a style can hold a variable."""
+    svg = '<svg><rect fill="#0072b2"/><text>&lt;b&gt; id="x" #1a1c1f</text></svg>'
+    element = inline(svg, "times", "a <figure>")
+
+    assert ElementTree.fromstring(element).attrib["aria-label"] == "a <figure>"
+    assert '<rect style="fill: var(--blue)"/>' in element
+    assert '<text>&lt;b&gt; id="x" #1a1c1f</text>' in element
 
 
 def test_the_first_use_of_a_word_is_a_link():
