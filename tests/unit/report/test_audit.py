@@ -9,13 +9,12 @@ from itertools import pairwise
 import mpmath
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import ctx
 
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.scenario_columns import scenarios
 from dubins_study.report.paper import exact, routes
 from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.audit_rules import CORRECT, CUT, DOUBLE, WRONG, judge
 from dubins_study.report.paper.exact import UndecidedError, ball, decide, rounded, truncated
 from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
@@ -260,34 +259,8 @@ def test_statements_by_other_means(found):
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 
-def numbers(*texts: str) -> list[arb]:
-    return [ball(Fraction(text)) for text in texts]
-
-
-@pytest.mark.parametrize(
-    ("printed", "exact", "verdict"),
-    [
-        ("1.73", "1.7349", CORRECT),
-        ("1.74", "1.735001", CORRECT),
-        ("1.74", "1.7349", DOUBLE),  # 1.735, 1.74
-        ("1.74", "1.73496", DOUBLE),
-        ("1.74", "1.7344", WRONG),  # 1.734, 1.73: no place to round at first gives 1.74
-        ("3.38", "3.373651", WRONG),
-        ("1.73", "1.7399", CUT),
-        ("1.73", "1.735001", CUT),
-        ("1.72", "1.734", WRONG),
-        ("-1.73", "-1.739", CUT),
-    ],
-)
-def test_the_accident_behind_a_cell(printed, exact, verdict):
-    row = numbers("0", "0", exact, exact)
-
-    assert judge(("0", "0", printed, printed), row, row)[2].verdict == verdict
-
-
 def test_what_the_bounds_do_not_decide_is_not_decided():
-    low, high = numbers("1.7349", "1.7351")
-    wide = low.union(high)
+    wide = ball(Fraction("1.7349")).union(ball(Fraction("1.7351")))
 
     assert decide(wide, lambda value: truncated(value, 2)) == Decimal("1.73")
     with pytest.raises(UndecidedError, match=r"1\.73 or 1\.74"):

@@ -16,7 +16,6 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FORMULATIONS
 from tests.unit.report.results_folder import attempt
 
-NUMBERS = st.integers(0, 3)
 SPECS = st.builds(
     lambda name, settings: (
         name + ("[" + ",".join(f"{k}={v}" for k, v in settings.items()) + "]" if settings else "")
