@@ -1,11 +1,9 @@
-"""`convex`: engines of frozen problems, and these beside finite differences of real paths."""
-
-from itertools import accumulate
+"""`convex`: engines of frozen problems, and these beside what freezing gives."""
 
 import numpy as np
 import pytest
 
-from benchmarks.freeze_convex import CASES, Iterate, first_iterate, frozen, linearised
+from benchmarks.freeze_convex import CASES, frozen
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.convex.engines import ENGINES, Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES, Convex
@@ -13,8 +11,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.convex.problem import read
 from dubins_study.study.convex.proof import reference, residuals, upper_bound
-from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
 
 WELL = CASES["well"].points
@@ -90,42 +87,6 @@ def test_an_engine_without_cones_refuses_them():
 
     assert answer.outcome is Outcome.RAISED
     assert "PIQP takes no cones" in answer.message
-
-
-def ends(now: Iterate):
-    """Where each leg ends, shape (legs, 2), by driving the path from pose to pose."""
-    each = now.heading.size // now.length.size
-    turns = np.diff(now.heading, prepend=0.0)
-    steps = np.repeat(now.length / each, each)
-    path = Path(Pose(0.0, 0.0, 0.0), turns / steps, steps)
-    return path.at(np.array(list(accumulate(now.length))))[:, :2]
-
-
-def test_the_linearisation_agrees_with_finite_differences():
-    """What a leg adds to the way, by the headings and by the legs' lengths."""
-    case, n, legs = CASES["well"], 20, len(WELL)
-    now, step = first_iterate(case, n), 1e-6
-    # away from the bounds of the turn rate, so that both differences are of smooth paths
-    now = Iterate(now.heading * 0.9, now.length * 1.1)
-    linear = linearised(case, now)
-
-    def added(at):
-        return np.diff(ends(at), axis=0, prepend=[[0.0, 0.0]]).ravel()
-
-    for k in range(n):
-        change = step * np.eye(n)[k]
-        more, less = (
-            Iterate(now.heading + change, now.length),
-            Iterate(now.heading - change, now.length),
-        )
-        slope = (added(more) - added(less)) / (2 * step)
-        assert linear.by_heading.toarray()[:, k] == pytest.approx(slope, abs=1e-7)
-    for leg in range(legs):
-        grown = now.length * (1 + step * np.eye(legs)[leg])
-        slope = (added(Iterate(now.heading, grown)) - added(now)) / step
-        assert linear.by_length.toarray()[:, leg] == pytest.approx(slope, abs=1e-4)
-    wanted = np.diff(WELL, axis=0, prepend=[[0.0, 0.0]]).ravel()
-    assert linear.missing == pytest.approx(wanted - added(now), abs=1e-12)
 
 
 @pytest.mark.parametrize("state", CASES)

@@ -84,13 +84,3 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
     assert around.length - arc.length > 0.1
     longer = as_path(scenario, "L", Segments(angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim
-
-
-def test_what_lies_between_two_parts_is_compared_with_the_lower():
-    interval = enclose(Scenario(0, 0, 0, math.sin(0.3), 1 - math.cos(0.3), 1))
-    (_, arc), (around, _) = interval.parts
-
-    assert interval.nearest(1.0) == arc
-    assert interval.nearest(around + 1e-16) >= around
-    assert interval.nearest(0.1) == interval.low
-    assert not interval.holds(1.0, 0.5)

@@ -130,16 +130,6 @@ def test_ctrl_c_belongs_to_the_caller():
         attempt(Acting(raises(KeyboardInterrupt)), Question(ASKED))
 
 
-class Plain(Solver):
-    name = "plain"
-
-    def __init__(self, path):
-        self.path = path
-
-    def solve(self, question, limit):
-        return Solution(Claim.OPTIMAL, self.path)
-
-
 @pytest.mark.parametrize("text", ["\ud800", "a\0b"])
 def test_texts_that_no_row_holds(text):
     solution = Solution(Claim.NONE, message=text, native_status=text)
@@ -183,7 +173,7 @@ BAD_ARRAYS = {
 def frame_of(monkeypatch, changes):
     """The rows of a plug-in whose arrays are so."""
 
-    class Whole(Plain):
+    class Whole(Acting):
         branches = ("best",)
 
         def solve_frame(self, frame, branch):
@@ -196,7 +186,7 @@ def frame_of(monkeypatch, changes):
 
 
 def test_a_frame_that_is_changed_is_judged_as_it_was_put(monkeypatch):
-    class Easier(Plain):
+    class Easier(Acting):
         branches = ("best",)
 
         def solve_frame(self, frame, branch):
@@ -237,7 +227,8 @@ def test_any_numbers_make_an_answer(curvature, length):
         with pytest.raises(ValueError, match="expected one shape"):
             Path(ASKED.start, curvature, length)
         return
-    answer = attempt(Plain(Path(ASKED.start, curvature, length)), Question(ASKED))
+    solution = Solution(Claim.OPTIMAL, Path(ASKED.start, curvature, length))
+    answer = attempt(Acting(lambda question: solution), Question(ASKED))
 
     assert answer.outcome is Outcome.RETURNED
     assert answer.length is None or math.isfinite(answer.length)

@@ -1,4 +1,7 @@
-"""slsqp and ipopt on the paper's model: derivatives, starts, the joint model's minima and bias."""
+"""slsqp and ipopt on the paper's model: derivatives, the joint model's minima and bias, guesses.
+
+Guesses are a factor of their own: equal for two formulations, blind, and named in the row.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenarios
+from cases import PAPER, scenarios
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,7 +22,8 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, target
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve_in_pyomo
-from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.protocol import Method, Question
+from dubins_study.solvers.registry import load, stated_method
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -57,29 +61,6 @@ def test_ipopt_recognises_a_word_that_does_not_exist(spec, branch, target, capfd
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.slow
-def test_the_papers_order_is_not_mirror_symmetric():
-    """L R S does not contain RL: wrong in the left disc only (docs/derivation.md, section 7)."""
-    left, right = Scenario(0, 0, 0, 0, 1, 1), Scenario(0, 0, 0, 0, -1, 1)
-    paper = "ipopt[model=joint,order=LRS,initial_guess=random,count=40]"
-    both = "ipopt[model=joint,order=both,initial_guess=random,count=40]"
-
-    assert solve(left, paper).verdict is Verdict.LONGER
-    assert solve(left, paper).word.startswith("R")
-    assert solve(right, paper).verdict is Verdict.OPTIMAL
-    assert solve(left, both).verdict is Verdict.OPTIMAL
-
-
-def test_an_interior_point_leaves_its_barrier_in_the_degenerate_arc():
-    """In units of the radius 1.357e-3 at Ipopt's default tolerance (docs/derivation.md, section 7),
-    and the length does not show it."""
-    answer = solve(Scenario(0, 0, 0, 2e3, 4e3, 1e3), "ipopt[model=joint,order=LRS,options=default]")
-
-    assert answer.word == "LRS"
-    assert answer.path.lengths[1] / 1e3 == pytest.approx(1.357e-3, rel=0.05)
-    assert answer.gap < 1e-8
-
-
 def test_random_guesses_are_drawn_one_by_one():
     """A billion of them take neither memory nor time before the first."""
     for limit in (0.1, 1.0, 10.0):  # on a busy machine the first may take more than a tenth
@@ -91,16 +72,6 @@ def test_random_guesses_are_drawn_one_by_one():
 
     assert answer.outcome == "returned"
     assert answer.claim is Claim.LOCAL
-
-
-def test_slsqp_gets_nowhere_from_the_zero_that_ampl_starts_at():
-    """At z = 0 the two gradients are parallel: SLSQP stops with a singular matrix."""
-    answer = solve(
-        PAPER["problem 1"], "slsqp[model=joint,order=LRS,initial_guess=zero,capped=false]"
-    )
-
-    assert answer.claim is Claim.FAILED
-    assert answer.verdict is Verdict.MISSES
 
 
 @given(
@@ -120,32 +91,16 @@ def test_starting_points_are_admissible(kind, name, scenario):
     assert len(points) == (5 if kind == "random" else len(points)) >= 1
 
 
-@pytest.mark.parametrize("name", NLP)
-def test_a_warm_start_saves_iterations(name):
-    """Started from the solution's own segments, a word takes fewer iterations than from cold."""
+@pytest.mark.parametrize("name", [*NLP, "shooting"])
+def test_a_warm_start_saves_evaluations(name):
+    """Started from the solution's own segments, a word takes fewer of them than from cold."""
     problem = PAPER["problem 4"]
     start = solve(problem, "analytic", "LS").path
 
     cold, warm = solve(problem, name, "LS"), solve(problem, name, "LS", initial_guess=start)
 
     assert warm.length == pytest.approx(cold.length, rel=1e-8)
-    assert warm.iterations < cold.iterations
-
-
-@pytest.mark.parametrize(("mu", "radius"), [(1e-9, 0.5), (1e-7, 1.0), (1e-5, 20.0)])
-def test_the_interior_point_bias_is_the_cube_root_of_mu_r_squared(mu, radius):
-    """At LS the reduced cost of z2 is zero and f grows like z2^3 / (3 R^2) (docs/derivation.md,
-    section 7), so a barrier of mu leaves z2 = (mu R^2)^(1/3), in the paper's own units. To first
-    order: the next term is a share z2 / R smaller."""
-    scenario = Scenario(0, 0, 0, -3 * radius, 4 * radius, radius)
-    spec = f"ipopt[model=joint,order=LRS,units=scenario,mu_target={mu},tol=1e-12]"
-    answer = solve(scenario, spec)
-
-    assert answer.word == "LRS"
-    right = answer.path.lengths[1]
-    expected = (mu * radius**2) ** (1 / 3)
-    assert right == pytest.approx(expected, rel=0.1 + 2 * expected / radius)
-    assert answer.gap < expected  # the length is right far beyond what the segments are
+    assert warm.evaluations < cold.evaluations
 
 
 @pytest.mark.parametrize("name", ["slsqp", "ipopt"])
@@ -172,18 +127,6 @@ def test_a_given_start_is_the_only_one():
     assert points(Question(scenario), "given") == points(Question(scenario), "bearing")
     answer = solve(scenario, "ipopt[model=joint,order=LRS,initial_guess=given]", initial_guess=path)
     assert answer.verdict is Verdict.OPTIMAL
-
-
-LEFT_DISC = EDGES["centre of the left disc"]
-
-
-@pytest.mark.parametrize("engine", ["trust-constr", "slsqp", "cobyqa"])
-def test_scipy_is_charged_with_no_claim_that_it_does_not_make(engine):
-    """Inside the left disc LS has no path; none of SciPy's methods has a status that says so."""
-    answer = solve(LEFT_DISC, f"nlp[engine={engine}]", "LS")
-
-    assert answer.claim in (Claim.FAILED, Claim.LIMIT)
-    assert not answer.false_claim
 
 
 @pytest.mark.parametrize("target", [(1, 1), (0, 2), (-1, 1)])
@@ -263,11 +206,120 @@ def test_knitro_losing_its_licence_in_a_run_is_a_failure():
     assert "not available" in point.message
 
 
-def test_a_question_costs_the_same_whenever_it_is_asked():
-    """Ipopt's evaluations are those of the question, not of all questions before."""
-    costs = {(a.iterations, a.evaluations) for a in (solve(EASY_RS, "ipopt") for _ in range(3))}
-
-    assert len(costs) == 1
+WORDS, ORDERS = ("LS", "RS", "LR", "RL"), ("LRS", "RLS")
+AHEAD = Scenario(x=0, y=0, heading=0.4, target_x=5, target_y=3)
 
 
-EASY_RS = Scenario(0, 0, 2, 10, 5, 1)
+def begun(scenario, subproblems, kind):
+    """The paths that the searches begin with, as their arcs of some length: a set of tuples."""
+    question = Question(scenario)
+    return sorted(
+        tuple(
+            (rate, length)
+            for rate, length in zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
+            if length > 0
+        )
+        for name in subproblems
+        for z in initial_guesses(question, SUBPROBLEMS[name], kind, 0, 3, both=len(subproblems) > 1)
+        for path in [as_path(scenario, SUBPROBLEMS[name], z)]
+    )
+
+
+@given(scenario=scenarios())
+def test_words_and_joint_model_begin_with_the_same_paths(scenario):
+    """With `words` one NLP a word and the joint model in both orders get the same four guesses."""
+    assert begun(scenario, ORDERS, "words") == begun(scenario, WORDS, "words")
+    assert len(begun(scenario, ORDERS, "words")) == 4
+
+
+@given(scenario=scenarios())
+def test_one_order_begins_with_the_words_that_it_holds(scenario):
+    """LRS has paths of LS, RS and LR, RLS of LS, RS and RL."""
+    for order, held in (("LRS", ("LS", "RS", "LR")), ("RLS", ("LS", "RS", "RL"))):
+        assert begun(scenario, [order], "words") == begun(scenario, held, "words")
+
+
+@given(scenario=scenarios())
+def test_one_is_a_single_path(scenario):
+    """Both orders of the joint model begin with it, and each word with its own part of it."""
+    (first,), (second,) = (begun(scenario, [order], "one") for order in ORDERS)
+    assert first == second
+    for word in WORDS:
+        (part,) = begun(scenario, [word], "one")
+        assert set(part) <= set(first)
+
+
+@given(
+    kind=st.sampled_from(["straight", "zero", "random"]),
+    bearing=st.floats(-math.pi, math.pi),
+    distance=st.floats(0.1, 100),
+)
+def test_a_blind_guess_knows_no_direction(kind, bearing, distance):
+    """It is the same for all targets at one distance."""
+    there = distance * math.cos(bearing), distance * math.sin(bearing)
+    for name, subproblem in SUBPROBLEMS.items():
+        z, ahead = (
+            list(initial_guesses(Question(Scenario(0, 0, 0, *target, 1)), subproblem, kind, 1, 3))
+            for target in (there, (distance, 0.0))
+        )
+        assert len(z) == len(ahead) == (3 if kind == "random" else 1), name
+        for one, other in zip(z, ahead, strict=True):
+            assert one == pytest.approx(other, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("spec", "guesses", "knows"),
+    [
+        ("slsqp", "several", "words"),
+        ("slsqp[initial_guess=words]", "words", "words"),
+        ("slsqp[initial_guess=one,presolve=true]", "one", "words presolve"),
+        ("slsqp[initial_guess=straight]", "blind", "words"),
+        ("slsqp[model=joint]", "one", "shape"),
+        ("slsqp[model=joint,initial_guess=words]", "words", "shape words"),
+        ("slsqp[model=joint,initial_guess=random]", "several blind", "shape"),
+        ("shooting", "several", "words"),
+        ("multiple-shooting", "several", "words"),
+        ("turn-rate-qp[initial_guess=words]", "words", "words"),
+        ("turn-rates[initial_guess=one]", "one", ""),
+        ("collocation[initial_guess=straight]", "blind", ""),
+        ("disjunctive", "none", "words"),
+        ("analytic", "none", "formula"),
+    ],
+)
+def test_a_row_says_what_its_method_knows(spec, guesses, knows):
+    """The factor, the presolve and the knowledge are columns, derived from the solver."""
+    columns = stated_method(load(spec)).columns(Question(AHEAD))
+    presolve = "presolve=true" in spec
+    assert (columns["guesses"], columns["presolve"], columns["knows"]) == (
+        *(guesses, presolve, knows),
+    )
+
+
+def test_a_route_has_no_guesses_of_words():
+    """Direct methods begin with one guess, which knows nothing of the words."""
+    route = Question(Scenario(x=0, y=0, heading=0, target_x=9, target_y=3, via=[(4, 1)]))
+    columns = stated_method(load("multiple-shooting")).columns(route)
+    assert (columns["guess"], columns["guesses"], columns["knows"]) == ("bearing", "one", "")
+
+
+def test_the_row_of_an_answer_has_the_factor():
+    """Asked warm, the guess is the question's own."""
+    spec = "slsqp[model=joint,initial_guess=words]"
+    row = solve(AHEAD, spec).row()
+    assert (row["guess"], row["guesses"], row["knows"]) == ("words", "words", "shape words")
+    warm = solve(AHEAD, spec, initial_guess=solve(AHEAD, "analytic").path).row()
+    assert (warm["guess"], warm["guesses"], warm["knows"]) == ("warm", "warm", "shape")
+
+
+def test_a_plug_in_states_its_guesses_by_their_kind():
+    """A plain tuple suffices; what no table knows stays as it is."""
+    assert Method("mine", "m", "random").columns()["guesses"] == "several blind"
+    assert Method("mine", "m", "crystal ball").columns()["guesses"] == "crystal ball"
+
+
+@pytest.mark.parametrize("kind", ["one", "words", "straight"])
+@pytest.mark.parametrize("model", ["words", "joint"])
+def test_a_plain_target_is_reached_from_every_kind(kind, model):
+    """Outside the discs and ahead, no kind of guess costs the answer."""
+    answer = solve(AHEAD, f"ipopt[model={model},initial_guess={kind}]")
+    assert answer.verdict == "optimal"

@@ -14,12 +14,11 @@ from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
 from dubins_study.solvers.protocol import Question
-from dubins_study.solvers.registry import entries, load
+from dubins_study.solvers.registry import load
 from dubins_study.solvers.stochastic import penalty_function
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
-from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Outcome, Verdict
+from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Verdict
 
 SEARCHES = names(SAMPLING, DERIVATIVE_FREE)
 AVAILABLE = [name for name in SEARCHES if ENGINES[name].unavailable() is None]
@@ -64,36 +63,6 @@ def test_the_function_is_length_plus_weighted_miss_of_the_driven_path(name):
 
     np.testing.assert_allclose(function.at_each(points), expected, rtol=1e-13)
     np.testing.assert_allclose([function.at(point) for point in points.T], expected, rtol=1e-13)
-
-
-def test_no_weight_serves_all_targets():
-    """A little inside the front of a circle, stopping short on it costs less than arriving."""
-    inside = 1e-3
-    arc = 0.5
-    X, Y = (1 - inside) * math.sin(arc), 1 - (1 - inside) * math.cos(arc)
-    scenario = Scenario(0, 0, 0, X, Y, 1)
-    optimum = shortest(scenario).total
-    function = function_of(scenario, "LRS", 1000.0)
-
-    assert function.at(np.array((arc, 0.0, 0.0))) == pytest.approx(arc + 1000 * inside)
-    assert function.at(np.array((arc, 0.0, 0.0))) < optimum
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", AVAILABLE)
-def test_every_engine_over_seeds(name):
-    """Outside the discs every engine arrives at every seed, mostly by way of the shortest word.
-
-    By the other word it would be 42 % longer. Whatever comes is claimed `feasible` at most, and no
-    path is shorter than the shortest.
-    """
-    solver = load(spec(name, evaluations=1000))
-    answers = [attempt(solver, Question(PAPER["problem 1"], repeat=seed)) for seed in range(3)]
-
-    assert {answer.outcome for answer in answers} == {Outcome.RETURNED}
-    assert {answer.claim for answer in answers} == {Claim.FEASIBLE}
-    assert all(answer.gap >= -1e-12 for answer in answers)
-    assert sorted(answer.gap for answer in answers)[1] < 0.05
 
 
 @pytest.mark.parametrize("name", AVAILABLE)
@@ -152,12 +121,3 @@ def test_a_word_without_a_path_is_never_called_infeasible_by_a_search():
     answer = attempt(load("penalty[evaluations=500]"), Question(LEFT_DISC, "LS"))
 
     assert answer.claim in (Claim.LIMIT, Claim.FAILED)
-
-
-def test_every_engine_is_listed_with_its_guess():
-    """One line each; engines that search the whole box take no initial guess."""
-    listed = {entry.engine for entry in entries() if entry.formulation == "penalty"}
-
-    assert listed == {ENGINES[name].label for name in SEARCHES}
-    assert load("penalty").method.guess == "none"
-    assert load("penalty[engine=powell,initial_guess=zero]").method.guess == "zero"

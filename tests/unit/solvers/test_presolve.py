@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 from cases import placed
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dubins_study import solve_frame
 from dubins_study.cli.solve import answer_json, answer_text
 from dubins_study.solvers.attempt import attempt
-from dubins_study.solvers.presolve import WORDS, unreachable, words
+from dubins_study.solvers.presolve import WORDS, unreachable
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.registry import settings as settings_of
@@ -49,17 +47,10 @@ def presolving(name: str):
     return load(f"{name}[presolve=true]")
 
 
-@pytest.mark.parametrize("name", ENGINES)
-def test_it_is_a_setting_of_every_engine_and_off_by_default(name):
-    """Of the closed form it is none: it has no engine to be spared."""
-    assert settings_of(load(name))["presolve"] is False
-    assert presolving(name).presolve is True
-    assert "presolve" not in settings_of(load("analytic"))
-
-
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda q: f"{q.branch}")
 def test_every_engine_gives_the_same_answer_and_it_is_marked(question):
-    """Claim, message and counts; what the check finds of it; the row."""
+    """Claim, message and counts; what the check finds of it; the row. By default it is off."""
+    assert not any(settings_of(load(name))["presolve"] for name in ENGINES)
     solvers = [presolving(name) for name in ENGINES]
     asked = [solver for solver in solvers if question.branch in solver.branches]
 
@@ -195,25 +186,6 @@ def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, 
         limit = from_1 if "inside" in reason else from_3
         assert limit > math.sqrt(2) * local(scenario).delta
         assert size == (1 if "inside" in reason else 3)
-
-
-@given(place=places)
-def test_some_word_is_always_left(place):
-    """For the branch best, with the presolve; all four without it."""
-    question = Question(Scenario(0, 0, 0, *place, 1))
-
-    assert {"LS", "RS"} & set(words(question, presolve=True))
-    assert words(question, presolve=False) == WORDS
-
-
-def test_rows_of_frames_are_marked():
-    """Row by row, of a frame solver never."""
-    frame = pd.DataFrame({"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": [0.3, 4.0]})
-    frame = frame.assign(target_y=0.8, radius=1.0)
-
-    assert solve_frame(frame, "slsqp[presolve=true]", "LS")["presolved"].tolist() == [True, False]
-    assert not solve_frame(frame, "slsqp", "LS")["presolved"].any()
-    assert not solve_frame(frame, "analytic", "LS")["presolved"].any()
 
 
 def test_the_command_says_who_answered():

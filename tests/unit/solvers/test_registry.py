@@ -1,14 +1,20 @@
-"""Solvers by name, by settings and by file."""
+"""Solvers by name, by settings and by file; what is refused; a repeat has a seed of its own."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import fields
+
 import pandas as pd
 import pytest
+from cases import PAPER
 
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
-from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.registry import SolverError, canonical, load, settings
+from dubins_study.solvers.attempt import attempt
+from dubins_study.solvers.paper_nlp.nlp import Nlp
+from dubins_study.solvers.protocol import Method, Question
+from dubins_study.solvers.registry import SolverError, canonical, load, registered, settings
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ProfileError
 from dubins_study.study.words import Outcome
@@ -80,19 +86,26 @@ def test_settings_are_read_by_the_type_of_their_default():
     } == (settings(solver))
 
 
-def test_canonical_specs():
+@pytest.mark.parametrize(
+    ("spec", "profile", "written"),
+    [
+        ("slsqp[count=10]", "default", "slsqp"),
+        (
+            *(" slsqp[ initial_guess = zero , model=joint]", "default"),
+            "slsqp[model=joint,initial_guess=zero]",
+        ),
+        ("ipopt[tol=0.000001]", "default", "ipopt[tol=1e-06]"),
+        ("ipopt[tol=0]", "default", "ipopt"),
+        # what is asked for explicitly is kept where the profile says otherwise
+        ("ipopt[tol=1e-8]", "accurate", "ipopt[tol=1e-08]"),
+        ("ipopt[tol=1e-11]", "accurate", "ipopt"),
+        ("slsqp[ftol=1e-5]", "fast", "slsqp[ftol=1e-05]"),
+    ],
+)
+def test_canonical_specs(spec, profile, written):
     """Defaults are left out, and the order is that of the declaration."""
-    assert canonical("slsqp[count=10]") == "slsqp"
-    assert (
-        canonical(" slsqp[ initial_guess = zero , model=joint]")
-        == "slsqp[model=joint,initial_guess=zero]"
-    )
-    assert canonical(canonical("ipopt[tol=1e-06]")) == canonical("ipopt[tol=0.000001]")
-
-
-def test_a_profile_changes_settings_and_the_spec_has_the_last_word():
-    assert load("slsqp", "fast").ftol == 1e-8
-    assert load("slsqp[ftol=1e-5]", "fast").ftol == 1e-5
+    assert canonical(spec, profile) == canonical(written, profile) == written
+    assert load(written, profile) == load(spec, profile)
 
 
 @pytest.mark.parametrize(
@@ -176,14 +189,88 @@ def test_a_plug_in_may_look_like_our_own(tmp_path):
     assert "raised OSError: no such luck" in answer.message
 
 
-def test_a_spec_leaves_out_what_its_profile_has_anyway():
-    """What is asked for explicitly is kept where the profile says otherwise."""
-    assert canonical("ipopt[tol=0]") == "ipopt"
-    assert canonical("ipopt[tol=1e-8]", "accurate") == "ipopt[tol=1e-08]"
-    assert canonical("ipopt[tol=1e-11]", "accurate") == "ipopt"
-    assert load(canonical("ipopt[tol=1e-8]", "accurate"), "accurate").tol == 1e-8
-
-
 def test_a_profile_that_there_is_not():
     with pytest.raises(ProfileError, match="no profile named 'slow'; choose one of: default"):
         solve(EASY, profile="slow")
+
+
+# no setting is a path, below zero or no number at all
+REFUSED = [
+    (name, setting.name, value)
+    for name in registered()
+    for setting in fields(load(name))
+    if not isinstance(setting.default, bool)
+    for value in (("a/b",) if isinstance(setting.default, str) else (-1.5, math.nan))
+]
+# what lies just outside of a setting's values
+REFUSED += [
+    *(("collocation", "n", 2), ("collocation", "n", 4.5), ("collocation", "max_iter", True)),
+    *(("collocation", "tol", 0.1), ("disjunctive", "gap", 0.0), ("global-nlp", "gap", 0.1)),
+    *(("global-nlp", "feastol", 1e-12), ("global-nlp", "model", "both")),
+    *(("heading-milp", "headings", 1001), ("heading-milp", "engine", "maingo")),
+    *(("penalty", "evaluations", 10_000_000), ("penalty", "initial_guess", "given")),
+    *(("shooting", "tol", 0.0), ("turn-rate-qp", "tolerance", 0), ("turn-rates", "engine", "piqp")),
+]
+
+
+@pytest.mark.parametrize(("name", "setting", "value"), REFUSED)
+def test_a_wrong_setting_is_refused_by_name(name, setting, value):
+    """One line, with the setting, the value and what was expected."""
+    with pytest.raises(ValueError, match=rf"^{setting} is '?{value}'?;.* expected .*\Z"):
+        type(load(name))(**{setting: value})
+
+
+@pytest.mark.parametrize(
+    "setting", ["seed=-1", "seed=4294967297", "seed=1.5", "count=0", "count=10000000000"]
+)
+@pytest.mark.parametrize(
+    "name", ["slsqp", "ipopt", "nlp", "multiple-shooting", "penalty", "route-nlp"]
+)
+def test_a_seed_or_count_out_of_range_is_refused(name, setting):
+    key = setting.partition("=")[0]
+    with pytest.raises(SolverError, match=key):
+        load(f"{name}[initial_guess=random,{setting}]")
+
+
+@pytest.mark.parametrize(
+    "spec", ["penalty[initial_guess=zero]", "headings[engine=cma-es,initial_guess=random]"]
+)
+def test_a_search_of_the_whole_box_takes_no_guess(spec):
+    with pytest.raises(SolverError, match="searches the whole box and takes none"):
+        load(spec)
+
+
+@pytest.mark.parametrize("name", ["/bin/ls", "../ls", "..", "-rf", "a b", "a;b", "ls\n", ""])
+def test_an_executable_is_a_name_and_no_path(name):
+    """An experiment's text cannot choose a file to run."""
+    with pytest.raises(ValueError, match="no folders"):
+        Nlp(engine=name)
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        "slsqp[model=joint,initial_guess=random,count=2]",
+        "nlp[engine=nlopt-slsqp,model=joint,initial_guess=random,count=2]",
+        "shooting[initial_guess=random,count=2]",
+        "multiple-shooting[initial_guess=random,count=1]",
+        "collocation[initial_guess=random,count=1]",
+        "turn-rates[initial_guess=random,count=1,n=20]",
+        "penalty[evaluations=300,rounds=1,polish=false]",
+        "headings[engine=cma-es,evaluations=300]",
+        "headings[engine=slsqp,initial_guess=random,count=3]",
+        "route-nlp[initial_guess=random,count=2]",
+    ],
+)
+def test_each_repeat_has_a_seed_of_its_own(spec):
+    """The repeats find or spend something else, and each of them always the same."""
+    solver = load(spec)
+
+    def found(repeat):
+        answer = attempt(solver, Question(PAPER["problem 1"], repeat=repeat), 20.0)
+        return answer.evaluations, answer.length
+
+    answers = [found(repeat) for repeat in range(4)]
+
+    assert len(set(answers)) > 1
+    assert found(2) == answers[2]

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from cases import PAPER
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.indirect.structure import Conditions, Structure, examine
+from dubins_study.solvers.indirect.structure import Structure
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Verdict
@@ -81,32 +80,6 @@ def test_the_jacobian_is_the_derivative_of_the_residual(turns, durations, costat
     np.testing.assert_allclose(structure.jacobian(v), numeric, atol=1e-7)
 
 
-@settings(max_examples=200)
-@given(st.floats(0.01, 6.28), st.floats(0.01, 6.28))
-def test_two_arcs_are_an_extremal_where_theory_says(a1, a2):
-    """Extremal iff pi < a2 < 2 pi and a1 <= a2, from the sign of nu3 alone.
-
-    docs/derivation.md, section 9.
-    """
-    assume(min(abs(a2 - math.pi), abs(a1 - a2)) > 1e-3)
-    aimless = Structure((1.0, -1.0), 0.0, 0.0)
-    end = aimless.pieces(a1, a2)[1]
-    assume(math.hypot(end.x, end.y) > 1e-3)
-    structure = Structure((1.0, -1.0), end.x, end.y)
-    durations = np.array((a1, a2))
-    v = structure.unknowns(structure.costates(durations), durations)
-
-    def fault(prescribed):
-        return examine(structure, v, Conditions(1e-9, 1e-9, prescribed))[1]
-
-    extremal = math.pi < a2 < 2 * math.pi and a1 <= a2
-    assert fault(prescribed=True) is None
-    if extremal:
-        assert fault(prescribed=False) is None
-    else:
-        assert "sign of nu3" in fault(prescribed=False)
-
-
 @pytest.mark.parametrize("front", [True, False])
 @pytest.mark.parametrize("side", [1, -1])
 def test_margins_down_to_rounding(front, side):
@@ -145,35 +118,6 @@ def test_a_branch_may_be_answered_by_a_path_that_is_no_extremal():
     assert short.verdict is long.verdict is Verdict.OPTIMAL
     assert "no extremal" in short.message
     assert "no extremal" not in long.message
-
-
-def test_a_warm_start_saves_evaluations():
-    """Started along a neighbour's path, each word takes fewer evaluations than from cold."""
-    problem = PAPER["problem 4"]
-    for branch in ("LS", "RS"):
-        neighbour = Scenario(0, 0, math.pi / 3, -2.02, -5, 1)
-        start = solve(neighbour, "analytic", branch).path
-
-        cold, warm = (solve(problem, "shooting", branch, initial_guess=s) for s in (None, start))
-
-        assert warm.length == pytest.approx(cold.length, rel=1e-9)
-        assert warm.evaluations < cold.evaluations
-
-
-def test_random_starts_repeat_with_their_seed_and_more_are_no_worse():
-    """The first starts are the same whatever their count, so the shortest only gets shorter."""
-    disc = Scenario(0, 0, 0, -0.4, 0.7, 1)
-
-    def ask(count, seed=2):
-        answer = solve(disc, f"shooting[initial_guess=random,count={count},seed={seed}]")
-        return answer.length if answer.claim is Claim.LOCAL else math.inf
-
-    lengths = [ask(count) for count in (1, 4, 16)]
-
-    assert ask(4) == lengths[1]
-    assert all(more <= fewer for fewer, more in pairwise(lengths))
-    assert lengths[-1] == pytest.approx(shortest(disc).total, rel=1e-9)
-    assert len({ask(1, seed) for seed in range(8)}) > 1
 
 
 def test_a_start_that_fails_says_so_and_keeps_its_point():
