@@ -278,12 +278,12 @@ def test_costates_are_derivatives_of_lengths(seed, free):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_shortest_routes_of_short_legs_are_extremals(seed):
-    """Legs on a jump among them, of two arcs or one."""
+    """Legs on a jump among them, of two arcs or one: lengths tell their headings to a root."""
     scenario = route(seed, 0.7, seed % 2 == 0)
     found = shortest_route(scenario, 2.0)
     measured = route_extremal(found.path, found.at, 1.0, scenario.final_heading is None)
 
-    assert measured.pmp_residual < 1e-9
+    assert measured.pmp_residual < 1e-7
     # cut into small pieces it is the same path
     parts = np.full(found.path.lengths.size, 7)
     cut = Path(
@@ -292,7 +292,7 @@ def test_shortest_routes_of_short_legs_are_extremals(seed):
         np.repeat(found.path.lengths / parts, parts),
     )
     again = route_extremal(cut, found.at, 1.0, scenario.final_heading is None)
-    assert again.pmp_residual < 1e-9
+    assert again.pmp_residual < 1e-7
 
 
 @pytest.mark.parametrize("off", [1e-2, 1e-4, 1e-6])

@@ -1,14 +1,13 @@
 """A short route by local search: the upper bound of the certified search.
 
-Newton's method on the tridiagonal Hessian where no word changes; grids of headings, and Newton's
-method with multipliers on the edges where the route rests. Everything is in units of the turning
-radius.
+Newton's method on the tridiagonal Hessian where no word changes, finer and finer grids where one
+does. Everything is in units of the turning radius.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,11 +17,10 @@ from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.effort import Effort
 from dubins_study.study.route.heading_grids import shorten, shortest_leg
 from dubins_study.study.route.leg_bound import WordArray
-from dubins_study.study.route.leg_words import nearest_segments
-from dubins_study.study.route.settle import settled_routes
 
 _FINE, _FINEST = 1e-6, 1e-13  # rad, of grids
 _LARGEST_STEP = 0.3  # rad, of Newton's method
+_BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
 
 
 @compiled
@@ -46,27 +44,6 @@ def route_words(legs: FloatArray, headings: FloatArray) -> tuple[WordArray, Floa
 
 
 @compiled
-def route_nearly(legs: FloatArray, headings: FloatArray, words: WordArray) -> FloatArray:
-    """Segments of words that exist or nearly do, shape (n, 3)."""
-    segments = np.empty((words.size, 3))
-    for i in range(words.size):
-        segments[i] = np.array(
-            nearest_segments(legs[i, 0], legs[i, 1], headings[i], headings[i + 1], words[i])
-        )
-    return segments
-
-
-@compiled
-def leg_slopes(legs: FloatArray, headings: FloatArray) -> FloatArray:
-    """Derivatives of the leg before each point by the heading there; 0 at the first point."""
-    slopes = np.zeros(headings.size)
-    for i in range(legs.shape[0]):
-        _, word, t, p, q = shortest_leg(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
-        _, slopes[i + 1] = pose_gradient(word, t, p, q)
-    return slopes
-
-
-@compiled
 def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     """Newton's method from headings, in place; whether it came to rest at a local minimum."""
     n = legs.shape[0]
@@ -74,6 +51,8 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     for _ in range(40):
         slope[:], diagonal[:], beside[:] = 0.0, 0.0, 0.0
         for i in range(n):
+            if not (free[i] or free[i + 1]):
+                continue
             _, word, t, p, q = shortest_leg(legs[i, 0], legs[i, 1], headings[i], headings[i + 1])
             if not (p > 1e-9):
                 return False
@@ -112,42 +91,62 @@ def newton(legs: FloatArray, headings: FloatArray, free: BoolArray) -> bool:
     return False
 
 
-def descents(
+def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[FloatArray, BoolArray]:
+    """The headings, which are those of arcs where they are beside them, and which are others.
+
+    Beside an arc's end none but rounding lets a path be.
+    """
+    moved, others = headings.copy(), np.ones(headings.size, np.bool_)
+    for i, ends in enumerate(arc_ends):
+        for end in ends:
+            away = math.remainder(headings[i] - end, 2 * math.pi)
+            if abs(away) < _BESIDE_ARC:
+                moved[i] -= away
+                others[i] = False
+    return moved, others
+
+
+def downhill(
     legs: FloatArray,
     headings: FloatArray,
-    words: WordArray,
     free: BoolArray,
+    arc_ends: Sequence[FloatArray],
     width: float,
+    best: float,
     effort: Effort,
-) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Routes downhill from one, each with the slopes of the potential at its points (NaN: unknown).
+) -> FloatArray:
+    """The headings of the shortest route found downhill from one.
+
+    A route that is not about to be shorter than `best` stays as it is on a coarse grid.
 
     Args:
         legs: from each point to the next, shape (n, 2).
         headings: at the points, shape (n + 1,); varied where `free`.
-        words: of each leg, which need not quite exist.
+        arc_ends: headings at each point to which a single arc leads from one that is given.
         width: distance of the first grid's headings (rad).
-        effort: where that is spent, the last route is the best one until then.
+        best: length of a route that is known.
+        effort: where that is spent, the route is as short as it has come until then.
     """
-    smooth = headings.copy()
-    if newton(legs, smooth, free):
-        yield smooth, leg_slopes(legs, smooth)
-        if (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
-            return
-    yield from settled_routes(
-        legs, headings, free, words, route_nearly(legs, headings, words), effort
-    )
-    unknown = np.full(headings.size, math.nan)
-    headings = headings.copy()
-    shorten(legs, headings, free, (width, _FINE), effort)
-    yield headings, unknown
-    best, settled = route_length(legs, headings), math.inf
-    words, segments = route_words(legs, headings)
-    for result in settled_routes(legs, headings, free, words, segments, effort):
-        settled = min(settled, route_length(legs, result[0]))
-        yield result
-    if settled > best:
-        shorten(legs, headings, free, (width, _FINEST), effort)
-        yield headings, unknown
-        words, segments = route_words(legs, headings)
-        yield from settled_routes(legs, headings, free, words, segments, effort)
+    smooth, gridded = headings.copy(), headings.copy()
+    rests = newton(legs, smooth, free)
+    smooth, _ = _on_arcs(smooth, arc_ends)
+    if rests and (np.hypot(*legs.T) >= 4.0).all():  # nothing jumps: a grid finds nothing better
+        return smooth
+    others, before = free, np.zeros(0, np.bool_)
+    while not np.array_equal(others, before):  # what is on an arc stays there
+        before = others
+        shorten(legs, gridded, before, (width, _FINE), effort)
+        gridded, off_arcs = _on_arcs(gridded, arc_ends)
+        others = free & off_arcs
+    if route_length(legs, gridded) < best + 2.0 * _FINE * len(legs):
+        shorten(legs, gridded, others, (_FINE, _FINEST), effort)
+        # lengths tell headings to the root of their rounding only
+        words, segments = route_words(legs, gridded)
+        inner = np.where(words[:, None] < 4, segments[:, 1:2], segments).min(axis=1) > _FINE
+        others[:-1] &= inner
+        others[1:] &= inner
+        polished = gridded.copy()
+        if newton(legs, polished, others) and np.allclose(polished, gridded, rtol=0, atol=_FINE):
+            gridded = polished
+    shorter = rests and route_length(legs, smooth) < route_length(legs, gridded)
+    return smooth if shorter else gridded

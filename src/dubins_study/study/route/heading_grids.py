@@ -21,7 +21,7 @@ _PI, _TWO_PI = math.pi, 2 * math.pi
 _GRID, _MOST = 2, 24  # headings on each side of a point's; and at most in all, with edges
 _ALL, _MOST_OF_ALL = 48, 112  # headings of the whole circle; and at most in all, with edges
 _FINER = 0.5  # of one grid's width to the next
-_REACH = 3.0  # grid widths; edges farther from a heading wait for a wider grid
+_REACH = 20.0  # grid widths; edges farther from a heading wait for a wider grid
 _STEP_BOXES, _SURVEY_BOXES = 3, 400  # a leg: how many bounds take as long as a step of the search
 
 

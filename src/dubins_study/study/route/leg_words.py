@@ -9,7 +9,7 @@ import math
 
 from dubins_study.study.closed_form.kernel_compile import separate
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_TWO_PI = 2 * math.pi
 
 
 @separate
@@ -42,23 +42,3 @@ def straight_direction(dx: float, dy: float, s1: float, s2: float) -> float:
         square = dx * dx + dy * dy - 4.0
         angle += s1 * math.atan2(2.0, math.sqrt(max(square, 0.0)))
     return angle
-
-
-@separate
-def nearest_segments(
-    x: float, y: float, t1: float, t2: float, word: int
-) -> tuple[float, float, float]:
-    """The segments of a word that exists or nearly does: arcs from -1 on, a straight 0 for none."""
-    s1, s2 = turns(word)
-    dx, dy = between(x, y, s1, s2, t1, t2)
-    square = dx * dx + dy * dy
-    if word >= 4:
-        middle, angle = _PI - math.asin(0.25 * min(4.0, math.sqrt(square))), math.atan2(dy, dx)
-        a, p, c = middle + s1 * (angle - t1), 2.0 * middle, middle + s1 * (t2 - angle)
-    else:
-        angle = straight_direction(dx, dy, s1, s2)
-        p = math.sqrt(max(square - (0.0 if s1 == s2 else 4.0), 0.0))
-        a, c = s1 * (angle - t1), s2 * (t2 - angle)
-    a -= _TWO_PI * math.floor((a + 1.0) / _TWO_PI)
-    c -= _TWO_PI * math.floor((c + 1.0) / _TWO_PI)
-    return a, p, c

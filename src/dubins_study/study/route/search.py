@@ -24,7 +24,7 @@ from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
-from dubins_study.study.route.descent import descents, route_length, route_words
+from dubins_study.study.route.descent import downhill, route_length, route_words
 from dubins_study.study.route.effort import Effort
 from dubins_study.study.route.heading_grids import leg_table, survey
 from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first_intervals
@@ -43,7 +43,7 @@ _LOG = logging.getLogger(__name__)
 
 _TWO_PI = 2 * math.pi
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
-_BESIDE_ARC = 1e-6  # rad; more than the root of what a leg's data are rounded by
+_AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
 _EAGER = 6  # rounds
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
@@ -240,7 +240,7 @@ class _Search:
         if (np.hypot(*self.legs.T) < 4.0).any():
             headings = self.headings.copy()
             survey(self.legs, headings, self.free, self.effort)
-            self._descend(headings, route_words(self.legs, headings)[0], 0.5 * _TWO_PI / COARSE)
+            self._descend(headings, 0.5 * _TWO_PI / COARSE)
 
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
@@ -250,24 +250,33 @@ class _Search:
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
-        self._descend(np.array(middles), np.array(words, np.int8), 0.2 * width)
+        self._descend(np.array(middles), 0.2 * width)
 
-    def _descend(self, start: FloatArray, words: WordArray, width: float) -> None:
+    def _descend(self, start: FloatArray, width: float) -> None:
         """Go downhill from a route; keep the best."""
-        for headings, slopes in descents(self.legs, start, words, self.free, width, self.effort):
-            headings = self._on_arcs(headings)
-            length = route_length(self.legs, headings)
-            if length < self.length:
-                self.length, self.headings, self.slopes = length, headings, slopes
+        headings = downhill(
+            self.legs, start, self.free, self.arc_ends, width, self.length, self.effort
+        )
+        length = route_length(self.legs, headings)
+        if length < self.length:
+            self.length, self.headings = length, headings
+            self.slopes = self._slopes_at(headings)
 
-    def _on_arcs(self, headings: FloatArray) -> FloatArray:
-        """The headings; those beside an arc's, where none but rounding lets a path be, are its."""
-        moved = headings.copy()
-        for i, ends in enumerate(self.arc_ends):
-            for end in ends:
-                away = math.remainder(headings[i] - end, _TWO_PI)
-                moved[i] -= away if abs(away) < _BESIDE_ARC else 0.0
-        return moved
+    def _slopes_at(self, headings: FloatArray) -> FloatArray:
+        """The slopes of the potential at the points of a route; NaN where its legs do not tell."""
+        points = [
+            Intervals(np.array([heading]), np.array([_AT_REST]), np.array([math.nan]))
+            for heading in headings
+        ]
+        words = list(route_words(self.legs, headings)[0][:, None, None])
+        only = [np.zeros(1, np.intp)] * self.n
+        before = self._asked(points, words, only, True)
+        after = self._asked(points, words, only, False)
+        slopes = [
+            potential_slopes(*each, math.nan, math.nan, False)
+            for each in zip(points, before, after, strict=True)
+        ]
+        return np.concatenate(slopes)
 
     def _split(self, chains: _Chains) -> bool:
         """Leave out what no shorter route can pass, and split what is left; False at the end."""
@@ -305,7 +314,8 @@ class _Search:
 
     def _aimed(self, chains: _Chains) -> list[Intervals]:
         """The intervals with slopes of the potential from the best chain through each of them."""
-        before, after = self._asked(chains, True), self._asked(chains, False)
+        before = self._asked(self.intervals, chains.words, chains.before, True)
+        after = self._asked(self.intervals, chains.words, chains.after, False)
         aimed = []
         for i, interval in enumerate(self.intervals):
             if i in (0, self.n):  # no other leg takes back what one leg is given
@@ -316,17 +326,22 @@ class _Search:
             aimed.append(interval._replace(slope=slope))
         return aimed
 
-    def _asked(self, chains: _Chains, forward: bool) -> list[tuple[FloatArray, WordArray]]:
+    def _asked(
+        self,
+        intervals: list[Intervals],
+        words: list[WordArray],
+        mates: list[IndexArray],
+        forward: bool,
+    ) -> list[tuple[FloatArray, WordArray]]:
         """The slope that the leg before each interval asks for, or after it, and what says so."""
         end = 0 if forward else self.n
-        size = self.intervals[end].middle.size
+        size = intervals[end].middle.size
         slope = np.full(size, 0.0 if self.free[end] else math.nan)
         asked = [(slope, np.full(size, BY_WORD if self.free[end] else UNKNOWN, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
-            mates = chains.before[i] if forward else chains.after[i]
-            ends = self.intervals[i], self.intervals[i + 1]
+            ends = intervals[i], intervals[i + 1]
             asked.append(
-                slopes_across(self.legs[i], *ends, chains.words[i], mates, asked[-1][0], forward)
+                slopes_across(self.legs[i], *ends, words[i], mates[i], asked[-1][0], forward)
             )
         return asked if forward else asked[::-1]
 
