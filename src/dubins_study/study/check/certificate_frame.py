@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure, measure_pose
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.two_arcs import FULL_RATE
 from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, three_arcs
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _costates = inlined(two_arcs.costates)
-_word_of = inlined(two_arcs.word_of)
 _pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nearest_rate)
 
 PROOFS = tuple(Proof)
 _TURN = 2 * math.pi
+_FULL_RATE = 4.0 * EPS  # what rounding leaves of a rate of 1
 _NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
 _DEFAULT = Tolerances()
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
@@ -134,11 +134,7 @@ def _measure(
 ) -> None:
     """Fill `measured` and `abnormal`, whose rows are NaN where nothing can be measured."""
     heading, radius = (loop_input(frame[name]) for name in ("heading", "radius"))
-    if poses:
-        left = _measure_legs(heading, radius, *three_arcs(paths), measured, abnormal)
-    else:
-        curvature, length = map(loop_input, (paths.curvatures, paths.lengths))
-        left = _measure_words(heading, radius, curvature, length, measured, abnormal)
+    left = _measure_rows(heading, radius, *three_arcs(paths), not poses, measured, abnormal)
     if paths.returned is not None:
         left &= paths.returned
         measured[:, ~paths.returned] = np.nan
@@ -157,19 +153,23 @@ def _measure(
 
 
 @compiled
-def _measure_words(
+def _measure_rows(
     heading: FloatArray,
     radius: FloatArray,
     curvature: FloatArray,
     length: FloatArray,
+    free: bool,
     measured: FloatArray,
     abnormal: BoolArray,
 ) -> BoolArray:
-    """Measure rows of the words S, C, CS and CC at full rate; returns which rows are left.
+    """Measure rows of full rate: of S, C, CS and CC, or if headings are not free of CSC and CCC.
+
+    Returns which rows are left: other words, those with an arc next to nothing and, of CCC, with a
+    middle one next to half a turn, where the costates are abnormal, or next to a full one.
 
     Args:
         heading, radius: of the scenarios (rad, length unit), shape (n,).
-        curvature, length: controls of their paths (1 / length unit, length unit), shape (2, n).
+        curvature, length: controls of their paths (1 / length unit, length unit), shape (3, n).
         measured: out, shape (7, n), rows as `study.check.extremal.MEASURED`.
         abnormal: out, shape (n,).
     """
@@ -177,48 +177,29 @@ def _measure_words(
     left = np.zeros(n, np.bool_)
     for i in range(n):
         R = radius[i]
-        word = _word_of(
-            curvature[0, i] * R, length[0, i] / R, curvature[1, i] * R, length[1, i] / R
-        )
-        if not word.named:
-            left[i] = True
-            continue
-        x, y, abnormal[i], H, margin, cut = _costates(
-            heading[i], word.turn1, word.first, word.turn2, word.second
-        )
-        measured[:, i] = x, y, H, margin, 0.0, max(H, -margin), cut
-    return left
-
-
-@compiled
-def _measure_legs(
-    heading: FloatArray,
-    radius: FloatArray,
-    curvature: FloatArray,
-    length: FloatArray,
-    measured: FloatArray,
-    abnormal: BoolArray,
-) -> BoolArray:
-    """Measure rows of CSC and CCC at full rate, of three arcs to a final heading.
-
-    Arguments and result as those of `_measure_words`. What is left has an arc next to nothing, or a
-    middle one next to half a turn, where the costates are abnormal, or next to a full one.
-    """
-    n = heading.size
-    left = np.zeros(n, np.bool_)
-    for i in range(n):
-        R = radius[i]
         a, b, c = length[0, i] / R, length[1, i] / R, length[2, i] / R
         u, v, w = curvature[0, i] * R, curvature[1, i] * R, curvature[2, i] * R
+        if free and a == 0.0:
+            u, a, v, b = v, b, 0.0, 0.0
         turn1, turn2, turn3 = _nearest(u), _nearest(v), _nearest(w)
-        clear = ((a == 0.0) | (a > _NEXT_TO)) & ((b == 0.0) | (b > _NEXT_TO))
-        clear &= ((c == 0.0) | (c > _NEXT_TO)) & ((a > 0.0) | (b > 0.0) | (turn1 == turn3))
-        full = max(abs(u - turn1), max(abs(v - turn2), abs(w - turn3))) <= FULL_RATE
-        curved = (turn1 == -turn2) & (turn3 == -turn2) & (min(b - math.pi, _TURN - b) > _NEXT_TO)
-        word = (turn1 * turn3 != 0.0) & ((turn2 == 0.0) | curved)
-        if not (clear & full & word & (a + b + c > 0.0)):
+        clear = (a + b + c > 0.0) & ((a == 0.0) | (a > _NEXT_TO))
+        clear &= ((b == 0.0) | (b > _NEXT_TO)) & ((c == 0.0) | (c > _NEXT_TO))
+        clear &= max(abs(u - turn1), max(abs(v - turn2), abs(w - turn3))) <= _FULL_RATE
+        if free:
+            straight = (turn2 == 0.0) & ((turn1 != 0.0) | (b == 0.0))
+            word = (c == 0.0) & (straight | (turn1 * turn2 == -1.0))
+        else:
+            bent = (turn1 == -turn2) & (turn3 == -turn2) & (min(b - math.pi, _TURN - b) > _NEXT_TO)
+            word = (turn1 * turn3 != 0.0) & ((turn2 == 0.0) | bent)
+            word &= (a > 0.0) | (b > 0.0) | (turn1 == turn3)
+        if not (clear & word):
             left[i] = True
             continue
-        x, y, abnormal[i], H, margin = _pose_costates(heading[i], turn1, a, turn2, b, turn3, c)
-        measured[:, i] = x, y, H, margin, math.nan, max(H, -margin), math.nan
+        cut, transversality = math.nan, math.nan
+        if free:
+            x, y, abnormal[i], H, margin, cut = _costates(heading[i], turn1, a, turn2, b)
+            transversality = 0.0
+        else:
+            x, y, abnormal[i], H, margin = _pose_costates(heading[i], turn1, a, turn2, b, turn3, c)
+        measured[:, i] = x, y, H, margin, transversality, max(H, -margin), cut
     return left

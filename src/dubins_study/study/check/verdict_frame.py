@@ -1,10 +1,8 @@
-"""The check over frames: what `verdict.judge` finds, for paths of two or three arcs as arrays.
+"""The check over frames: what `verdict.judge` finds, for paths of up to three arcs as arrays.
 
-Compiled loops judge ordinary rows. A row that is out of the ordinary is marked `ODD`, and `judge`
-itself judges it: no path or a broken one, shorter than the reference (its own end's then counts) or
-longer where the rounding of the data leaves the reference undecided, no path exists, or an angle
-too large for the polynomials. With final headings ordinary paths are the shortest ones, and a row
-without a path is if the compiled intervals tell whether one exists.
+A compiled loop judges ordinary rows: those whose path has the closed form's word, at full rate, and
+is the shortest. With final headings a row without a path is ordinary too, if the compiled intervals
+tell whether one exists. Any other row is marked `ODD`, and `judge` itself judges it.
 """
 
 from __future__ import annotations
@@ -18,35 +16,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.enclosure_kernel import Bounds
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import ROUNDED
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import COARSE, is_false, judge
+from dubins_study.study.check.verdict import is_false, judge
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
-    FIRST_TURN,
-    LAST_TURN,
     NO_PATH,
+    RATES,
     CodeArray,
-    Rows,
-    ScenarioArrays,
     chunk_bounds,
     chunks,
     shortest_rows,
     to_local,
     to_local_exactly,
 )
-from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
+from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, PoseRows, pose_rows
-from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.scenario_frame import with_final_headings
 from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
-from dubins_study.study.words import BRANCHES, POSE_BRANCHES, Claim, Verdict
+from dubins_study.study.words import Claim, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,16 +54,12 @@ LEG_WORDS = (
     *("".join(word) for word in product("SLR", repeat=3) if word[0] != word[1] != word[2]),
 )
 _TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
-_OPTIMAL, _LONGER, _MISSES, _NONE, _NONE_EXISTS = (
-    *(VERDICTS.index(v) for v in (Verdict.OPTIMAL, Verdict.LONGER, Verdict.MISSES)),
-    *(VERDICTS.index(v) for v in (Verdict.NONE, Verdict.NONE_EXISTS)),
+_OPTIMAL, _NONE, _NONE_EXISTS = map(
+    VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE, Verdict.NONE_EXISTS)
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
 _LARGEST, _TWO_PI = np.finfo(np.float64).max, 2 * math.pi
-# q below which, and 4 delta above which, delta may move a length by more than the gap's tolerance
-_STEEP = 0.125
-_BLURRED = 1e-7
 _DEFAULT = Tolerances()
 
 
@@ -106,22 +95,27 @@ class FrameJudgement(NamedTuple):
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
-class Arcs(NamedTuple):
-    """Controls of paths of two arcs: arrays of shape (n,); an arc of no length is no arc."""
+class _Best(NamedTuple):
+    """The shortest paths of n rows, and proven intervals around their lengths (length unit)."""
 
-    first_curvature: FloatArray
-    second_curvature: FloatArray
-    first_length: FloatArray
-    second_length: FloatArray
+    word: CodeArray  # a row of `rates`, or `NO_PATH`
+    rates: FloatArray  # of the words' three segments; NaN where a word has none
+    low: FloatArray
+    high: FloatArray
+    left: BoolArray  # rows without an interval
 
 
-class Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and the branch: 0 for `best`, else see `_excess`."""
+class _Limits(NamedTuple):
+    """Tolerances of `study.check.verdict`, and the rates that a branch allows (`_excess`)."""
 
     miss: float
     curvature: float
     gap: float
-    branch: int
+    rates: int
+
+
+_BOTH_SIDES, _OF_WORD = 0, 2
+_ALLOWED = {"best": _BOTH_SIDES, "LS": 1, "RS": -1}
 
 
 def judge_frame(
@@ -144,17 +138,25 @@ def judge_frame(
     if len(paths) != n:
         raise ValueError(f"there are {len(paths)} paths for {n} scenarios")
     codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
-    poses = with_final_headings(frame)
-    names = (*NUMBERS, "final_heading") if poses else NUMBERS
-    columns = {name: loop_input(frame[name]) for name in names}
-    result = FrameJudgement.empty(n)
-    if poses:
-        _judge_poses(columns, paths, codes, branch, tolerances, result)
-    else:
-        result = _judge_targets(columns, paths, branch, tolerances, result)
+    columns = {name: loop_input(frame[name]) for name in (*NUMBERS, "final_heading")}
+    legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
+    result, arcs = FrameJudgement.empty(n), three_arcs(paths)
+    free = not with_final_headings(frame)
+    prepare = _free_legs if free else _posed_legs
+    best = prepare(legs, *arcs, branch, result)
+    limits = _Limits(
+        *(tolerances.miss, tolerances.curvature, tolerances.gap), _ALLOWED.get(branch, _OF_WORD)
+    )
+    _judge_rows(n)(legs, *arcs, free, best, limits, result)
+    if paths.returned is not None:
+        gone = ~paths.returned
+        result.verdict[gone] = ODD
+        if not free:
+            _judge_nothing(gone & ~best.left, best.low == math.inf, codes, result)
     result = result._replace(travel_time=result.length / columns["speed"])
     for row in np.flatnonzero(result.verdict == ODD).tolist():
-        scenario = _scenario(columns, row)
+        numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
+        scenario = Scenario(**numbers | ({"final_heading": None} if free else {}))
         asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
         path = paths.path(row, scenario)
         _write(result, row, judge(scenario, path, asked, branch, tolerances))
@@ -171,79 +173,46 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     return loop_input(curvature), loop_input(length)
 
 
-def _judge_targets(
-    columns: dict[str, FloatArray],
-    paths: Paths,
+def _free_legs(
+    legs: PoseArrays,
+    curvature: FloatArray,
+    length: FloatArray,
     branch: str,
-    tolerances: Tolerances,
     result: FrameJudgement,
-) -> FrameJudgement:
-    """Judge paths of two arcs, whose final headings are free."""
-    scenarios = ScenarioArrays(*(columns[name] for name in ScenarioArrays._fields))
-    best = shortest_rows(*scenarios, branch=branch)
-    arcs = Arcs(*loop_input(paths.curvatures), *loop_input(paths.lengths))
-    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, BRANCHES.index(branch))
-    result = result._replace(reference=best.length, reference_word=best.word)
-    _judge_rows(len(paths))(scenarios, arcs, limits, result)
-    if paths.returned is not None:
-        result.verdict[~paths.returned] = ODD
-    _find_wrong_basins(result, arcs, best, columns)
-    return result
+) -> _Best:
+    """The shortest paths to any final heading; regions and words are written."""
+    shortest = shortest_rows(*legs[:-1], branch=branch)
+    result.reference_word[:] = shortest.word
+    _describe_targets(legs.x.size)(legs, curvature, length, result)
+    none = np.zeros(legs.x.size, np.bool_)
+    return _Best(shortest.word, RATES, shortest.length, shortest.length, none)
 
 
-def _judge_poses(
-    columns: dict[str, FloatArray],
-    paths: Paths,
-    codes: Any,
+def _posed_legs(
+    legs: PoseArrays,
+    curvature: FloatArray,
+    length: FloatArray,
     branch: str,
-    tolerances: Tolerances,
     result: FrameJudgement,
-) -> None:
-    """Judge paths of up to three arcs that are to end with a heading."""
-    legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
-    best, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
-    word = POSE_BRANCHES.index(branch)
-    limits = Limits(tolerances.miss, tolerances.curvature, tolerances.gap, word)
-    _judge_pose_rows(len(paths))(legs, *three_arcs(paths), best, bounds, limits, result)
+) -> _Best:
+    """The shortest paths to a final heading; words are written, and that there is no region."""
+    shortest, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
+    segments = np.stack([shortest.first, shortest.middle, shortest.last])
+    for lengths, words in ((length, result.word), (segments, result.reference_word)):
+        _name_rows(legs.x.size)(shortest.word, loop_input(lengths), legs.radius, words)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
-    if paths.returned is not None:
-        absent = bounds.low == math.inf
-        verdicts = np.where(absent & (codes == _INFEASIBLE), _NONE_EXISTS, _NONE)
-        gone = ~paths.returned
-        result.verdict[gone] = np.where(bounds.left, ODD, verdicts)[gone]
-        for array in (result.word, result.reference_word):
-            array[gone] = NO_WORD
-        for name in ("length", "reference", "gap", "miss", "curvature_excess"):
-            getattr(result, name)[gone] = np.nan
+    return _Best(shortest.word, SIDES, bounds.low, bounds.high, bounds.left)
 
 
-def _find_wrong_basins(
-    result: FrameJudgement, arcs: Arcs, best: Rows, columns: dict[str, FloatArray]
-) -> None:
-    """Mark longer paths whose turn is more than 1 rad from the shortest path's."""
-    rows = np.flatnonzero(result.verdict == _LONGER)
-    if not rows.size:
-        return
-    k1, k2, l1, l2 = (array[rows] for array in arcs)
-    word = best.word[rows]
-    turn = FIRST_TURN[word] * best.first[rows] + LAST_TURN[word] * best.second[rows]
-    driven_turn, turn = k1 * l1 + k2 * l2, turn / columns["radius"][rows]
-    # codes of `PATH_WORDS` and `WORDS` agree as far as the latter go
-    another = (result.gap[rows] > COARSE) & (result.word[rows] != word)
-    wrong = result.wrong_basin
-    wrong[rows] = (np.abs(driven_turn - turn) > 1.0) | another
-    # straight behind, the mirror image is as short: few rows turn like it, and fewer tie
-    for row in rows[wrong[rows] & (np.abs(driven_turn + turn) <= 1.0)].tolist():
-        optimum = shortest(_scenario(columns, row))
-        words = () if optimum is None else optimum.words
-        other = result.gap[row] > COARSE and PATH_WORDS[result.word[row]] not in words
-        wrong[row] = len(words) < 2 or other
-
-
-def _scenario(columns: dict[str, FloatArray], row: int) -> Scenario:
-    numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
-    return Scenario(**numbers)
+def _judge_nothing(rows: BoolArray, absent: BoolArray, codes: Any, result: FrameJudgement) -> None:
+    """Judge rows without a path, of legs of which it is known whether there is one."""
+    verdicts = np.where(absent & (codes == _INFEASIBLE), _NONE_EXISTS, _NONE)
+    result.verdict[rows] = verdicts[rows]
+    for codes_of_words in (result.word, result.reference_word):
+        codes_of_words[rows] = NO_WORD
+    for name in ("length", "reference", "gap", "miss", "curvature_excess"):
+        getattr(result, name)[rows] = np.nan
 
 
 def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
@@ -256,17 +225,6 @@ def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
 
 
 @inlined
-def _displacement(k1: float, l1: float, k2: float, l2: float) -> tuple[float, float]:
-    """End of two arcs driven from the origin with heading 0 (`path.rollout`)."""
-    half1, half2 = 0.5 * k1 * l1, 0.5 * k2 * l2
-    sine1, cosine1 = sine_cosine(half1)
-    sine2, _ = sine_cosine(half2)
-    sine_mean, cosine_mean = sine_cosine(2.0 * half1 + half2)
-    chord1, chord2 = _chord(half1, sine1, l1), _chord(half2, sine2, l2)
-    return chord1 * cosine1 + chord2 * cosine_mean, chord1 * sine1 + chord2 * sine_mean
-
-
-@inlined
 def _chord(half: float, sine: float, length: float) -> float:
     straight = half == 0.0
     ratio = sine / (1.0 if straight else half)
@@ -274,25 +232,11 @@ def _chord(half: float, sine: float, length: float) -> float:
 
 
 @inlined
-def _excess(k1: float, k2: float, l1: float, l2: float, branch: int) -> float:
-    """`verdict.curvature_excess` of two arcs, in units of 1 / radius.
-
-    `branch` indexes `shortest.BRANCHES`: 0 best, 1 LS, 2 RS, 3 LR, 4 RL.
-    """
-    if branch == 0:
-        a = abs(k1) - 1.0 if l1 > 0.0 else 0.0
-        b = abs(k2) - 1.0 if l2 > 0.0 else 0.0
-        return max(max(a, b), 0.0)
-    mirror = -1.0 if branch == 2 or branch == 4 else 1.0
-    k1, k2 = k1 * mirror, k2 * mirror
-    if branch <= 2:
-        a = max(k1 - 1.0, -k1) if l1 > 0.0 else 0.0
-        b = max(k2 - 1.0, -k2) if l2 > 0.0 else 0.0
-        return max(max(a, b), 0.0)
-    # how far each arc is from +1, and from -1; the switch may come before, between or after
-    plus1, minus1 = (abs(k1 - 1.0), abs(k1 + 1.0)) if l1 > 0.0 else (0.0, 0.0)
-    plus2, minus2 = (abs(k2 - 1.0), abs(k2 + 1.0)) if l2 > 0.0 else (0.0, 0.0)
-    return min(min(max(minus1, minus2), max(plus1, minus2)), max(plus1, plus2))
+def _excess(u: float, rate: float, allowed: int) -> float:
+    """How far the rate u of an arc is from what `verdict.curvature_excess` allows."""
+    if allowed == _OF_WORD:
+        return abs(u - rate)
+    return abs(u) - 1.0 if allowed == _BOTH_SIDES else max(allowed * u - 1.0, -allowed * u)
 
 
 _path_word = inlined(two_arcs.path_word)
@@ -311,84 +255,23 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     return disc if near > delta else elsewhere, margin
 
 
-@inlined
-def _edge(X: float, Y: float, four_delta: float) -> int:
-    """Which edges a target is near: 1 a circle or the axis, 2 where a length is ill-conditioned."""
-    y = abs(Y)
-    w = y * (2.0 - y) - X * X
-    q, far_q = 4.0 * (2.0 - y) + w, 8.0 + w  # 9 less the squared distances from both centres
-    steep = (min(abs(q), abs(far_q)) <= _STEEP) | (four_delta > _BLURRED)
-    return (1 if min(abs(w), y) <= four_delta else 0) | (2 if steep else 0)
-
-
-@separate
-def _finish_regions(chunk: int, scenarios: ScenarioArrays, result: FrameJudgement) -> None:
-    """Regions and margins of rows so near a circle that the last ulp decides."""
-    x, y, heading, tx, ty, radius = scenarios
-    low, high = chunk_bounds(chunk, x.size)
-    for i in range(low, high):
-        if result.verdict[i] & 1:
-            X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-            result.region[i], result.margin[i] = _region_and_margin(X, Y, delta)
-
-
-@inlined
-def _judge_chunk(
-    chunk: int,
-    scenarios: ScenarioArrays,
-    arcs: Arcs,
-    limits: Limits,
-    result: FrameJudgement,
-) -> None:
-    """Judge one chunk of rows."""
-    x, y, heading, tx, ty, radius = scenarios
-    curvature1, curvature2, length1, length2 = arcs
-    low, high = chunk_bounds(chunk, x.size)
-    verdict, word, region = result.verdict, result.word, result.region
-    length, gap, miss, margin = result.length, result.gap, result.miss, result.margin
-    excess, reference = result.curvature_excess, result.reference
-    near = 0
-    for i in range(low, high):
-        sine, cosine = sine_cosine(heading[i])
-        X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
-        region[i], margin[i] = _region_and_margin(X, Y, 0.0)
-        verdict[i] = _edge(X, Y, four_delta)  # until the verdict is known
-        near += verdict[i] & 1
-    if near:
-        _finish_regions(chunk, scenarios, result)
-    for i in range(low, high):
-        k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
-        u, v = _displacement(k1, l1, k2, l2)
-        sine, cosine = sine_cosine(heading[i])
-        off_x = x[i] + (u * cosine - v * sine) - tx[i]
-        off_y = y[i] + (u * sine + v * cosine) - ty[i]
-        miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
-        length[i] = l1 + l2
-        word[i] = _path_word(k1, l1, k2, l2)
-    for i in range(low, high):
-        k1, k2, l1, l2 = curvature1[i], curvature2[i], length1[i], length2[i]
-        excess[i] = _excess(k1 * radius[i], k2 * radius[i], l1, l2, limits.branch)
-        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        close = _arrives(miss[i], radius[i], extent, length[i], limits.miss)
-        misses = not (close & (excess[i] <= limits.curvature))
-        relative = (length[i] - reference[i]) / max(reference[i], radius[i])
-        gap[i] = math.nan if misses else relative
-        arrives = _OPTIMAL if relative <= limits.gap else _LONGER
-        angle = max(abs(heading[i]), abs(k1 * l1) + abs(k2 * l2))
-        sound = (angle <= LARGEST_ANGLE) & (min(l1, l2) >= 0.0)
-        sound = sound & (miss[i] <= _LARGEST) & (margin[i] <= _LARGEST) & (length[i] <= _LARGEST)
-        usual = sound & (length[i] >= reference[i] * (1.0 - ROUNDED))
-        usual = usual & ((relative <= limits.gap) | (verdict[i] == 0))
-        verdict[i] = (_MISSES if misses else arrives) if usual else ODD
-
-
 @threaded
-def _judge_rows(
-    scenarios: ScenarioArrays, arcs: Arcs, limits: Limits, result: FrameJudgement
+def _describe_targets(
+    legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
 ) -> None:
-    """Judge all rows against their shortest lengths."""
-    for chunk in numba.prange(chunks(scenarios.x.size)):
-        _judge_chunk(chunk, scenarios, arcs, limits, result)
+    """Write the region and margin of every target, and the word of every path of two arcs."""
+    x, y, heading, tx, ty, radius, _ = legs
+    for chunk in numba.prange(chunks(x.size)):
+        low, high = chunk_bounds(chunk, x.size)
+        for i in range(low, high):
+            sine, cosine = sine_cosine(heading[i])
+            X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+            side, delta = abs(Y), 0.0
+            if min(abs(side * (2.0 - side) - X * X), side) <= four_delta:  # the last ulp decides
+                X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+            result.region[i], result.margin[i] = _region_and_margin(X, Y, delta)
+            first, last = length[0, i], length[1, i]
+            result.word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
 
 
 # `_named` writes a word in base 4, a digit for each letter
@@ -412,69 +295,74 @@ def _named(word: int, first: float, middle: float, last: float, radius: float) -
     return int(_CODES[name])
 
 
+@threaded
+def _name_rows(word: CodeArray, lengths: FloatArray, radius: FloatArray, names: CodeArray) -> None:
+    """Write the names of words of `WORDS6` with segments of shape (3, n)."""
+    for chunk in numba.prange(chunks(radius.size)):
+        low, high = chunk_bounds(chunk, radius.size)
+        for i in range(low, high):
+            code = word[i] if word[i] < len(SIDES) else 0
+            names[i] = _named(code, lengths[0, i], lengths[1, i], lengths[2, i], radius[i])
+
+
 @inlined
-def _judge_pose_chunk(
-    chunk: int,
+def _judge_row(
+    i: int | np.uint64,
     legs: PoseArrays,
     curvature: FloatArray,
     lengths: FloatArray,
-    best: PoseRows,
-    bounds: Bounds,
-    limits: Limits,
+    free: bool,
+    best: _Best,
+    limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge one chunk of rows whose final headings are given.
-
-    A path of the closed form's word, at full rate, is ordinary if it arrives and is the shortest.
-    """
+    """Judge a row against its proven interval."""
     x, y, heading, tx, ty, radius, final = legs
-    low, end = chunk_bounds(chunk, x.size)
-    for i in range(low, end):
-        R, usual = radius[i], (best.word[i] < len(SIDES)) & (not bounds.left[i])
-        word = best.word[i] if usual else 0
-        length = turned = forward = left = excess = angle = 0.0
-        for arc in range(3):
-            k, driven, rate = curvature[arc, i], lengths[arc, i], SIDES[word, arc]
-            off_rate = abs(k * R - rate) if driven > 0.0 else 0.0
-            beyond = max(abs(k * R) - 1.0, 0.0) if driven > 0.0 else 0.0
-            excess = max(excess, off_rate if limits.branch else beyond)
-            usual &= (driven >= 0.0) & (off_rate <= FULL_RATE)
-            half = 0.5 * k * driven
-            sine, _ = sine_cosine(half)
-            sine_mean, cosine_mean = sine_cosine(turned + half)
-            chord = _chord(half, sine, driven)
-            forward, left = forward + chord * cosine_mean, left + chord * sine_mean
-            turned, length, angle = turned + 2.0 * half, length + driven, angle + abs(2.0 * half)
-        sine, cosine = sine_cosine(heading[i])
-        off_x = x[i] + (forward * cosine - left * sine) - tx[i]
-        off_y = y[i] + (forward * sine + left * cosine) - ty[i]
-        miss = math.sqrt(off_x * off_x + off_y * off_y)
-        off = heading[i] + turned - final[i]
-        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
-        blur = DRIVEN * (abs(heading[i] + turned) + abs(final[i]) + length / R)
-        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        reference = max(bounds.low[i], min(bounds.high[i], length))
-        gap = (length - reference) / max(reference, R)
-        usual &= (max(abs(heading[i]), angle) <= LARGEST_ANGLE) & (length <= _LARGEST)
-        usual &= _arrives(miss, R, extent, length, limits.miss) & (abs(off) <= HEADED + blur)
-        usual &= (length >= bounds.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
-        result.verdict[i] = _OPTIMAL if usual & (excess <= limits.curvature) else ODD
-        result.word[i] = _named(word, lengths[0, i], lengths[1, i], lengths[2, i], R)
-        result.reference_word[i] = _named(word, best.first[i], best.middle[i], best.last[i], R)
-        result.length[i], result.reference[i], result.gap[i] = length, reference, gap
-        result.miss[i], result.curvature_excess[i] = miss, excess
+    R, usual = radius[i], (best.word[i] < len(best.rates)) & (not best.left[i])
+    word = best.word[i] if usual else 0
+    length = turned = forward = left = excess = angle = 0.0
+    for arc in range(3):
+        k, driven = curvature[arc, i], lengths[arc, i]
+        if driven == 0.0:
+            continue
+        rate = best.rates[word, arc]
+        excess = max(excess, _excess(k * R, rate, limits.rates))
+        usual &= (driven > 0.0) & (abs(k * R - rate) <= FULL_RATE)
+        half = 0.5 * k * driven
+        sine, _ = sine_cosine(half)
+        sine_mean, cosine_mean = sine_cosine(turned + half)
+        chord = _chord(half, sine, driven)
+        forward, left = forward + chord * cosine_mean, left + chord * sine_mean
+        turned, length, angle = turned + 2.0 * half, length + driven, angle + abs(2.0 * half)
+    sine, cosine = sine_cosine(heading[i])
+    off_x = x[i] + (forward * cosine - left * sine) - tx[i]
+    off_y = y[i] + (forward * sine + left * cosine) - ty[i]
+    miss = math.sqrt(off_x * off_x + off_y * off_y)
+    off = heading[i] + turned - final[i]
+    off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+    blur = DRIVEN * (abs(heading[i] + turned) + abs(final[i]) + length / R)
+    extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
+    reference = max(best.low[i], min(best.high[i], length))
+    gap = (length - reference) / max(reference, R)
+    usual &= (max(abs(heading[i]), angle) <= LARGEST_ANGLE) & (length <= _LARGEST)
+    usual &= _arrives(miss, R, extent, length, limits.miss) & (free | (abs(off) <= HEADED + blur))
+    usual &= (length >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
+    result.verdict[i] = _OPTIMAL if usual & (excess <= limits.curvature) else ODD
+    result.length[i], result.reference[i], result.gap[i] = length, reference, gap
+    result.miss[i], result.curvature_excess[i] = miss, excess
 
 
 @threaded
-def _judge_pose_rows(
+def _judge_rows(
     legs: PoseArrays,
     curvature: FloatArray,
     lengths: FloatArray,
-    best: PoseRows,
-    bounds: Bounds,
-    limits: Limits,
+    free: bool,
+    best: _Best,
+    limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge all rows against their proven intervals."""
     for chunk in numba.prange(chunks(legs.x.size)):
-        _judge_pose_chunk(chunk, legs, curvature, lengths, best, bounds, limits, result)
+        low, high = chunk_bounds(chunk, legs.x.size)
+        for i in range(low, high):
+            _judge_row(i, legs, curvature, lengths, free, best, limits, result)

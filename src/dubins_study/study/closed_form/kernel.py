@@ -291,18 +291,20 @@ def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
         word[i] = code if sound else NO_PATH
 
 
-# the turn of each word's first and of its last letter; a segment left out has no length
-FIRST_TURN = np.array([TURN[word[0]] if word else 0.0 for word in WORDS])
-LAST_TURN = np.array([TURN[word[-1]] if word else 0.0 for word in WORDS])
+# the rates of each word's first and of its last letter, and that there is no third; a segment left
+# out has no length
+RATES = np.array(
+    [[TURN[word[0]], TURN[word[-1]], math.nan] if word else [0, 0, math.nan] for word in WORDS]
+)
 
 
 @compiled
 def curvatures(word: CodeArray, radius: FloatArray, out: FloatArray) -> None:
     """Curvatures of both segments of each word, into `out` of shape (2, n), 1 / length unit."""
     for i in range(word.size):
-        code = word[i] if word[i] < FIRST_TURN.size else 0
-        out[0, i] = FIRST_TURN[code] / radius[i]
-        out[1, i] = LAST_TURN[code] / radius[i]
+        code = word[i] if word[i] < len(RATES) else 0
+        out[0, i] = RATES[code, 0] / radius[i]
+        out[1, i] = RATES[code, 1] / radius[i]
 
 
 @compiled
