@@ -145,3 +145,10 @@ def test_a_profile_of_no_question():
 
     assert empty.isna().all(axis=None)
     assert empty.shape == (5, 2)
+
+
+def test_a_cost_above_the_limit_is_a_failure():
+    """Which counts as so many times the limit; what was not asked stays so."""
+    paid = costs.penalised(pd.DataFrame({"a": [1.0, 4.0, INF, NAN]}), 3.0, 2.0)["a"].tolist()
+
+    assert paid == pytest.approx([1.0, 6.0, 6.0, NAN], nan_ok=True)
