@@ -48,7 +48,7 @@ BUDGETS = {
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
 BUDGETS |= {
-    "study": Size(9_175, 53),
+    "study": Size(9_145, 53),
     "package": Size(41_412, 256),
     "tests": Size(33_065, 215),
 }

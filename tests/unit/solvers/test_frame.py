@@ -20,6 +20,7 @@ from dubins_study.solvers.registry import SolverError
 from dubins_study.study.check import verdict_frame
 from dubins_study.study.check.extremal import MEASURED
 from dubins_study.study.check.verdict import judge
+from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import ScenarioError
 from dubins_study.study.scenario_frame import check_frame, scenarios
@@ -96,6 +97,17 @@ def test_poses_are_answered_in_compiled_loops(monkeypatch):
         assert set(rows["verdict"]) <= {"optimal", "none exists"}
         assert (rows["proof"] == "proved").all()
     assert len(calls) < 70
+
+
+@pytest.mark.parametrize("dropped", [[], ["final_heading"]])
+def test_rows_shared_out_among_threads_are_those_of_small_frames(dropped):
+    frame = random_poses(SMALL + 1000, seed=5).drop(columns=dropped)
+    rows = solve_frame(frame, certified=True).drop(columns=[*TIMES])
+    parts = [
+        solve_frame(part, certified=True) for part in (frame[: SMALL // 2], frame[SMALL // 2 :])
+    ]
+
+    pd.testing.assert_frame_equal(rows, pd.concat(parts)[[*rows]], check_exact=True)
 
 
 @pytest.mark.parametrize("free", [None, np.nan, pd.NA])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.extremal import extremal, measure, measure_pose, pieces
+from dubins_study.study.check.extremal import extremal, measure, pieces
 from dubins_study.study.check.route_extremal import route_costates, route_extremal, route_legs
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word
 from dubins_study.study.check.verdict import judge
@@ -353,7 +353,7 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
     path = pose_path(Pose(0, 0, 1.0), end, 1.0, word)
     if path is None:
         pytest.skip("this word does not reach the end")
-    measured = measure_pose(path, 1.0)
+    measured, _ = measure(path, 1.0, free=False)
     general = extremal(pieces(path, 1.0), free=False)
 
     assert measured.transversality is None
@@ -376,7 +376,8 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
 def test_a_middle_arc_of_half_a_turn_is_abnormal(radius):
     """nu0 = 0, and the sign of (nu1, nu2) is that with which the arcs turn the right way."""
     lengths = radius * np.array([0.24, math.pi, math.pi / 2])
-    found = measure_pose(Path(Pose(0, 0, 0), np.array([1, -1, 1]) / radius, lengths), radius)
+    path = Path(Pose(0, 0, 0), np.array([1, -1, 1]) / radius, lengths)
+    found, _ = measure(path, radius, free=False)
 
     assert found.abnormal
     assert found.pmp_residual < 1e-12
@@ -407,6 +408,6 @@ def test_a_local_optimum_of_a_leg_is_an_extremal():
     [([1, 0, 0.5], [1, 2, 1]), ([0, 1, 0], [1, 1, 1]), ([1, -1, 1, -1], [1, 4, 1, 1])],
 )
 def test_what_is_no_extremal_to_a_pose(curvature, length):
-    found = measure_pose(Path(Pose(0, 0, 0), curvature, length), 1.0)
+    found, _ = measure(Path(Pose(0, 0, 0), curvature, length), 1.0, free=False)
 
     assert found.pmp_residual > 1e-3

@@ -12,7 +12,7 @@ from typing import Any
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.extremal import Extremal, measure, measure_pose
+from dubins_study.study.check.extremal import Extremal, measure
 from dubins_study.study.check.reference import reference_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
@@ -140,15 +140,13 @@ def _measured(
     scenario: Scenario, path: Path, judged: Judgement
 ) -> tuple[Extremal | None, float | None]:
     """The costates of a path and, of one leg with a free final heading, the cut margin."""
-    if scenario.one_free_leg:
-        return measure(path, scenario.radius)
-    if judged.visits is None:
-        return measure_pose(path, scenario.radius), None
+    free = scenario.final_heading is None
+    if not scenario.via:
+        return measure(path, scenario.radius, free)
     # SciPy's linear programs, which one leg needs none of
     from dubins_study.study.check.route_extremal import route_extremal
 
-    free = scenario.final_heading is None
-    return route_extremal(path, judged.visits, scenario.radius, free), None
+    return route_extremal(path, judged.visits or (), scenario.radius, free), None
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:

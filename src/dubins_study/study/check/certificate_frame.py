@@ -15,7 +15,7 @@ from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.extremal import MEASURED, measure, measure_pose
+from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, three_arcs
@@ -35,7 +35,7 @@ _pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nea
 
 PROOFS = tuple(Proof)
 _TURN = 2 * math.pi
-_FULL_RATE = 4.0 * EPS  # what rounding leaves of a rate of 1
+_FULL_RATE = 8.0 * EPS  # what rounding leaves of three rates
 _NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
 _DEFAULT = Tolerances()
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
@@ -142,10 +142,7 @@ def _measure(
         path = paths.path(row, scenario)
         if path is None or not drivable(path):
             continue
-        if poses:
-            best, cut = measure_pose(path, scenario.radius), None
-        else:
-            best, cut = measure(path, scenario.radius)
+        best, cut = measure(path, scenario.radius, not poses)
         if best is not None:
             abnormal[row] = best.abnormal
             measured[:-1, row] = [getattr(best, name) for name in MEASURED[:-1]]
@@ -182,9 +179,10 @@ def _measure_rows(
         if free and a == 0.0:
             u, a, v, b = v, b, 0.0, 0.0
         turn1, turn2, turn3 = _nearest(u), _nearest(v), _nearest(w)
-        clear = (a + b + c > 0.0) & ((a == 0.0) | (a > _NEXT_TO))
+        clear = (0.0 < a + b + c < math.inf) & ((a == 0.0) | (a > _NEXT_TO))
         clear &= ((b == 0.0) | (b > _NEXT_TO)) & ((c == 0.0) | (c > _NEXT_TO))
-        clear &= max(abs(u - turn1), max(abs(v - turn2), abs(w - turn3))) <= _FULL_RATE
+        off = abs(u - turn1) + abs(v - turn2) + abs(w - turn3)
+        clear &= off <= _FULL_RATE  # False for NaN, which a maximum may pass over
         if free:
             straight = (turn2 == 0.0) & ((turn1 != 0.0) | (b == 0.0))
             word = (c == 0.0) & (straight | (turn1 * turn2 == -1.0))

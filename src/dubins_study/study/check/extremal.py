@@ -28,11 +28,9 @@ from dubins_study.study.check.two_arcs import (
     FULL_RATE,
     NO_LENGTH,
     NO_TURN,
-    Word,
     costates,
     nearest_rate,
     pose_costates,
-    word_of,
 )
 from dubins_study.study.path import FEW, FloatArray, Path, corners
 from dubins_study.study.scenario import Pose
@@ -69,53 +67,59 @@ class Extremal(NamedTuple):
 MEASURED = (*(name for name in Extremal._fields if name != "abnormal"), "cut_margin")
 
 
-def measure(path: Path, radius: float) -> tuple[Extremal | None, float | None]:
-    """The costates and the cut margin of a path that can be driven.
+def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
+    """The costates of a path of one leg that can be driven, and the cut margin if `free`.
 
-    The cut margin says by how much (rad) a path stays clear of where another one becomes shorter. A
-    path with a margin above zero is shortest to its own end point, and only such a path is
-    (docs/derivation.md, section 10). None of a path that is not of a word S, C, CS or CC at full
-    rate, which no shortest path can be. Neither of a path whose numbers overflow in units of the
-    radius, which fits no scenario.
+    `free` says whether the final heading is. The cut margin says by how much (rad) a path stays
+    clear of where another one becomes shorter. A path with a margin above zero is shortest to its
+    own end point, and only such a path is (docs/derivation.md, section 10). None of a path that is
+    not of a word S, C, CS or CC at full rate, which no shortest path can be. Neither of a path
+    whose numbers overflow in units of the radius, which fits no scenario.
     """
     rates = [k * radius for k in path.curvatures.tolist()]
     lengths = [length / radius for length in path.lengths.tolist()]
-    word = _word(rates, lengths)
-    if word is None:
-        turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
-        if not math.isfinite(turns + sum(lengths)):
-            return None, None
-        driven = pieces(path, radius)
-        if not driven.u.size:
-            return None, math.pi
-        word = _word(driven.u.tolist(), driven.length.tolist())
-        if word is None:
-            return extremal(driven), None
-    measured = costates(path.start.heading, word.turn1, word.first, word.turn2, word.second)
-    x, y, abnormal, H, margin, cut = measured
-    return Extremal(x, y, abnormal, H, margin, 0.0, max(H, -margin)), cut
-
-
-def measure_pose(path: Path, radius: float) -> Extremal | None:
-    """The costates of a path that can be driven, of a leg with a given final heading."""
+    turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
+    if not math.isfinite(turns + sum(lengths)):
+        return None, None
     driven = pieces(path, radius)
-    if not driven.u.size or not math.isfinite(float((np.abs(driven.u) + 1) @ driven.length)):
-        return None
-    word = _pose_word(driven.u.tolist(), driven.length.tolist())
+    if not driven.u.size:
+        return None, math.pi if free else None
+    arcs = _at_full_rate(driven.u.tolist(), driven.length.tolist())
+    word = _free_word(arcs) if free else _posed_word(arcs)
     if word is None:
-        return extremal(driven, free=False)
-    x, y, abnormal, H, margin = pose_costates(path.start.heading, *word)
-    return Extremal(x, y, abnormal, H, margin, None, max(H, -margin))
+        return extremal(driven, free), None
+    cut: float | None = None
+    if free:
+        x, y, abnormal, H, margin, cut = costates(driven.heading, *word)
+    else:
+        x, y, abnormal, H, margin = pose_costates(driven.heading, *word)
+    transversality = 0.0 if free else None
+    return Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin)), cut
 
 
-def _pose_word(u: list[float], length: list[float]) -> list[float] | None:
-    """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
+def _at_full_rate(u: list[float], length: list[float]) -> list[tuple[float, float]]:
+    """Pieces as rates 1, 0 or -1 and lengths; none if that is another path than theirs."""
     rates, total = [nearest_rate(k) for k in u], sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # how far the end lies off what is driven at full rates
     if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > ARRIVES + DRIVEN * total:
+        return []
+    return list(zip(rates, length, strict=True))
+
+
+def _free_word(arcs: list[tuple[float, float]]) -> list[float] | None:
+    """Rates and lengths of S, C, CS or CC; None if arcs are no such word."""
+    if not 0 < len(arcs) <= 2:
         return None
-    arcs = list(zip(rates, length, strict=True))
+    (u1, l1), (u2, l2) = (*arcs, _NO_PIECE)[:2]
+    named = len(arcs) == 1 or (u1 != 0.0 and u2 in (0.0, -u1))
+    return [u1, l1, u2, l2] if named else None
+
+
+def _posed_word(arcs: list[tuple[float, float]]) -> list[float] | None:
+    """Rates and lengths of CSC or CCC, or a part of one; None if arcs are no such word."""
+    if not 0 < len(arcs) <= 3:
+        return None
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0:
@@ -123,15 +127,6 @@ def _pose_word(u: list[float], length: list[float]) -> list[float] | None:
     (u1, l1), (u2, l2), (u3, l3) = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
     named = len(arcs) <= 3 and (u2 == 0.0 or u1 == u3 == -u2)
     return [u1, l1, u2, l2, u3, l3] if named else None
-
-
-def _word(rates: list[float], lengths: list[float]) -> Word | None:
-    """The word S, C, CS or CC at full rate that pieces are; None if they are another path."""
-    if not 0 < len(rates) <= 2:
-        return None
-    (u1, l1), (u2, l2) = (*zip(rates, lengths, strict=True), _NO_PIECE)[:2]
-    word = word_of(u1, l1, u2, l2)
-    return word if word.named else None
 
 
 class Pieces(NamedTuple):

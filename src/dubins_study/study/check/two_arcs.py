@@ -8,10 +8,8 @@ of branches where a loop over rows is to be vectorised.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from dubins_study.study.path import RIPPLE
-from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
 # A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
@@ -53,47 +51,6 @@ def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
 def nearest_rate(u: float) -> float:
     """The rate +1, 0 or -1 that a rate is nearest to."""
     return (1.0 if u > 0.5 else 0.0) - (1.0 if u < -0.5 else 0.0)
-
-
-class Word(NamedTuple):
-    """A word S, C, CS or CC at full rate: rates +1, 0 or -1, and lengths in radii.
-
-    `named` is False where two pieces are no such word; the numbers then mean nothing.
-    """
-
-    turn1: float
-    first: float
-    turn2: float
-    second: float
-    named: bool
-
-
-def word_of(u1: float, l1: float, u2: float, l2: float) -> Word:
-    """The word S, C, CS or CC at full rate that two pieces are, within the merging's tolerances.
-
-    A piece that is next to nothing is left out if the path then still ends where it did. The pieces
-    have rates u (curvature times radius) and lengths l in radii.
-    """
-    forward = l1 >= 0.0 and l2 >= 0.0
-    u1, u2 = (u1 if l1 > 0.0 else 0.0), (u2 if l2 > 0.0 else 0.0)
-    total = l1 + l2
-    allowed = ARRIVES + DRIVEN * total
-    short = NO_LENGTH * min(1.0, total)
-    t1, t2 = nearest_rate(u1), nearest_rate(u2)
-    off1, off2 = abs(u1 - t1), abs(u2 - t2)
-    # bounds the distance between the ends: a heading that is off moves all that is driven after
-    moved = off1 * l1 * (0.5 * l1 + l2) + 0.5 * off2 * l2 * l2
-    turn1, turn2 = abs(u1) * l1, abs(u2) * l2
-    without1 = 0.5 * off2 * l2 * l2 + l1 + turn1 * l2
-    without2 = 0.5 * off1 * l1 * l1 + l2
-    if l1 <= short and turn1 <= NO_TURN and without1 <= allowed:
-        t1, l1, off1, t2, l2, off2, moved = t2, l2, off2, 0.0, 0.0, 0.0, without1
-    elif l2 <= short and turn2 <= NO_TURN and without2 <= allowed:
-        t2, l2, off2, moved = 0.0, 0.0, 0.0, without2
-    full = off1 <= FULL_RATE and off2 <= FULL_RATE and moved <= allowed < math.inf
-    driven = forward and l1 > 0.0
-    letters = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
-    return Word(t1, l1, t2, l2, full and driven and letters)
 
 
 def costates(

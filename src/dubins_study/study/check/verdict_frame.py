@@ -33,7 +33,7 @@ from dubins_study.study.closed_form.kernel import (
 )
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
+from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
@@ -255,23 +255,30 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     return disc if near > delta else elsewhere, margin
 
 
+@inlined
+def _describe_target(
+    i: Index, legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
+) -> None:
+    """Write the region and margin of a target, and the word of a path of two arcs."""
+    x, y, heading, tx, ty, radius, _ = legs
+    sine, cosine = sine_cosine(heading[i])
+    X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+    side, delta = abs(Y), 0.0
+    if min(abs(side * (2.0 - side) - X * X), side) <= four_delta:  # the last ulp decides
+        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+    result.region[i], result.margin[i] = _region_and_margin(X, Y, delta)
+    first, last = length[0, i], length[1, i]
+    result.word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
+
+
 @threaded
 def _describe_targets(
     legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
 ) -> None:
-    """Write the region and margin of every target, and the word of every path of two arcs."""
-    x, y, heading, tx, ty, radius, _ = legs
-    for chunk in numba.prange(chunks(x.size)):
-        low, high = chunk_bounds(chunk, x.size)
+    for chunk in numba.prange(chunks(legs.x.size)):
+        low, high = chunk_bounds(chunk, legs.x.size)
         for i in range(low, high):
-            sine, cosine = sine_cosine(heading[i])
-            X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
-            side, delta = abs(Y), 0.0
-            if min(abs(side * (2.0 - side) - X * X), side) <= four_delta:  # the last ulp decides
-                X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-            result.region[i], result.margin[i] = _region_and_margin(X, Y, delta)
-            first, last = length[0, i], length[1, i]
-            result.word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
+            _describe_target(i, legs, curvature, length, result)
 
 
 # `_named` writes a word in base 4, a digit for each letter
@@ -307,7 +314,7 @@ def _name_rows(word: CodeArray, lengths: FloatArray, radius: FloatArray, names: 
 
 @inlined
 def _judge_row(
-    i: int | np.uint64,
+    i: Index,
     legs: PoseArrays,
     curvature: FloatArray,
     lengths: FloatArray,
