@@ -31,7 +31,7 @@ from dubins_study.study.closed_form.kernel import (
     to_local,
     to_local_exactly,
 )
-from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
+from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
@@ -256,19 +256,39 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
 
 
 @inlined
-def _describe_target(
-    i: Index, legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
+def _describe_chunk(
+    chunk: int,
+    legs: PoseArrays,
+    curvature: FloatArray,
+    length: FloatArray,
+    result: FrameJudgement,
 ) -> None:
-    """Write the region and margin of a target, and the word of a path of two arcs."""
+    """Write the regions and margins of targets, and the words of paths of two arcs."""
     x, y, heading, tx, ty, radius, _ = legs
-    sine, cosine = sine_cosine(heading[i])
-    X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
-    side, delta = abs(Y), 0.0
-    if min(abs(side * (2.0 - side) - X * X), side) <= four_delta:  # the last ulp decides
+    low, high = chunk_bounds(chunk, x.size)
+    region, margin, word = result.region, result.margin, result.word
+    near = 0
+    for i in range(low, high):
+        sine, cosine = sine_cosine(heading[i])
+        X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+        region[i], margin[i] = _region_and_margin(X, Y, 0.0)
+        side = abs(Y)
+        near += min(abs(side * (2.0 - side) - X * X), side) <= four_delta
+    if near:  # the last ulp decides
+        _describe_exactly(low, high, legs, region, margin)
+    for i in range(low, high):
+        first, last = length[0, i], length[1, i]
+        word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
+
+
+@separate
+def _describe_exactly(
+    low: Index, high: Index, legs: PoseArrays, region: CodeArray, margin: FloatArray
+) -> None:
+    x, y, heading, tx, ty, radius, _ = legs
+    for i in range(low, high):
         X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-    result.region[i], result.margin[i] = _region_and_margin(X, Y, delta)
-    first, last = length[0, i], length[1, i]
-    result.word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
+        region[i], margin[i] = _region_and_margin(X, Y, delta)
 
 
 @threaded
@@ -276,9 +296,7 @@ def _describe_targets(
     legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
 ) -> None:
     for chunk in numba.prange(chunks(legs.x.size)):
-        low, high = chunk_bounds(chunk, legs.x.size)
-        for i in range(low, high):
-            _describe_target(i, legs, curvature, length, result)
+        _describe_chunk(chunk, legs, curvature, length, result)
 
 
 # `_named` writes a word in base 4, a digit for each letter
@@ -313,8 +331,8 @@ def _name_rows(word: CodeArray, lengths: FloatArray, radius: FloatArray, names: 
 
 
 @inlined
-def _judge_row(
-    i: Index,
+def _judge_chunk(
+    chunk: int,
     legs: PoseArrays,
     curvature: FloatArray,
     lengths: FloatArray,
@@ -323,40 +341,55 @@ def _judge_row(
     limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge a row against its proven interval."""
+    """Judge a chunk of rows against their proven intervals, in loops that can be vectorised.
+
+    Until they are known, the gap stands for the turn and the reference for the sum of all turns.
+    """
     x, y, heading, tx, ty, radius, final = legs
-    R, usual = radius[i], (best.word[i] < len(best.rates)) & (not best.left[i])
-    word = best.word[i] if usual else 0
-    length = turned = forward = left = excess = angle = 0.0
-    for arc in range(3):
-        k, driven = curvature[arc, i], lengths[arc, i]
-        if driven == 0.0:
-            continue
-        rate = best.rates[word, arc]
-        excess = max(excess, _excess(k * R, rate, limits.rates))
-        usual &= (driven > 0.0) & (abs(k * R - rate) <= FULL_RATE)
-        half = 0.5 * k * driven
-        sine, _ = sine_cosine(half)
-        sine_mean, cosine_mean = sine_cosine(turned + half)
-        chord = _chord(half, sine, driven)
-        forward, left = forward + chord * cosine_mean, left + chord * sine_mean
-        turned, length, angle = turned + 2.0 * half, length + driven, angle + abs(2.0 * half)
-    sine, cosine = sine_cosine(heading[i])
-    off_x = x[i] + (forward * cosine - left * sine) - tx[i]
-    off_y = y[i] + (forward * sine + left * cosine) - ty[i]
-    miss = math.sqrt(off_x * off_x + off_y * off_y)
-    off = heading[i] + turned - final[i]
-    off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
-    blur = DRIVEN * (abs(heading[i] + turned) + abs(final[i]) + length / R)
-    extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-    reference = max(best.low[i], min(best.high[i], length))
-    gap = (length - reference) / max(reference, R)
-    usual &= (max(abs(heading[i]), angle) <= LARGEST_ANGLE) & (length <= _LARGEST)
-    usual &= _arrives(miss, R, extent, length, limits.miss) & (free | (abs(off) <= HEADED + blur))
-    usual &= (length >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
-    result.verdict[i] = _OPTIMAL if usual & (excess <= limits.curvature) else ODD
-    result.length[i], result.reference[i], result.gap[i] = length, reference, gap
-    result.miss[i], result.curvature_excess[i] = miss, excess
+    begin, end = chunk_bounds(chunk, x.size)
+    verdict, length, miss, excess = (
+        *(result.verdict, result.length),
+        *(result.miss, result.curvature_excess),
+    )
+    turn, turns = result.gap, result.reference
+    for i in range(begin, end):
+        driven = turned = forward = left = angle = 0.0
+        for arc in range(3):
+            half = 0.5 * curvature[arc, i] * lengths[arc, i]
+            sine, _ = sine_cosine(half)
+            sine_mean, cosine_mean = sine_cosine(turned + half)
+            chord = _chord(half, sine, lengths[arc, i])
+            forward, left = forward + chord * cosine_mean, left + chord * sine_mean
+            turned, angle = turned + 2.0 * half, angle + abs(2.0 * half)
+            driven += lengths[arc, i]
+        sine, cosine = sine_cosine(heading[i])
+        off_x = x[i] + (forward * cosine - left * sine) - tx[i]
+        off_y = y[i] + (forward * sine + left * cosine) - ty[i]
+        miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
+        length[i], turn[i], turns[i] = driven, turned, angle
+    for i in range(begin, end):
+        word, most, usual = best.word[i], 0.0, not best.left[i]
+        for arc in range(3):
+            u, driven = curvature[arc, i] * radius[i], lengths[arc, i]
+            rate = best.rates[word if word < len(best.rates) else 0, arc]
+            off = _excess(u, rate, limits.rates)
+            most = max(most, off if driven > 0.0 else 0.0)
+            usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
+        excess[i], verdict[i] = most, usual & (word < len(best.rates)) & (most <= limits.curvature)
+    for i in range(begin, end):
+        R = radius[i]
+        off = heading[i] + turn[i] - final[i]
+        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        blur = DRIVEN * (abs(heading[i] + turn[i]) + abs(final[i]) + length[i] / R)
+        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
+        usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST)
+        usual &= _arrives(miss[i], R, extent, length[i], limits.miss)
+        usual &= (verdict[i] != 0) & (free | (abs(off) <= HEADED + blur))
+        reference = max(best.low[i], min(best.high[i], length[i]))
+        gap = (length[i] - reference) / max(reference, R)
+        usual &= (length[i] >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
+        verdict[i] = _OPTIMAL if usual else ODD
+        result.reference[i], result.gap[i] = reference, gap
 
 
 @threaded
@@ -370,6 +403,4 @@ def _judge_rows(
     result: FrameJudgement,
 ) -> None:
     for chunk in numba.prange(chunks(legs.x.size)):
-        low, high = chunk_bounds(chunk, legs.x.size)
-        for i in range(low, high):
-            _judge_row(i, legs, curvature, lengths, free, best, limits, result)
+        _judge_chunk(chunk, legs, curvature, lengths, free, best, limits, result)
