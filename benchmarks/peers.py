@@ -19,7 +19,7 @@ NO_OMPL = "ompl is not installed: pip install 'dubins-study[peers]'"
 def random_frame(n: int, seed: int = 0) -> pd.DataFrame:
     """n scenarios in a square of ten length units, radii 0.5 to 2: a tenth lie in a disc."""
     rng = np.random.default_rng(seed)
-    low, high = (-5, -5, -7, -5, -5, 0.5), (5, 5, 7, 5, 5, 2)
+    low, high = (-5, -5, -6, -5, -5, 0.5), (5, 5, 6, 5, 5, 2)
     return pd.DataFrame({k: rng.uniform(a, b, n) for k, a, b in zip(NAMES, low, high, strict=True)})
 
 

@@ -1,7 +1,5 @@
 """A small report with every kind of section, which the browser's tests share."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A page in a real Chromium, what may not happen on it, and the explorer as a reader sees it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

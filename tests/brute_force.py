@@ -4,8 +4,6 @@ No formula is shared with the package. A word is a family of paths with one free
 of what is left over at its end are searched on a grid of that angle and bisected.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Scenarios that many tests share, and hypothesis strategies that draw more."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any

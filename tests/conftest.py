@@ -1,7 +1,5 @@
 """Fast by default; `--slow` runs the rest as well."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

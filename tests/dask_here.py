@@ -1,7 +1,5 @@
 """Dask on this machine, for tests: experiments small enough for it, schedulers and workers."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

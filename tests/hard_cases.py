@@ -1,7 +1,5 @@
 """Frames of scenarios in every region, with the edges of each drawn on purpose."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Runs of `dubins-study` in processes of their own, which tests wait for, kill and look at."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

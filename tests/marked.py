@@ -4,8 +4,6 @@ A mark is an environment variable. A process shows the environment that it was s
 long as it lives, whatever it does to its session, group, parent or `os.environ`.
 """
 
-from __future__ import annotations
-
 import signal
 import time
 from pathlib import Path

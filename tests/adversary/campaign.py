@@ -5,8 +5,6 @@ Prints a table of what was tried and the first counterexample of each check as a
 `dubins_study.study`); exits with 1 if there is one.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

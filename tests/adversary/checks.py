@@ -1,7 +1,5 @@
 """One case checked beside the oracle, and the oracle beside other ways to its numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

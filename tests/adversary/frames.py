@@ -1,7 +1,5 @@
 """Whole frames beside single scenarios: both have to say the same."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

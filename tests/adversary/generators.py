@@ -5,8 +5,6 @@ user computes it, from the start and the heading in doubles, so that it lies bes
 that arithmetic rounds. Some are then moved by a number of ulp.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

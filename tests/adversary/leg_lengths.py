@@ -3,8 +3,6 @@
 No formula is shared with the package. Radius 1; headings in rad.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -7,8 +7,6 @@ circles stand around i and -i. The angle of an arc is the argument of a quotient
 from its centre. Every path is driven to its end and has to meet its target there.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 

@@ -4,8 +4,6 @@ Each is tried by other means: by dynamic programs over 10 000 headings a turn, a
 starts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial

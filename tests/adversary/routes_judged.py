@@ -5,8 +5,6 @@ dense sample of it, one path that arrives is a bound for all others, and the len
 that of `tests.adversary.leg_lengths`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

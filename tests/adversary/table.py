@@ -1,9 +1,7 @@
 """What was tried, the worst that was seen, and the first counterexample of each check."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import pandas as pd
 
@@ -87,7 +85,7 @@ class Table:
         if wrong:
             self.first.setdefault(check, line)
 
-    def add(self, other: Table) -> None:
+    def add(self, other: Self) -> None:
         for key, cell in other.cells.items():
             self.cells.setdefault(key, Cell()).add(cell.cases, cell.worst, cell.wrong)
         self.first = other.first | self.first

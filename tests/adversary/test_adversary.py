@@ -1,7 +1,5 @@
 """The campaign finds nothing in the package, and finds what is put into it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

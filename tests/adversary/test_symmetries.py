@@ -4,8 +4,6 @@ Compared are the proven intervals, which have to overlap, and the lengths of the
 intervals are narrow: a length may jump within the rounding of the data.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

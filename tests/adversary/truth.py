@@ -1,10 +1,8 @@
 """What is true of a scenario: its exact target, and the set of targets that its data leave open."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from flint import acb, arb
@@ -38,7 +36,7 @@ class Truth:
         self._members: list[Member] | None = None
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Truth:
+    def of(cls, scenario: Scenario) -> Self:
         """The exact target, and the set around it: what the data leave open, and a rotation."""
         X, Y = local(scenario)
         given = scenario.x, scenario.y, scenario.target_x, scenario.target_y

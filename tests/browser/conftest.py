@@ -1,7 +1,5 @@
 """A real Chromium, in which pages of the report are opened from files, without a network."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The plot of single attempts, the drawer of one, and the worst ten, driven as a reader does."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The closed form, six words and routes in the page (`scripts/dubins*.js`) against the package."""
 
-from __future__ import annotations
-
 import json
 import math
 from functools import cache

@@ -1,7 +1,5 @@
 """The explorer, driven as a reader does: keyboard, fields, examples, and what it offers to copy."""
 
-from __future__ import annotations
-
 import json
 import math
 import shlex

@@ -1,7 +1,5 @@
 """The plane of the explorer, its chart and its handles: true, in view, without scripts, dragged."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Routes in the explorer: via points and a final heading by mouse, finger and keyboard."""
 
-from __future__ import annotations
-
 import json
 import math
 import shlex

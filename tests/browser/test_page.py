@@ -1,7 +1,5 @@
 """The page in a browser: on a phone and a desk, in the dark, in print, by keyboard."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The documentation: it builds without a warning, and its pages work offline and on a phone."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

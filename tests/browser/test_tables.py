@@ -1,7 +1,5 @@
 """Tables that sort, filter and fold: by pointer, by keyboard, on a phone, without scripts."""
 
-from __future__ import annotations
-
 from html import escape
 from pathlib import Path as FilePath
 

@@ -1,7 +1,5 @@
 """README's table, the documentation's numbers, its notebooks and CITATION.cff."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

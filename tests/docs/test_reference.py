@@ -1,7 +1,5 @@
 """What the documentation generates from the package, or names of it, is complete and up to date."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

@@ -9,8 +9,6 @@ A block with a caption, or whose first line is a comment with a file's name, is 
 file. Blocks of other languages must look like no command.
 """
 
-from __future__ import annotations
-
 import doctest
 import os
 import re

@@ -1,7 +1,5 @@
 """The runs that many tests look at: made once, each in processes of its own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What the row of each hostile plug-in must say."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -1,7 +1,5 @@
 """Plug-ins that do as they promise, slowly or quickly, and tell what they notice."""
 
-from __future__ import annotations
-
 import os
 import time
 from dataclasses import dataclass

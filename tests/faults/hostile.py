@@ -1,7 +1,5 @@
 """Plug-ins whose process dies, each in its own way."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

@@ -1,7 +1,5 @@
 """Plug-ins that answer, but with nonsense, lies or traps."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path as FilePath

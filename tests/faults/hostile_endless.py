@@ -1,7 +1,5 @@
 """Plug-ins that never end, by themselves or in children."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """Plug-ins that want all the memory; each stops at 5 GiB, should nobody stop it."""
 
-from __future__ import annotations
-
 import os
 import time
 

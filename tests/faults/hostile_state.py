@@ -1,7 +1,5 @@
 """Plug-ins that change what a process shares, and a witness that tells what reached it."""
 
-from __future__ import annotations
-
 import atexit
 import decimal
 import gc

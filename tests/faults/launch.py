@@ -1,7 +1,5 @@
 """Runs of the command in processes of their own, marked, so that none is left behind unseen."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Hostile plug-ins through the conformance kit: each is a finding, in plain text."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Workers are forked from a server of our own: the caller's processes are left alone."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """kill -9 of the whole run at any moment: resume completes exactly what is missing."""
 
-from __future__ import annotations
-
 import json
 import time
 from random import Random

@@ -1,7 +1,5 @@
 """Solvers that turn on the processes around them, and processes that others turn on."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

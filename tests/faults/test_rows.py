@@ -1,7 +1,5 @@
 """Hostile plug-ins beside an honest one: one right row each, and nothing left behind."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Ctrl-C and SIGTERM in the middle of a long cell."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

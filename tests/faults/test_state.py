@@ -1,7 +1,5 @@
 """Solvers that change what a process shares: no other solver's row shows it."""
 
-from __future__ import annotations
-
 import os
 import re
 

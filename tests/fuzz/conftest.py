@@ -1,7 +1,5 @@
 """Canaries that sing if code from data is run, and a small run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple

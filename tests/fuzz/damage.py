@@ -1,7 +1,5 @@
 """What accidents do to a results folder: files that are cut, flipped, mixed, doubled or gone."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Texts, numbers and nested values that no honest file holds."""
 
-from __future__ import annotations
-
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """What a page, a text and a table may hold, told from the templates and not from what they say."""
 
-from __future__ import annotations
-
 import json
 import re
 from html.parser import HTMLParser

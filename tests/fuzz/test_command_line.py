@@ -1,7 +1,5 @@
 """Any words at all after `dubins-study`: an answer, or one refusal; never a traceback."""
 
-from __future__ import annotations
-
 import re
 import shutil
 

@@ -1,7 +1,5 @@
 """Damaged results folders: never another number; `tests/processes` makes them whole again."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from pathlib import Path

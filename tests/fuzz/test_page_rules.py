@@ -1,7 +1,5 @@
 """The judge of pages sees what a page must not hold, and lets pass what our templates write."""
 
-from __future__ import annotations
-
 from html import escape
 
 import pytest

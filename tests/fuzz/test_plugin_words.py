@@ -1,7 +1,5 @@
 """What solvers say of themselves is text wherever it is shown: page, tables, terminal, JSON."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

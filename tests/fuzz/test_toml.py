@@ -1,7 +1,5 @@
 """Damaged files of experiments: parsed, or refused in a few lines; never a traceback."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from hypothesis import given, settings

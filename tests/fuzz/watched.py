@@ -1,7 +1,5 @@
 """A command in this process: what it says, and the temporary files that it leaves."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import gc

@@ -1,7 +1,5 @@
 """A small finished run, made once, which tests look at or copy."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Plug-ins for `test_limits`: what a solver may do to the process that asks it."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

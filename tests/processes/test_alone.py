@@ -1,7 +1,5 @@
 """What one interpreter does alone: what it loads, what it prints, what a forked child of it can."""
 
-from __future__ import annotations
-
 import os
 import platform
 import re

@@ -5,8 +5,6 @@ they stay true nevertheless, the check judges the stored controls anew, and a sa
 is solved anew.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path as FilePath
 

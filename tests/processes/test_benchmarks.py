@@ -1,7 +1,5 @@
 """Every benchmark runs: each once, at its smallest size, where no time is worth anything."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

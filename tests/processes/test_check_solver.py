@@ -1,7 +1,5 @@
 """`new solver` and `check-solver`, as an author of a plug-in uses them."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """The digest of a solver's code: what changes it, and what does not."""
 
-from __future__ import annotations
-
 import ast
 import json
 import shutil

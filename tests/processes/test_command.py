@@ -1,7 +1,5 @@
 """The command line, as a user runs it: output, exit codes, and never a traceback."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

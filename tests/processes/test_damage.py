@@ -1,7 +1,5 @@
 """Folders that something happened to: what can be mended is, the rest is refused and left alone."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

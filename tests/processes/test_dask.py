@@ -1,7 +1,5 @@
 """A run by Dask finds what a serial run finds, whatever happens to its workers."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import re

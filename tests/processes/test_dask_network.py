@@ -1,7 +1,5 @@
 """Dask's machines: who may be asked, and what is left of them."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """What a run learns of solvers without letting other people's code in."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -1,7 +1,5 @@
 """Every command has examples in its help, and they run as they stand there."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

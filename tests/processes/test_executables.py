@@ -1,7 +1,5 @@
 """Executables found on PATH, run as AMPL runs them: honest ones, broken ones, endless ones."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

@@ -1,7 +1,5 @@
 """Ctrl-C: what is being solved is finished, what is done is kept, and the run says so."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """What one solver does to its process reaches no other solver's rows."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,7 +1,5 @@
 """`report.tex` and the tables of a hostile report, as pdflatex and pdffonts see them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

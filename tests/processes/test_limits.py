@@ -1,7 +1,5 @@
 """Limits hold where a solver is asked from Python: in the caller's process, or in a worker."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

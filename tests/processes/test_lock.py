@@ -1,7 +1,5 @@
 """One run at a time in a folder, whatever becomes of the run that holds it."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

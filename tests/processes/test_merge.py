@@ -1,7 +1,5 @@
 """Folders of one experiment united: nothing lost, nothing twice, no contradiction swallowed."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

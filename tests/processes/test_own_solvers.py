@@ -1,7 +1,5 @@
 """The conformance kit on this package's own solvers, each in a worker process."""
 
-from __future__ import annotations
-
 import pytest
 
 from dubins_study import available_solvers, check_solver

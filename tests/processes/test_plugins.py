@@ -1,7 +1,5 @@
 """The plug-ins of `examples/`: the honest ones pass the conformance kit, the lying one does not."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

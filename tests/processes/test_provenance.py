@@ -1,7 +1,5 @@
 """What is known afterwards of where a row came from."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Rising experiments: a solver that fails on all routes of a size is not asked the longer ones."""
 
-from __future__ import annotations
-
 from dubins_study import load_results, run
 
 # `late` answers one leg by a straight line that misses, so it fails on the smallest size.

@@ -1,7 +1,5 @@
 """Runs: every cell a row, nothing twice, and what is done stays done."""
 
-from __future__ import annotations
-
 import json
 import math
 import shutil

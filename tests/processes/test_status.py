@@ -1,7 +1,5 @@
 """What `status` says of a folder: counted by hand, and estimated from what the folder holds."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from dataclasses import replace

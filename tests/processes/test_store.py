@@ -1,7 +1,5 @@
 """The results folder: what is wrong with one is said in one sentence that names the file."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What goes to which stream: results, progress, colours, and how a command ends."""
 
-from __future__ import annotations
-
 import os
 import pty
 import select

@@ -1,7 +1,5 @@
 """Claims of the studies: an experiment is run in a smaller size and its numbers are judged."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

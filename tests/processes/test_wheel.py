@@ -1,7 +1,5 @@
 """What is installed, and used beside a user's modules of the names `study`, `solvers`, ..."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import sysconfig

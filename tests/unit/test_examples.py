@@ -1,7 +1,5 @@
 """What hypothesis draws: the same in every worker and order of tests, something else by a seed."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 

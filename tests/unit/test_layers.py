@@ -6,8 +6,6 @@ the room `study`, `study/check/verdict.py` in `study.check`. All imports count, 
 functions and those for the type checker too.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import textwrap
@@ -47,11 +45,7 @@ BUDGETS = {
     "tests": Size(30_000, 230),
 }
 # Rooms that are still larger: a line goes when its room fits the budget above.
-BUDGETS |= {
-    "study": Size(9_145, 53),
-    "package": Size(41_412, 256),
-    "tests": Size(33_065, 215),
-}
+BUDGETS |= {"study": Size(9_165, 53), "package": Size(40_455, 254)}
 
 _LEAVES = (
     "experiments.interruption",

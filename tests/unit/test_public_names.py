@@ -1,7 +1,5 @@
 """The public names of the package: which they are, and what they do together."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import pkgutil

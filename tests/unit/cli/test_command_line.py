@@ -1,7 +1,5 @@
 """What holds for every command; lists, new experiments and the audit."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """Requests that cannot be read: one line on stderr that names the mistake, and exit code 2."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -1,7 +1,5 @@
 """`dubins-study solve`: exit codes, and the results that are printed beside a refused drawing."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """`dubins-study solve` of routes: the text, points from a file, the drawing, GeoJSON."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

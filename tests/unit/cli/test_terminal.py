@@ -1,7 +1,5 @@
 """What a terminal gets: progress in one line, tables as wide as it is; without one plain lines."""
 
-from __future__ import annotations
-
 import io
 import re
 import sys

@@ -1,7 +1,5 @@
 """What a wrong path's solver has mixed up, guessed from the path alone."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

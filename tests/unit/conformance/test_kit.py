@@ -1,7 +1,5 @@
 """The conformance kit in this process: what it makes of solvers that are known."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -1,7 +1,5 @@
 """Scenarios as columns: the same bits as one by one, and those of numpy and scipy."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import struct

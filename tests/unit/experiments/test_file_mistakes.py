@@ -5,8 +5,6 @@ comment begins with WRONG and holds the beginning of the sentence, `||` between 
 its own names a mistake that has no line, such as a key that is missing.
 """
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

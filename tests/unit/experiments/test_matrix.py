@@ -1,7 +1,5 @@
 """The table of formulations and engines: whole, and each pair what it says."""
 
-from __future__ import annotations
-
 import pytest
 
 from dubins_study.experiments.plan.matrix import matrix

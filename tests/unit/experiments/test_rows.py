@@ -1,7 +1,5 @@
 """Rows as a table: what no file can hold is replaced."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

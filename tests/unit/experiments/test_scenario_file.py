@@ -1,7 +1,5 @@
 """Scenarios of a file: the same from CSV and Parquet, and every wrong row named at once."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Experiments: what a file may say, what is expanded from it, and what is said of mistakes."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Work units: what is left of them once there are rows."""
 
-from __future__ import annotations
-
 import json
 import math
 

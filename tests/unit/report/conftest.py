@@ -1,7 +1,5 @@
 """Fixtures of the report's tests."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import Any

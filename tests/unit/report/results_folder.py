@@ -1,7 +1,5 @@
 """Small results folders, written as a run writes them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

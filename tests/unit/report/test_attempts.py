@@ -3,8 +3,6 @@
 Numbers are those of the rows counted another way, and of rows worked by hand.
 """
 
-from __future__ import annotations
-
 import math
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The audit of the paper and of published routes: against mpmath, Ipopt itself, and brute force."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise

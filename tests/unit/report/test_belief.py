@@ -1,7 +1,5 @@
 """What claims are worth, and what is proved: made-up rows of each kind, by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Colours and markers: contrast on both pages, distance for every reader, a rule for plug-ins."""
 
-from __future__ import annotations
-
 import re
 from itertools import combinations
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The comparison of methods, and what evaluations and seconds go to: by hand on made-up rows."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

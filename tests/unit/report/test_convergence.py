@@ -1,7 +1,5 @@
 """Orders of convergence, and the convex problems of a sequence: numbers by hand, sections."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

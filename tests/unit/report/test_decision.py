@@ -1,7 +1,5 @@
 """Where engines err and where they stop; a plug-in's solver: its name, its place, its look."""
 
-from __future__ import annotations
-
 import re
 import shlex
 

@@ -1,7 +1,5 @@
 """Failures and answers where no path exists: counted by hand; and what is no failure."""
 
-from __future__ import annotations
-
 import math
 import shlex
 

@@ -1,7 +1,5 @@
 """All figures of a page of everything, and of one of sixty-four solvers; their tables."""
 
-from __future__ import annotations
-
 import re
 
 import pandas as pd

@@ -3,8 +3,6 @@
 A finding that no effect can remove, or that no effect can make, would be a typed one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple

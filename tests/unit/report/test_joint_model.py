@@ -1,7 +1,5 @@
 """Studies of the joint model: where starts lead, and the bias in the segments."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Targets next to a turning circle: the ladder toward it, and the warning of shorter paths."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

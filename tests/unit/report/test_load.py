@@ -3,8 +3,6 @@
 `elsewhere` was made by a run with two threads and another scipy (and so other code digests).
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path as FilePath

@@ -1,7 +1,5 @@
 """Formulation by engine: filled cells, reasons, the best guess, and shares by stratum."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 

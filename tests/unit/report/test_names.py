@@ -1,7 +1,5 @@
 """Short names of solvers: distinct, in natural order, with the spec at hand."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 from hypothesis import given

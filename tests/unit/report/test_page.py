@@ -1,7 +1,5 @@
 """The report as a whole: complete, self-contained, escaped, repeatable, all or nothing."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 The key in its TOML file decides, not its name.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import math

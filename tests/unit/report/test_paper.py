@@ -1,7 +1,5 @@
 """The paper's printed tables against the closed form; its figures, and sweeps over the radius."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The sections on routes: numbers by hand, what is undecided, published lengths, anytime curves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

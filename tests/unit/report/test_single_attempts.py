@@ -1,7 +1,5 @@
 """The sample of attempts that the page embeds: which, how they are packed, and what they take."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

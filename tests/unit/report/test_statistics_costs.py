@@ -1,7 +1,5 @@
 """Means, ranks and profiles against scipy, their definitions, and tables worked by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Intervals and paired tests against exact distributions, scipy, R and brute force."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -1,7 +1,5 @@
 """The report as TeX: escapes, tables that fit, and a file that pdflatex compiles."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 

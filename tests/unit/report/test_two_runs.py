@@ -1,7 +1,5 @@
 """Two runs compared: made-up rows whose changes are known, and SciPy's tests beside ours."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Pages of a few topics, for the tests of one of them; pages with PDF files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath

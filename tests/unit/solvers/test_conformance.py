@@ -1,7 +1,5 @@
 """What every registered solver must do, whatever its method."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 The campaign holds frames and the check beside the truth for each of `FOUND`.
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest

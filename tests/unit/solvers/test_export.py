@@ -1,7 +1,5 @@
 """Exported models: read back, solved, and evaluated at the closed form's solutions."""
 
-from __future__ import annotations
-
 import math
 import re
 

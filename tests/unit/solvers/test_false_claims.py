@@ -1,7 +1,5 @@
 """The list of false claims, put to the engines again: `tests/false_claims.toml`."""
 
-from __future__ import annotations
-
 import tomllib
 import warnings
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """solve_frame: one judged row a scenario, the same columns whatever the solver."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar

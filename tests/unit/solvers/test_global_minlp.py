@@ -1,7 +1,5 @@
 """disjunctive and global-nlp: the models, the engines, and what is claimed of their answers."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os

@@ -1,7 +1,5 @@
 """Plug-ins that hand in nonsense, change what they were asked, or lie: judged."""
 
-from __future__ import annotations
-
 import ast
 import math
 from fractions import Fraction

@@ -3,8 +3,6 @@
 Guesses are a factor of their own: equal for two formulations, blind, and named in the row.
 """
 
-from __future__ import annotations
-
 import math
 from importlib.util import find_spec
 

@@ -3,8 +3,6 @@
 casadi's expressions carried out with other operands.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import time

@@ -3,8 +3,6 @@
 The engines that come with wheels of their own: NLopt, Uno, APOPT.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import re

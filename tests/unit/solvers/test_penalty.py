@@ -1,7 +1,5 @@
 """penalty: its function against driven paths, grids and theory; its engines over seeds."""
 
-from __future__ import annotations
-
 import math
 from itertools import count
 

@@ -1,7 +1,5 @@
 """The presolve: right by brute force, silent near a circle, the same for every engine, marked."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Solvers by name, by settings and by file; what is refused; a repeat has a seed of its own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 

@@ -4,8 +4,6 @@ heading-milp beside brute force over its grid, linear programming, and the close
 headings on the way to an answer (`trace=true`).
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise, product
 from pathlib import Path

@@ -1,7 +1,5 @@
 """shooting: equations against an integrator, sign conditions against theory, answers judged."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

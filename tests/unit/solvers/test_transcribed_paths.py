@@ -4,8 +4,6 @@ What turning to one side proves of the words LS and RS: nothing. Collocation and
 an integrator; the engines of turn-rate-qp.
 """
 
-from __future__ import annotations
-
 import math
 from time import process_time
 

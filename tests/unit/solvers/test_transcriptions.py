@@ -3,8 +3,6 @@
 The equations of multiple shooting beside an ODE integrator, and its engines.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

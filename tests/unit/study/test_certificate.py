@@ -3,8 +3,6 @@
 A certificate is of the path itself: no adversary that looks like a shortest path is proved.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ The adversary (`tests/adversary`) tests that those of a free final heading hold 
 compares its loops with the scalar form.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple

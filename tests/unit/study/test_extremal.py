@@ -4,8 +4,6 @@ The functions for two arcs against the general code for any number of arcs; cost
 of final headings against differences of the lengths of legs.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -4,8 +4,6 @@ The proofs are by ball arithmetic over the whole range of an argument: the polyn
 from its function by Taylor expansion on every piece of the range, what rounding adds step by step.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from fractions import Fraction

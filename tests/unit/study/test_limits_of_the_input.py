@@ -1,7 +1,5 @@
 """The edges of what a scenario may be: all that is accepted is judged, and nothing raises."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Paths against an ODE integrator, geometry and symmetry."""
 
-from __future__ import annotations
-
 import json
 import math
 from xml.etree.ElementTree import fromstring

@@ -1,7 +1,5 @@
 """One leg with a final heading: the six words against search, peers, symmetries and differences."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

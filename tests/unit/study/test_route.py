@@ -1,7 +1,5 @@
 """The certified search: its paths, printed routes, limits. `tests/adversary` attacks its bounds."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The check of routes and of final headings: what it accepts, what it compares with."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

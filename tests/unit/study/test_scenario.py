@@ -1,7 +1,5 @@
 """Scenarios, frames and rows, via points and final headings too: accepted, or refused and why."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import re

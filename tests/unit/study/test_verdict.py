@@ -3,8 +3,6 @@
 The campaign compares both with an oracle of 60 digits.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Where a path visits points: against dense sampling, and at the edges of its arcs."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ any multipliers, and with the right ones its error falls with the square of the 
 of all words stands beside lengths that other code of the package computes.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

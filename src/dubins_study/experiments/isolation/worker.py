@@ -106,14 +106,21 @@ class _Worker:
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
             answer = no_answer(outcome, exception_text(error))
-            digest = self._solvers[key].code_digest if key in self._solvers else ""
-            reply = encode_reply(WorkerReply(answer, started, "", digest))
+            reply = encode_reply(WorkerReply(answer, started, "", _digest(spec, profile)))
         if kind == "solve":
             return reply, bool(self._state.changes())
         if reply is not None:
             self._refused[key] = reply
         self._state.accept()
         return None, False
+
+
+def _digest(spec: str, profile: str) -> str:
+    """The digest of a solver's code, or nothing of one that is too broken to have one."""
+    try:
+        return code_digest(spec, profile)
+    except BaseException:  # of a plug-in
+        return ""
 
 
 def _load(spec: str, profile: str) -> _LoadedSolver:
