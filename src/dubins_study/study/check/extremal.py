@@ -81,45 +81,59 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
     if not math.isfinite(turns + sum(lengths)):
         return None, None
-    driven = pieces(path, radius)
-    if not driven.u.size:
-        return None, math.pi if free else None
-    arcs = _at_full_rate(driven.u.tolist(), driven.length.tolist())
-    word = _free_word(arcs) if free else _posed_word(arcs)
+    word = _free_word(rates, lengths) if free else None
     if word is None:
-        return extremal(driven, free), None
+        driven = pieces(path, radius)
+        if not driven.u.size:
+            return None, math.pi if free else None
+        rates, lengths = driven.u.tolist(), driven.length.tolist()
+        word = _free_word(rates, lengths) if free else _posed_word(rates, lengths)
+        if word is None:
+            return extremal(driven, free), None
     cut: float | None = None
     if free:
-        x, y, abnormal, H, margin, cut = costates(driven.heading, *word)
+        x, y, abnormal, H, margin, cut = costates(path.start.heading, *word)
     else:
-        x, y, abnormal, H, margin = pose_costates(driven.heading, *word)
+        x, y, abnormal, H, margin = pose_costates(path.start.heading, *word)
     transversality = 0.0 if free else None
     return Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin)), cut
 
 
-def _at_full_rate(u: list[float], length: list[float]) -> list[tuple[float, float]]:
-    """Pieces as rates 1, 0 or -1 and lengths; none if that is another path than theirs."""
+def _free_word(u: list[float], length: list[float]) -> list[float] | None:
+    """Rates and lengths of S, C, CS or CC at full rate; None if pieces are another path.
+
+    A piece that is next to nothing is left out if the path then still ends where it did.
+    """
+    if not 0 < len(u) <= 2:
+        return None
+    pieces = [(k, s) for k, s in zip(u, length, strict=True) if s != 0.0]
+    (u1, l1), (u2, l2) = (*pieces, _NO_PIECE, _NO_PIECE)[:2]
+    total = l1 + l2
+    allowed, short = ARRIVES + DRIVEN * total, NO_LENGTH * min(1.0, total)
+    t1, t2 = nearest_rate(u1), nearest_rate(u2)
+    off1, off2 = abs(u1 - t1), abs(u2 - t2)
+    # bounds the distance between the ends: a heading that is off moves all that is driven after
+    moved = off1 * l1 * (0.5 * l1 + l2) + 0.5 * off2 * l2 * l2
+    turn1, turn2 = abs(u1) * l1, abs(u2) * l2
+    without1 = 0.5 * off2 * l2 * l2 + l1 + turn1 * l2
+    without2 = 0.5 * off1 * l1 * l1 + l2
+    if l1 <= short and turn1 <= NO_TURN and without1 <= allowed:
+        t1, l1, off1, t2, l2, off2, moved = t2, l2, off2, 0.0, 0.0, 0.0, without1
+    elif l2 <= short and turn2 <= NO_TURN and without2 <= allowed:
+        t2, l2, off2, moved = 0.0, 0.0, 0.0, without2
+    full = max(off1, off2) <= FULL_RATE and moved <= allowed
+    letters = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
+    return [t1, l1, t2, l2] if full and letters and l1 > 0.0 else None
+
+
+def _posed_word(u: list[float], length: list[float]) -> list[float] | None:
+    """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
     rates, total = [nearest_rate(k) for k in u], sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # how far the end lies off what is driven at full rates
     if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > ARRIVES + DRIVEN * total:
-        return []
-    return list(zip(rates, length, strict=True))
-
-
-def _free_word(arcs: list[tuple[float, float]]) -> list[float] | None:
-    """Rates and lengths of S, C, CS or CC; None if arcs are no such word."""
-    if not 0 < len(arcs) <= 2:
         return None
-    (u1, l1), (u2, l2) = (*arcs, _NO_PIECE)[:2]
-    named = len(arcs) == 1 or (u1 != 0.0 and u2 in (0.0, -u1))
-    return [u1, l1, u2, l2] if named else None
-
-
-def _posed_word(arcs: list[tuple[float, float]]) -> list[float] | None:
-    """Rates and lengths of CSC or CCC, or a part of one; None if arcs are no such word."""
-    if not 0 < len(arcs) <= 3:
-        return None
+    arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0:

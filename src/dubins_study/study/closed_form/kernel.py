@@ -291,18 +291,16 @@ def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
         word[i] = code if sound else NO_PATH
 
 
-# the rates of each word's first and of its last letter, and that there is no third; a segment left
-# out has no length
-RATES = np.array(
-    [[TURN[word[0]], TURN[word[-1]], math.nan] if word else [0, 0, math.nan] for word in WORDS]
-)
+# the rates of each word's first and last letter, and that there is no third, nor any of no word
+RATES = np.full((len(WORDS), 3), math.nan)
+RATES[1:, :2] = [(TURN[word[0]], TURN[word[-1]]) for word in WORDS[1:]]
 
 
 @compiled
 def curvatures(word: CodeArray, radius: FloatArray, out: FloatArray) -> None:
     """Curvatures of both segments of each word, into `out` of shape (2, n), 1 / length unit."""
     for i in range(word.size):
-        code = word[i] if word[i] < len(RATES) else 0
+        code = word[i] if 0 < word[i] < len(RATES) else 1  # straight for those of no length
         out[0, i] = RATES[code, 0] / radius[i]
         out[1, i] = RATES[code, 1] / radius[i]
 
