@@ -30,14 +30,13 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
                 place = f"{file}: line {reader.line_num}"
                 if None in row:  # as of numbers with a decimal comma
                     raise CommandError(f"{place} has more cells than the first line")
-                if any(cell.strip() for cell in row.values()):
-                    x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
-                    if points[-1:] == [(x, y)]:
-                        again = f"x,y is {x},{y}, the same point as in line {line_before}"
-                        raise CommandError(f"{place}: {again}; expected a point apart from it")
-                    points.append(Point(x, y))
-                    names.append(row.get("name", "").strip())
-                    line_before = reader.line_num
+                x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
+                if points[-1:] == [(x, y)]:
+                    again = f"x,y is {x},{y}, the same point as in line {line_before}"
+                    raise CommandError(f"{place}: {again}; expected a point apart from it")
+                points.append(Point(x, y))
+                names.append(row.get("name", "").strip())
+                line_before = reader.line_num
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:

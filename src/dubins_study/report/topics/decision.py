@@ -30,13 +30,16 @@ _NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
 def surest(rows: pd.DataFrame) -> pd.DataFrame:
     """Of each formulation, its guesses and each experiment, the method that is most surely right.
 
-    The lower end of the interval decides, then the median time. Indexed by experiment, formulation
-    and guesses; columns solver, share, low, high, trials and wall_s (median).
+    Of those asked more than half as often as any, so that no sample displaces the whole: the lower
+    end of the interval decides, then the median time. Indexed by experiment, formulation and
+    guesses; columns solver, share, low, high, trials and wall_s (median).
     """
     keys = ["experiment", *_KIND, "solver"]
     shares = scenario_shares(rows, by=keys, success="right", scenario=["question"])
     shares = shares.assign(wall_s=rows.groupby(keys, observed=True)["wall_s"].median())
-    ranked = shares.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
+    asked = shares["trials"].groupby(keys[:-1], observed=True).transform("max")
+    whole = shares[2 * shares["trials"] > asked]
+    ranked = whole.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
     found = ranked.reset_index().drop_duplicates(keys[:-1]).set_index(keys[:-1])
     return found[["solver", "share", "low", "high", "trials", "wall_s"]]
 
@@ -181,9 +184,10 @@ def _tables(
     attempts: Compared, rows: pd.DataFrame, labels: Mapping[str, str], *, few: bool, each: bool
 ) -> tuple[Table, ...]:
     """A line for each formulation and kind of guess; first those of the surest kind alone."""
-    best, stop = surest(rows), stops(rows, attempts.strata)
     # an engine at other options is asked a sample only, and would count twice
-    ended = ends(rows) | ends(rows[rows["solver"].map(_equal)])
+    equal, best = rows[rows["solver"].map(_equal)], surest(rows)
+    stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
+    ended = ends(rows) | ends(equal)
     knows = rows.groupby("solver", observed=True)["knows"].first()
     experiments = list(dict.fromkeys(rows["experiment"]))
     by_kind: dict[tuple[str, str], dict[str, Any]] = {}

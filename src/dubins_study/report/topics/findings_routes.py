@@ -80,12 +80,14 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     line = surest.iloc[0]
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
     own_s, rival_s = seconds(both[EXACT].median()), seconds(both[name].median())
+    tied = [evidence.name(str(solver)) for solver in surest.index[surest["low"] == line["low"]][1:]]
+    also = f" (as many as {', '.join(tied)})" if tied else ""
     return Finding(
         "Ask for a proof of a route, not only of a leg: the search with a proof closes "
         f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
         f"{seconds(own.loc[own['legs'] == own['legs'].max(), 'wall_s'].median())}. The surest "
-        f"engine, {_named(evidence, name, rows)}, finds {rival.percent_text()} and proves none; "
-        f"where both are right the search takes {times_} (geometric means).",
+        f"engine, {_named(evidence, name, rows)}, finds {rival.percent_text()}{also} and proves "
+        f"none; where both are right the search takes {times_} (geometric means).",
         ratios[0],
         TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that both answer, medians {own_s} and "
