@@ -45,6 +45,7 @@ def status_text(progress: Status) -> str:
         lines.append(f"left      {left}: {_listed(progress.left)}")
     if progress.failing:
         lines.append(f"failing   {sum(progress.failing.values())}: {_listed(progress.failing)}")
+    lines += [f"reason    {plain(reason)}" for reason in progress.reasons[:_MOST_NAMES]]
     if progress.stale:
         lines.append(f"stale     {progress.stale} rows of earlier code, which count for nothing")
     if progress.damaged:

@@ -16,7 +16,7 @@ from dubins_study.study.rows.parts import ResultsError, folder_paths
 
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
-_COLUMNS = ["outcome", "verdict", "run_id", "wall_s"]  # beside those of the key
+_COLUMNS = ["outcome", "verdict", "message", "run_id", "wall_s"]  # beside those of the key
 _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "engine"}
 
 
@@ -28,6 +28,7 @@ class Status:
         cells: number of cells that it should hold.
         left: solver -> number of cells that are not done; only solvers with cells left.
         failing: outcome -> number of rows, without `returned`.
+        reasons: why solvers are unavailable.
         verdicts: solver -> verdict -> number of rows; the outcome replaces a missing verdict.
         stale: number of rows of earlier code, which do not count.
         damaged: number of parts that cannot be read.
@@ -45,6 +46,7 @@ class Status:
     done: int
     left: dict[str, int]
     failing: dict[str, int]
+    reasons: list[str]
     verdicts: dict[str, dict[str, int]]
     stale: int
     damaged: int
@@ -85,7 +87,7 @@ def status(folder: str | FilePath) -> Status:
         else:
             break
     # a spoilt row may lack any of them
-    rows = table.to_pandas().fillna({"outcome": "", "verdict": "", "wall_s": 0.0})
+    rows = table.to_pandas().fillna({"outcome": "", "verdict": "", "message": "", "wall_s": 0.0})
     return _status(place, manifest, rows, len(damaged), live)
 
 
@@ -112,6 +114,7 @@ def _status(
         done=len(current),
         left=left,
         failing=_counts(failed),
+        reasons=current.loc[current["outcome"] == "unavailable", "message"].unique().tolist(),
         verdicts={str(s): _counts(group) for s, group in endings.groupby(current["solver"])},
         stale=len(rows) - len(current),
         damaged=damaged,
