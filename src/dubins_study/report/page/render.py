@@ -143,7 +143,8 @@ def _check_target(target: FilePath) -> None:
     if target.exists() and not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
     entries = {entry.name for entry in target.iterdir()} if target.exists() else set()
-    if others := entries - _WRITTEN - _BY_LATEX:
+    ours = _WRITTEN | _BY_LATEX if "report.md" in entries else set()  # a page alone may be any
+    if others := entries - ours:
         raise ReportError(
             f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
         )
