@@ -317,15 +317,13 @@ def test_progress_is_told(results, tmp_path):
 
 def test_a_place_that_cannot_be_written_is_refused(results, tmp_path):
     folder = results("tiny", [attempt(paper_scenarios()[0])])
-    (tmp_path / "file").write_text("mine")
-    (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "thesis.txt").write_text("mine")
-
-    for out in ("file", "file/below", "full"):
+    cases = {"file": "file", "file/below": "file", "full": "full/a.txt", "site": "site/index.html"}
+    for out, kept in cases.items():
+        (tmp_path / kept).parent.mkdir(exist_ok=True)
+        (tmp_path / kept).write_text("mine")
         with pytest.raises(ReportError, match=out.split("/")[0]):
             topic_page(folder, tmp_path / out, "summary")
-    assert (tmp_path / "file").read_text() == "mine"
-    assert [p.name for p in (tmp_path / "full").iterdir()] == ["thesis.txt"]
+        assert (tmp_path / kept).read_text() == "mine"
 
 
 def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
