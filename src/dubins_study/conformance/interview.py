@@ -166,7 +166,8 @@ class Interview:
         An UnfinishedError if the time for all questions is over, or too many were not answered.
         """
         key = (question.scenario, question.branch, question.repeat, limit)
-        if not again and key in self._answers:
+        cold = question.initial_guess is None  # a guess is no part of the key
+        if cold and not again and key in self._answers:
             return self._answers[key]
         if monotonic() > self._end:
             raise UnfinishedError(
@@ -182,7 +183,8 @@ class Interview:
         seen = Seen(answer, question, observed, files, monotonic() - began, limit)
         self._timeouts = self._timeouts + 1 if answer.outcome is Outcome.TIMEOUT else 0
         self.seen.append(seen)
-        self._answers.setdefault(key, seen)
+        if cold:
+            self._answers.setdefault(key, seen)
         return seen
 
     def _new_files(self) -> tuple[str, ...]:

@@ -211,9 +211,8 @@ def _finding(found: Finding, width: int) -> str:
 
 
 def _wrapped(text: str, width: int, hanging: str = "") -> str:
-    wrapper = TextWrapper(width, subsequent_indent=hanging, break_long_words=False)
-    wrapper.break_on_hyphens = False
-    return wrapper.fill(text)
+    whole = {"break_long_words": False, "break_on_hyphens": False}
+    return TextWrapper(width, subsequent_indent=hanging, **whole).fill(text)
 
 
 def _verdict(report: ConformanceReport) -> tuple[str, str]:

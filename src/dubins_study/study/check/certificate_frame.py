@@ -35,7 +35,7 @@ _pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nea
 
 PROOFS = tuple(Proof)
 _TURN = 2 * math.pi
-_FULL_RATE = 8.0 * EPS  # what rounding leaves of three rates
+_ROUNDED_RATES = 8.0 * EPS  # what rounding leaves of three rates
 _NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
 _DEFAULT = Tolerances()
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
@@ -182,7 +182,7 @@ def _measure_rows(
         clear = (0.0 < a + b + c < math.inf) & ((a == 0.0) | (a > _NEXT_TO))
         clear &= ((b == 0.0) | (b > _NEXT_TO)) & ((c == 0.0) | (c > _NEXT_TO))
         off = abs(u - turn1) + abs(v - turn2) + abs(w - turn3)
-        clear &= off <= _FULL_RATE  # False for NaN, which a maximum may pass over
+        clear &= off <= _ROUNDED_RATES  # False for NaN, which a maximum may pass over
         if free:
             straight = (turn2 == 0.0) & ((turn1 != 0.0) | (b == 0.0))
             word = (c == 0.0) & (straight | (turn1 * turn2 == -1.0))
