@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from itertools import groupby
-from textwrap import TextWrapper, indent
+from textwrap import fill, indent
 from typing import Any
 
 from dubins_study.study.values import plain, printable_text
@@ -211,8 +211,9 @@ def _finding(found: Finding, width: int) -> str:
 
 
 def _wrapped(text: str, width: int, hanging: str = "") -> str:
-    whole = {"break_long_words": False, "break_on_hyphens": False}
-    return TextWrapper(width, subsequent_indent=hanging, **whole).fill(text)
+    return fill(
+        text, width, subsequent_indent=hanging, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _verdict(report: ConformanceReport) -> tuple[str, str]:
