@@ -156,7 +156,7 @@ def test_ctrl_c(experiment, tmp_path, signals):
     kept = len(done(out))
     assert process.returncode == 130, err
     assert time.monotonic() - began < 300  # long before the nap is over, on a busy machine too
-    assert f"interrupted; what was done is kept, run the same command to go on ({kept} of" in err
+    assert f"interrupted; {kept} of 30 cells are done and kept; run the same command" in err
     assert (0 < kept < 30) if signals == 1 else kept == 0
     assert "Traceback" not in err
     assert "distributed" not in err

@@ -101,7 +101,7 @@ def test_after_a_fresh_run_the_same_command_would_throw_away(experiment, tmp_pat
     )
 
     assert code == 130, err
-    assert "what was done is kept, run the same command without --restart to go on (" in err
+    assert "cells are done and kept; run the same command without --restart to go on" in err
     (entry,) = manifest(out)["runs"]
     assert entry["state"] == "interrupted"
     assert entry["ended"] >= entry["started"]

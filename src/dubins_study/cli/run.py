@@ -104,6 +104,6 @@ def _interruptible(restart: bool, counts: list[int]) -> Iterator[Interruption]:
             yield stop
     except KeyboardInterrupt:
         next_step = "run the same command without --restart" if restart else "run the same command"
-        cells = " ({} of {} cells done)".format(*counts) if counts else ""
-        print(f"interrupted; what was done is kept, {next_step} to go on{cells}", file=sys.stderr)
+        kept = "{} of {} cells are done and kept; ".format(*counts) if counts else ""
+        print(f"interrupted; {kept}{next_step} to go on", file=sys.stderr)
         raise typer.Exit(130) from None

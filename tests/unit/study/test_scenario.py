@@ -311,7 +311,7 @@ def test_points_and_legs_of_a_route():
         np.array([[4, 1], [6, -2]]),
         np.array([[4, 1], [6, -2]], dtype=np.float32),
         zip([4, 6], [1, -2], strict=True),
-        pd.DataFrame({"x": [4, 6], "y": [1, -2]}).to_numpy(),
+        pd.DataFrame({"x": [4, 6], "y": [1, -2]}),
     ],
 )
 def test_via_points_of_every_kind_are_one_value(via):
