@@ -97,7 +97,7 @@ def test_what_solvers_print_stays_theirs(shared):
     """stdout holds the run's own summary; no log on stderr grows with what solvers print."""
     out, err = shared.ended.out, shared.ended.err
 
-    for theirs in ("flood", "variables", "Assertion", "<script>", "\x1b[31mred"):
+    for theirs in ("flood", "variables", "licence licence", "Assertion", "<script>", "\x1b[31mred"):
         assert theirs not in out
     # of a solver's name, the place of its file counts for nothing
     assert len(out.replace(str(Path(__file__).parent), "")) < 10_000

@@ -370,12 +370,12 @@ _EQUATOR, _SQUARED_ECCENTRICITY = 6378137.0, 6.69437999014e-3
 
 def _on_earth(points: FloatArray, origin: tuple[float, float]) -> FloatArray:
     """Longitude and latitude (degrees) of points east and north (m) of one; shape (n, 2)."""
-    wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
     try:
         latitude, longitude = map(real_number, origin)
-    except (TypeError, ValueError):
-        raise ValueError(f"origin is {short(origin)}; expected {wanted}") from None
+    except (TypeError, ValueError, OverflowError):  # no pair, or no numbers
+        latitude = longitude = math.nan
     if not (abs(latitude) < 90 and abs(longitude) <= 180):
+        wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
         raise ValueError(f"origin is {short(origin)}; expected {wanted}")
     phi = math.radians(latitude)
     w = 1 - _SQUARED_ECCENTRICITY * math.sin(phi) ** 2

@@ -215,9 +215,9 @@ def _via(points: Any) -> tuple[tuple[float, float], ...]:
         return ()
     if isinstance(points, str | bytes | Mapping | Set):  # which no order or no pairs are in
         raise ScenarioError(f"via is {short(points)}; {_PAIRS}")
-    if hasattr(points, "to_numpy"):  # a frame gives the names of its columns where it is iterated
-        points = points.to_numpy()
     try:
+        if hasattr(points, "to_numpy"):  # a frame that is iterated gives the names of its columns
+            points = points.to_numpy()
         pairs = [tuple(point) for point in points]
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"via is {short(points)}; {_PAIRS}") from None

@@ -168,7 +168,7 @@ def test_an_origin_turns_metres_into_degrees():
     assert end_lat == pytest.approx(46, abs=1e-5)
     east = Path(Pose(0, 0, 0), [0.0], [78_846.8]).to_geojson(origin=(45, 8))
     assert east["geometry"]["coordinates"][1] == pytest.approx([9, 45], abs=1e-5)
-    for origin in ((91, 0), (90, 0), (0, 181), (math.nan, 0), 5, (45,), ("45", 8)):
+    for origin in ((91, 0), (90, 0), (0, 181), (math.nan, 0), 5, (45,), ("45", 8), (10**400, 8)):
         with pytest.raises(ValueError, match="expected latitude between"):
             path.to_geojson(origin=origin)
 
