@@ -127,7 +127,9 @@ FORMULATION_LIST = (
     ),
     # of routes, and of one leg too
     Formulation(
-        *("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}), knows="shape"
+        *("joint NLP, LRSLR a leg", "joint LRSLR", {NLP: "route-nlp[engine={}]"}),
+        knows="shape",
+        several=True,
     ),
     Formulation(
         *("headings", "headings"),

@@ -243,10 +243,10 @@ def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
         # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
         claim = Claim.FEASIBLE
     elif claim is not Claim.LOCAL:
-        # to meet all points, or a target by rates of one sign, is always possible: what an engine
-        # calls infeasible there is its own neighbourhood
+        # of LS and RS it is the engine's word of its own neighbourhood: rates of one sign may still
+        # reach the target by longer turns
         none = {run.claim for run in runs} == {Claim.INFEASIBLE}
-        said = none and course.free_leg and model.question.branch == "best"
+        said = none and model.question.branch == "best"
         claim = Claim.INFEASIBLE if said else Claim.FAILED
     path = None
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:

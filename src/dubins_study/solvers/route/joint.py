@@ -68,9 +68,10 @@ class RouteNlp(EngineSolver):
         model: `joint` leaves all five arcs of a leg open; `words` those of one word, which a
             dynamic program over a grid of headings finds beforehand, with the closed form of a leg.
         headings: of that grid, at each point.
-        initial_guess: `bearing` or `one` (turn toward the next point, then go straight), `words`
-            (of the model `joint` the shortest legs between headings toward the next points, which
-            tells the engine a word a leg; of `words` the path on the grid), `straight` (the lines
+        initial_guess: `one` (turn toward the next point, then go straight), `bearing` (`one`, and
+            where it fails and the leg is one with a free final heading, `words`), `words` (of the
+            model `joint` the shortest legs between headings toward the next points, which tells
+            the engine a word a leg; of `words` the path on the grid), `straight` (the lines
             between the points, with their headings), `zero` or `random` (arcs up to a full turn,
             straights up to twice the distance plus 2).
         seed: of random guesses; the number of the repeat is added to it.
@@ -128,7 +129,8 @@ class RouteNlp(EngineSolver):
             return Run(self.model, seconds, *result, length=length)
 
         guesses = self._guesses(model)
-        attempts = Attempts(guesses, run, lambda run: False)  # every guess is tried
+        enough = self.initial_guess == "bearing"  # of the others every guess is tried
+        attempts = Attempts(guesses, run, lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
@@ -136,6 +138,8 @@ class RouteNlp(EngineSolver):
         route = model.route
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
+            if self.initial_guess == "bearing" and model.question.scenario.one_free_leg:
+                yield words_guess(route, model.known)
         elif self.initial_guess == "words":
             yield words_guess(route, model.known)
         elif self.initial_guess == "straight":
@@ -155,12 +159,11 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     question, route, places, program, _ = model
     scenario, equations = question.scenario, program.functions.equations
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
-    if claim is Claim.INFEASIBLE:
-        # a path always exists: it is the engine's word of its own neighbourhood
-        claim = Claim.FAILED
+    if claim is Claim.INFEASIBLE and places != (_ALL,) * route.legs:
+        claim = Claim.FAILED  # of these words: others may have a path
     n = route.legs
     path = None
-    if np.isfinite(best.point).all():
+    if claim is not Claim.INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
     return Solution(
