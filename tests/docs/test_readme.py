@@ -16,7 +16,7 @@ from dubins_study.report.topics.decision import decision_section
 
 ROOT = Path(__file__).parents[2]
 # Columns of the page's table that README shows.
-SHOWN = ("method", "knows", "suite_0", "suite_1", "suite_2", "false_claims", "stops")
+SHOWN = ("method", "knows", "suite_0", "suite_1", "suite_2", "false", "stops")
 
 
 def table_lines() -> list[str]:
@@ -107,25 +107,9 @@ def test_both_notebooks_are_pages():
     assert (ROOT / "docs" / "notebooks").resolve() == NOTEBOOKS[0].parent
 
 
-# What the format's schema, version 1.2.0, requires of a file, and of a reference; and their values.
-REQUIRED = {"cff-version", "message", "title", "authors"}
-KNOWN = REQUIRED | {"type", "abstract", "version", "license", "keywords", "references"}
-
-
 @pytest.fixture(scope="module")
 def citation():
     return yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-
-
-def test_the_file_has_the_keys_of_its_format(citation):
-    """All that are required, none that the format does not know, every author with a name."""
-    assert set(citation) >= REQUIRED
-    assert set(citation) <= KNOWN
-    assert citation["cff-version"] == "1.2.0"
-    assert citation["type"] in ("software", "dataset")
-    assert all(set(author) == {"name"} for author in citation["authors"])
-    for reference in citation["references"]:
-        assert set(reference) >= {"type", "title", "authors"}
 
 
 def test_the_file_agrees_with_the_package(citation):

@@ -32,7 +32,7 @@ WORDS = ("one NLP a word", "words")
 
 
 def row(question, solver, **changes):
-    made = {"experiment": "leg", "guesses": "words"} | changes
+    made = {"experiment": "leg", "guesses": "words", "outcome": "returned"} | changes
     return compared_row(question, solver, **made)
 
 
@@ -52,16 +52,21 @@ def test_the_surest_is_the_one_with_the_highest_lower_end():
 
 
 def test_every_attempt_ends_in_one_way():
-    """Two engines of one formulation; a right answer that came late is late, not right."""
+    """Two engines of one formulation; a right answer that came late is late, not right.
+
+    Attempts that were not made can make no false claim.
+    """
     kinds = [
         *({"verdict": "longer", "right": False}, {"verdict": "misses", "right": False}),
         *({"verdict": "none", "right": False}, {"right": False, "late": True}, {}),
     ]
     rows = [row(q, "ab"[q % 2], **kinds[q % 5]) for q in range(20)]
     rows[0]["false_claim"] = True
+    rows[2]["outcome"] = "not_asked"
     end = ends(pd.DataFrame(rows))[WORDS]
 
-    assert end == {"longer": 0.2, "misses": 0.2, "late": 0.2, "none": 0.2, "false_claims": 1}
+    shares = {"longer": 0.2, "misses": 0.2, "late": 0.2, "none": 0.2}
+    assert end == shares | {"false_claims": 1, "asked": 19}
 
 
 def test_an_engine_stops_where_it_is_right_on_half_or_fewer():
@@ -267,7 +272,7 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
     assert "choose no engine" in every.caption
     assert not every.frame["suite_0"].str.contains("\n").iloc[0]
     assert sorted(beside.frame["method"]) == sorted(lines)
-    assert beside.marks == {(0, "false_claims"): "bad"}
+    assert beside.marks == {(0, "false"): "bad"}
     assert chosen.frame["method"].tolist() == ["MySolver", "closed form", WORDS[0]]
     assert [text.partition("\n")[0] for text in chosen.frame["suite_0"][1:]] == [
         "analytic",

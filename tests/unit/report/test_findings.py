@@ -3,6 +3,7 @@
 A finding that no effect can remove, or that no effect can make, would be a typed one.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from dubins_study.report.elements.content import General
 from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
+from dubins_study.report.topics.caution import proved_routes
 from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding, chosen_share
 from dubins_study.report.topics.findings_routes import exponent
@@ -161,7 +163,7 @@ CASES = [
     Case(
         found.growth,
         partial(routes, power=2.0, sizes=(10, 20, 50, 100)),
-        ("Ipopt (bearing) on one NLP a word grows with the power 2.0 (", "with 1.0 ("),
+        ("on one NLP a word (105 ms to 10.6 s) grows with the power 2.0 (", "with 1.0 ("),
         2.0,
     ),
     Case(
@@ -212,9 +214,52 @@ def test_a_finding_is_said_of_its_effect_alone(case):
     assert low <= value <= high
     assert questions == MANY or case.find is found.where_engines_stop
     ratio = finding.unit == found.TIMES and case.find is not found.presolve
-    assert ratio == ("that both answer, medians" in finding.question)
+    assert ratio == ("answer, medians" in finding.question)
     for rows in (case.made(MANY, False), case.made(FEW, True), one, failed):
         assert case.find(evidence(rows)) is None
+
+
+def test_guesses_are_told_apart():
+    """From one guess the words are better, from a straight line worse: each is said by itself."""
+    one = {"guess": "one", "guesses": "one"}
+    joint = of_two(BOTH_ORDERS | one, IPOPT | one, lambda q: {"right": q % 4 != 0})
+    words = of_two(BLIND, BLIND | {"solver": "b", "formulation": JOINT}, half_wrong)
+    finding = found.words_against_joint(evidence(joint(MANY, True) + words(MANY, True)))
+
+    assert finding.sentence.startswith("Pose one problem a word: from a straight line")
+    assert "; from one guess toward the target by −26.7 (" in finding.sentence
+    assert "1 method" in finding.question
+
+
+def test_the_search_is_held_against_the_fastest_of_those_that_are_as_sure():
+    """On short and on long routes by itself; an engine that is never right is not one of them."""
+    rows = [one | {"repeat": 0} for one in routes(80, True, slow=4.0, sizes=(2, 5, 100, 200))]
+    ipopt = [one for one in rows if one["solver"] == "ipopt"]
+    slsqp = [
+        one | {"solver": "slsqp", "engine": "SLSQP"} | {"wall_s": one["wall_s"] * (2, 0.5)[long]}
+        for one in ipopt
+        for long in [len(one["via_x"]) > 50]
+    ]
+    never = [one | {"solver": "uno", "engine": "Uno", "right": False} for one in ipopt]
+    sentence = found.proof_of_routes(evidence(rows + slsqp + never)).sentence
+
+    assert "Uno" not in sentence
+    assert "4.00 (4.00 to 4.00) times the time of Ipopt" in sentence
+    assert "8.00 (8.00 to 8.00) times the time of SLSQP" in sentence
+    assert (
+        found.proof_of_routes(evidence([one for one in rows if one not in ipopt] + never)) is None
+    )
+
+
+@pytest.mark.parametrize(("width", "said"), [(0.0, True), (1e-7, False), (math.nan, False)])
+def test_a_share_of_proved_routes_is_said_to_be_of_those_that_close(width, said):
+    """Not if one of them is open, and whoever was not asked has no reference."""
+    rows = [one | {"reference_low": 4.0} for one in routes(MANY, True)]
+    rows[0] |= {"reference_low": math.nan, "reference_high": math.nan}
+    rows[3]["reference_low"] -= 4.0 * width
+    rows[2]["reference_low"] -= 4.0 * width
+
+    assert (proved_routes(evidence(rows).compared) is not None) is said
 
 
 def test_who_is_asked_only_what_has_a_path_has_no_share_of_false_denials():

@@ -152,12 +152,13 @@ def bootstrap(
     return _with_ends(statistics, table.columns.rename("solver"))
 
 
-def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str]) -> pd.DataFrame:
+def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
     """The mean of all values of a table, for scenarios and engines like those that were sampled.
 
     A resample draws scenarios and, by itself, engines, with replacement, and takes the values where
     both meet (Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1): a sentence on engines in
-    general has to hold for other engines, too. Ends as those of `bootstrap`.
+    general has to hold for other engines, too. Ends as those of `bootstrap`; of one mean of
+    several those of all at once.
 
     The index of the table names the scenario of each row, `engines` the engine of each column; NaN
     was not measured. One row with the columns estimate, low and high; NaN without values.
@@ -173,15 +174,15 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str]) -> pd.DataFra
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
         sums = ((rows @ np.where(known, values, 0.0)) * columns).sum(axis=1)
         means = sums / ((rows @ known) * columns).sum(axis=1)
-    return _with_ends(means[:, np.newaxis], pd.Index(["all"]))
+    return _with_ends(means[:, np.newaxis], pd.Index(["all"]), of)
 
 
-def _with_ends(statistics: FloatArray, names: pd.Index[Any]) -> pd.DataFrame:
+def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
     """The first line of statistics (1 + resamples, columns), and the ends of the others."""
     frame = pd.DataFrame(index=names)
     frame["estimate"] = statistics[0]
-    frame["low"] = _quantiles(statistics[1:], _tail(), np.floor)
-    frame["high"] = _quantiles(statistics[1:], 1 - _tail(), np.ceil)
+    frame["low"] = _quantiles(statistics[1:], _tail(of), np.floor)
+    frame["high"] = _quantiles(statistics[1:], 1 - _tail(of), np.ceil)
     return frame
 
 

@@ -196,7 +196,13 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
             worst.append(f"{where}{table['name'][solver]} at {share(false)} of its {of}")
     most = "; most often, of those asked at least half as many questions as others: "
     said = f"{most}{'; '.join(worst)}" if worst else ""
-    return f"{number} of {some(len(table), 'method')} make false claims{said}."
+    false = rows.loc[rows["truth"] == FALSE, "proof"]
+    make = "makes" if number == 1 else "make"
+    return (
+        f"{number} of {some(len(table), 'method')} {make} false claims{said}. Infeasible, though "
+        f"there is a path: {count((false == PROOFS[3]).sum())} of "
+        f"{some(len(false), 'false claim')}."
+    )
 
 
 def _picture(table: pd.DataFrame) -> Picture:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT
+from dubins_study.report.data.attempts import EXACT, legs_of
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import BENCHMARK, General, Section, Table, Topic
@@ -12,12 +12,14 @@ from dubins_study.report.elements.formats import count, digits, seconds, share, 
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings import WARNINGS, findings
-from dubins_study.report.topics.findings_evidence import Estimate, Evidence, Finding
+from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Evidence, Finding
 from dubins_study.report.topics.ladder import profits_from_its_miss
+from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import FORMULATIONS
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
+_CLOSED = 1e-8  # relative width of a route's reference
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
@@ -28,9 +30,10 @@ def _exactly(number: float) -> Estimate:
 
 def overlapping_shares(attempts: Compared) -> Finding | None:
     """How finely a share of as many questions as there are is known."""
-    questions = int(attempts.answerable["question"].nunique())
-    if not questions:
+    asked = attempts.answerable.groupby("experiment")["question"].nunique()
+    if asked.empty:
         return None
+    questions = int(asked.min())
     low, high = wilson_interval(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
     return Finding(
@@ -38,7 +41,7 @@ def overlapping_shares(attempts: Compared) -> Finding | None:
         f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
         _exactly(points),
         "percentage points",
-        f"{some(questions, 'question')} with a path",
+        f"{some(questions, 'question')} with a path, the fewest of an experiment",
         "Summary",
     )
 
@@ -106,6 +109,24 @@ def shorter_paths(attempts: Compared) -> Finding | None:
     )
 
 
+def proved_routes(attempts: Compared) -> Finding | None:
+    """That all routes are ones which the search closes, if they are."""
+    rows = attempts.answerable[legs_of(attempts.answerable) > 1]
+    width = (rows["reference_high"] - rows["reference_low"]) / rows["reference_high"]
+    widths = width.groupby(rows["question"]).first()
+    if len(widths) < ENOUGH or not (widths <= _CLOSED).all():
+        return None
+    return Finding(
+        "Do not expect that the search closes such a share of all routes: those that it leaves "
+        "open are not among these, each of which has a shortest length that is proved to a "
+        f"relative {_CLOSED:.0e}.",
+        _exactly(len(widths)),
+        "routes",
+        some(len(widths), "route"),
+        TITLE,
+    )
+
+
 def missing_pairs(results: Results, attempts: Compared) -> Finding | None:
     """Pairs of a formulation and an engine that nobody asked, or could ask."""
     # the closed form is a formulation without an engine, and no pair
@@ -143,6 +164,7 @@ def caution_section(results: Results) -> Section | None:
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
+        proved_routes(attempts),
         shorter_paths(attempts),
         missing_pairs(results, attempts),
     ]

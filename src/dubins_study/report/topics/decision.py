@@ -19,11 +19,13 @@ from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
 from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.study.words import Outcome
 
 TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
 _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
+_ENDS = ("longer", "misses", "none", "late", "false_claims", "asked")
 _NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
 
 
@@ -48,15 +50,17 @@ def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
     """How the attempts of each formulation and kind of guess ended, all engines together.
 
     By formulation and guesses. Shares of all attempts: longer, misses, none (no path), and late (an
-    answer after the limit); false_claims is their number.
+    answer after the limit). Numbers: false_claims, and asked, the attempts that were made.
     """
     verdict, late = rows["verdict"], is_true(rows["late"])
     flags = {word: (verdict == word) & ~late for word in ("longer", "misses")}
     flags |= {"late": late, "none": ~(rows["right"] | late | flags["longer"] | flags["misses"])}
-    frame = pd.DataFrame(flags).groupby([rows[key] for key in _KIND]).mean()
-    false = is_true(rows["false_claim"]).groupby([rows[key] for key in _KIND]).sum()
+    made = rows["outcome"] != Outcome.NOT_ASKED
+    counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": made})
+    kinds = [rows[key] for key in _KIND]
+    frame = pd.DataFrame(flags).groupby(kinds).mean().join(counted.groupby(kinds).sum())
     ended: dict[tuple[str, str], dict[str, float]]
-    ended = frame.assign(false_claims=false).to_dict("index")  # type: ignore[assignment]
+    ended = frame.to_dict("index")  # type: ignore[assignment]
     return ended
 
 
@@ -206,19 +210,20 @@ def _tables(
             f"{100 * end[w]:.0f}" for w in ("longer", "misses", "none", "late")
         )
         lows = line.pop("lows")
-        line |= end | {"stops": stop.get(kind, ""), "asked": len(lows), "sure": np.mean(lows)}
+        line["false"] = f"{end['false_claims']:.0f} of {count(end['asked'])}"
+        line |= end | {"stops": stop.get(kind, ""), "suites": len(lows), "sure": np.mean(lows)}
     frame = pd.DataFrame([*by_kind.values()]).sort_values(
-        ["mine", "asked", "sure"], ascending=False, ignore_index=True
+        ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
     shown = (
         *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / late, %"),
-        *columns(count, false_claims="false claims"),
+        *columns(kind="cell", false="false claims"),
         *(columns(kind="cell", stops="legs") if stop else ()),
     )
     suites = [f"suite_{n}_{k}" for n, _ in enumerate(experiments) for k in _NUMBERS]
-    numbers = ("formulation", "guesses", "longer", "misses", "none", "late", *suites)
+    numbers = ("formulation", "guesses", *_ENDS, *suites)
     caption = sentences(
         f"The share right, with its 95 % interval by Wilson, then how the attempts end. Fewer than "
         f"{ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
@@ -227,14 +232,13 @@ def _tables(
         if each
         else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
         "attempts of all engines end at equal options.",
-        "False claims are attempts.",
+        "False claims are of the attempts that were made.",
         "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
     )
-    table = Table(
-        "decision", caption, frame, shown, marks(frame, "false_claims"), numbers, stacked=True
-    )
+    bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
+    table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
-    several = frame["asked"] >= min(2, len(experiments))
+    several = frame["suites"] >= min(2, len(experiments))
     first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
     which = "Of each formulation, of the kinds of guesses that most suites ask, the surest."
     return best_first(table, kinds, {*first}, which)

@@ -37,67 +37,102 @@ WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
 TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
+# Initial guesses in a sentence.
+_FROM = {
+    "one": "one guess toward the target",
+    "words": "one guess a word",
+    "straight": "a straight line",
+    "bearing": "several guesses",
+}
 
 
 def words_against_joint(evidence: Evidence) -> Finding | None:
-    """One problem a word against the joint model, at equal guesses.
+    """One problem a word against the joint model, guess by guess.
 
     Engine by engine; both of a pair are presolved, or neither. Of one leg alone: a route's words
-    come from a dynamic program with the closed form, so that the two know and begin unlike.
+    come from a dynamic program with the closed form, so that the two know and begin unlike. The
+    guess with the largest clear difference heads the sentence, the others follow.
     """
     same = ["engine", "guess", "guesses", "presolve", "settings"]
-    pairs = evidence.pairs(same, "formulation", WORDS, JOINT)
-    return _difference(
+    kinds: dict[str, list[Pair]] = {}
+    for pair in evidence.pairs(same, "formulation", WORDS, JOINT):
+        guess = str(evidence.methods["guess"][pair[0]])
+        kinds.setdefault(_FROM.get(guess, guess), []).append(pair)
+    each = {guess: _points(evidence, pairs, len(kinds)) for guess, pairs in kinds.items()}
+    known = {guess: points for guess, points in each.items() if points}
+    clear = [guess for guess, points in known.items() if points.is_clear()]
+    if not clear:
+        return None
+    head = max(clear, key=lambda guess: abs(known[guess].value))
+    turned = known[head].value < 0
+    others = "".join(
+        f"; from {guess} by {(points.turned() if turned else points).text()}"
+        + ("" if points.is_clear() else ", which is open")
+        for guess, points in known.items()
+        if guess != head
+    )
+    return _in_pairs(
         evidence,
-        pairs,
+        kinds[head],
+        known[head],
         ("one problem a word", "the joint model"),
-        "Pose {better}: with the same engines and the same guesses it is right on {points} "
-        "percentage points more of the questions than {worse}.",
+        f"Pose {{better}}: from {head} the same engines are right on {{points}} percentage "
+        f"points more of the questions than with {{worse}}{others}.",
     )
 
 
 def blind_start(evidence: Evidence) -> Finding | None:
     """One guess toward the points against a straight line: same engine, formulation, settings."""
-    return _difference(
+    pairs = evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight")
+    points = _points(evidence, pairs) if pairs else None
+    if points is None or not points.is_clear():
+        return None
+    return _in_pairs(
         evidence,
-        evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight"),
-        ("one guess toward the target", "a straight line"),
+        pairs,
+        points,
+        (_FROM["one"], _FROM["straight"]),
         "Begin from {better}: from {worse} the same engines on the same formulations are right on "
         "{points} percentage points fewer of the questions.",
     )
 
 
-def _difference(
+def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
+    """By how many percentage points the first of each pair is right more often: by question."""
+    first, second = ([pair[side] for pair in pairs] for side in (0, 1))
+    apart = 100 * (evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy())
+    return pd.DataFrame(apart, evidence.rates.index, first)
+
+
+def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | None:
+    """The mean of `_apart` over pairs and questions, with an interval over scenarios and engines.
+
+    If it is one of several, the interval is that of all at once.
+    """
+    return evidence.estimate_over_engines(_apart(evidence, pairs), of)
+
+
+def _in_pairs(
     evidence: Evidence,
     pairs: list[Pair],
+    points: Estimate,
     names: tuple[str, str],
     sentence: str,
-) -> Finding | None:
-    """How much more often the first of each pair is right, or the second: whichever is better.
+) -> Finding:
+    """The finding that the first of each pair is right more often, or less: `_points`.
 
-    A mean over pairs and questions, of which both of a pair were asked; its interval is over
-    scenarios and engines. The sentence has places for the better and the worse name, and the
-    percentage points.
+    The sentence has places for the better and the worse name, and the percentage points.
     """
-    if not pairs:
-        return None
-    first, second = ([pair[side] for pair in pairs] for side in (0, 1))
-    differences = evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy()
-    each = 100 * np.nanmean(differences, axis=0)
-    table = pd.DataFrame(100 * differences, evidence.rates.index, first)
-    points = evidence.estimate_over_engines(table)
-    if points is None or points.low <= 0 <= points.high:
-        return None
+    each = _apart(evidence, pairs).mean().to_numpy()
     better, worse = names
     if points.value < 0:
-        points = Estimate(-points.value, -points.high, -points.low, points.questions)
-        better, worse, each = worse, better, -each
-    methods = some(len(pairs), "method")
-    asked = f"{some(points.questions, 'question')} with a path, {methods}, in pairs"
+        points, each = points.turned(), -each
+        better, worse = worse, better
+    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
     text = sentence.format(better=better, worse=worse, points=points.text())
     if len(pairs) > 1:
-        text += f" Pair by pair the difference is {each.min():.0f} to {each.max():.0f} points."
-    return Finding(text, points, POINTS, asked, MATRIX)
+        text += f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
+    return Finding(text, points, POINTS, f"{asked}, in pairs", MATRIX)
 
 
 def coarse_transcription(evidence: Evidence) -> Finding | None:
@@ -171,11 +206,13 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     right = evidence.share_of(evidence.rates.loc[proven, local])
     if ratio is None or right is None or not ratio.low > 1 or ratio.questions < ENOUGH_TO_CHOOSE:
         return None
+    known = evidence.knows(local)
+    knows = f" knows {' and '.join(known.split())}," if known else ""
     return Finding(
         "Buy a proof only where a wrong answer costs more than time: "
         f"{evidence.name(prover)} takes {ratio.text()} times the median time of "
-        f"{evidence.name(local)}, which proves nothing and is right on {right.percent_text()} of "
-        "the questions that the other answers.",
+        f"{evidence.name(local)}, which{knows} proves nothing and is right on "
+        f"{right.percent_text()} of the questions that the other answers.",
         ratio,
         TIMES,
         f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",

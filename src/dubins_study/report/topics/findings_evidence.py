@@ -44,6 +44,14 @@ class Estimate(NamedTuple):
         """The number and its interval: `2.5 (2.1 to 3.4)`."""
         return with_interval(show, self.value, self.low, self.high)
 
+    def is_clear(self, none: float = 0.0) -> bool:
+        """Whether the interval excludes that there is no difference."""
+        return not self.low <= none <= self.high
+
+    def turned(self) -> Estimate:
+        """That of the difference the other way round."""
+        return Estimate(-self.value, -self.high, -self.low, self.questions)
+
     def percent_text(self) -> str:
         """A number in per cent and its interval: `25.0 % (21.0 % to 34.2 %)`."""
         return with_interval(share, self.value / 100, self.low / 100, self.high / 100)
@@ -89,7 +97,9 @@ class Evidence:
 
     def __init__(self, compared: Compared) -> None:
         self.compared = compared
-        known = compared.rows.groupby("solver", observed=True)[["guesses", "presolve"]].first()
+        known = compared.rows.groupby("solver", observed=True)[
+            ["guesses", "presolve", "knows"]
+        ].first()
         self.methods = compared.engines.join(known)
 
     @cached_property
@@ -125,6 +135,10 @@ class Evidence:
     def name(self, solver: str) -> str:
         """Engine, guess and settings on a formulation."""
         return str(self.methods["name"][solver])
+
+    def knows(self, solver: str) -> str:
+        """What a method knows of the answer, in the words of the column `knows`."""
+        return str(self.methods["knows"].fillna("")[solver])
 
     @cached_property
     def usual(self) -> pd.DataFrame:
@@ -165,16 +179,17 @@ class Evidence:
         interval = self.compared.bootstrap(known, statistic, "value")
         return estimate_of(interval, "value", len(known))
 
-    def estimate_over_engines(self, table: pd.DataFrame) -> Estimate | None:
+    def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table, questions by solvers, with an interval over scenarios and engines.
 
-        None if fewer than `ENOUGH` questions have a value.
+        If it is one of several, the interval is that of all at once. None if fewer than `ENOUGH`
+        questions have a value.
         """
         known = table.dropna(how="all")
         if len(known) < ENOUGH:
             return None
         engines = self.methods["engine"].reindex(table.columns).tolist()
-        frame = bootstrap_of_both(self.compared.by_scenario(known), engines)
+        frame = bootstrap_of_both(self.compared.by_scenario(known), engines, of)
         value, low, high = map(float, frame.iloc[0])
         return Estimate(value, low, high, len(known))
 

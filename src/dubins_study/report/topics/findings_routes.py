@@ -46,60 +46,69 @@ def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     return shares.sort_values(["low", "wall_s"], ascending=[False, True])
 
 
-def _named(evidence: Evidence, solver: str, rows: pd.DataFrame) -> str:
+def _named(evidence: Evidence, solver: str) -> str:
     """The name of an engine's method, and whether the words are known to it."""
-    knows = rows.loc[rows["solver"] == solver, "knows"].dropna()
-    given = len(knows) > 0 and "words" in str(knows.iloc[0]).split()
-    return evidence.name(solver) + (", which is given the words" if given else "")
+    known = evidence.knows(solver).split()
+    return evidence.name(solver) + (", which is given the words" if "words" in known else "")
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
-    """How many routes the search proves, and its time beside that of the surest engine."""
+    """How many routes the search proves, and its time beside that of the surest engine.
+
+    Of several engines that are as sure the fastest counts, on short and on long routes by itself.
+    """
     rows = routes_of(evidence)
     own, surest = rows[rows["solver"] == EXACT], _surest(evidence, rows)
     if own.empty or surest.empty:
         return None
-    name = str(surest.index[0])
+    line = surest.iloc[0]
+    names = [str(solver) for solver in surest.index[surest["low"] == line["low"]]]
     closed = own["right"] & own["claim"].eq("optimal")
     proved = evidence.share_of(closed.astype(float).groupby(own["question"]).mean())
-    right = rows[rows["right"] & rows["solver"].isin([EXACT, name])]
+    right = rows[rows["right"] & rows["solver"].isin([EXACT, *names])]
     times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
-    both = times.dropna()
-    if proved is None or len(both) < ENOUGH_TO_CHOOSE or name in evidence.at_floor:
+    both = times.reindex(columns=[EXACT, *names]).dropna()
+    if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
         return None
-    legs = own.groupby("question")["legs"].first().reindex(both.index)
-    parts = [both[legs < _MANY], both[legs >= _MANY]]
-    ratios = [_time_ratio(evidence, part, name) for part in parts if len(part) >= ENOUGH]
-    if all(ratio.low <= 1 <= ratio.high for ratio in ratios):
+    long = own.groupby("question")["legs"].first().reindex(both.index) >= _MANY
+    parts = [(f"of fewer than {_MANY} legs", both[~long]), ("of more", both[long])]
+    ratios = [
+        (of, *_against_fastest(evidence, part, names)) for of, part in parts if len(part) >= ENOUGH
+    ]
+    if not any(ratio.is_clear(1.0) for _, ratio, _ in ratios):
         return None
-    sizes = [f"of fewer than {_MANY} legs", "of more"] if legs.max() >= _MANY else [""]
-    times_ = " and ".join(
-        f"{ratio.text()} times its time on routes {size}".removesuffix(" on routes ")
-        for ratio, size in zip(ratios, sizes, strict=False)
+    compared = " and ".join(
+        f"{ratio.text()} times the time of {evidence.name(fastest)} on routes {of}"
+        for of, ratio, fastest in ratios
     )
-    line = surest.iloc[0]
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
-    own_s, rival_s = seconds(both[EXACT].median()), seconds(both[name].median())
-    tied = [evidence.name(str(solver)) for solver in surest.index[surest["low"] == line["low"]][1:]]
-    also = f" (as many as {', '.join(tied)})" if tied else ""
+    longest = own[own["legs"] == own["legs"].max()]
+    engine, finds = ("engine", "finds") if len(names) == 1 else ("engines", "find")
+    medians = ", ".join(seconds(value) for value in both.median())
     return Finding(
         "Ask for a proof of a route, not only of a leg: the search with a proof closes "
         f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
-        f"{seconds(own.loc[own['legs'] == own['legs'].max(), 'wall_s'].median())}. The surest "
-        f"engine, {_named(evidence, name, rows)}, finds {rival.percent_text()}{also} and proves "
-        f"none; where both are right the search takes {times_} (geometric means).",
-        ratios[0],
+        f"{seconds(longest['wall_s'].median())}. The surest {engine} "
+        f"({'; '.join(_named(evidence, name) for name in names)}) {finds} {rival.percent_text()}, "
+        f"without a proof; where all are right the search takes {compared} (geometric means).",
+        ratios[0][1],
         TIMES,
-        f"{some(proved.questions, 'route')}; {len(both)} that both answer, medians {own_s} and "
-        f"{rival_s}",
+        f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
+        f"{medians}",
         TITLE,
     )
 
 
-def _time_ratio(evidence: Evidence, both: pd.DataFrame, name: str) -> Estimate:
-    """The geometric mean of the search's time over that of another solver."""
+def _against_fastest(
+    evidence: Evidence, both: pd.DataFrame, names: list[str]
+) -> tuple[Estimate, str]:
+    """The search's time over that of the fastest of several solvers, and which that is.
+
+    Times are compared, and the ratio is had, by geometric means.
+    """
+    name = str(np.log(both[names]).mean().idxmin())
     ratios = evidence.compared.bootstrap(both, geometric_means(0.0), "value", name).loc[[EXACT]]
-    return estimate_of(ratios, "value", len(both))
+    return estimate_of(ratios, "value", len(both)), name
 
 
 def where_engines_stop(evidence: Evidence) -> Finding | None:
@@ -120,7 +129,7 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     if own.empty or not own["right"].mean() > share.high / 100:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
-    named = f", {_named(evidence, name, chosen)}," if share.questions >= ENOUGH_TO_CHOOSE else ""
+    named = f", {_named(evidence, name)}," if share.questions >= ENOUGH_TO_CHOOSE else ""
     return Finding(
         f"Do not trust any engine alone with routes of many {label}: of {legs} the surest{named} "
         f"finds the shortest on {share.percent_text()}; the "
@@ -163,15 +172,20 @@ def growth(evidence: Evidence) -> Finding | None:
         return None
 
     def named(solver: str) -> str:
-        return "the search with a proof" if solver == EXACT else evidence.name(solver)
+        mine = chosen[solver].groupby("legs")["wall_s"].median()
+        name = "the search with a proof" if solver == EXACT else evidence.name(solver)
+        ends = f"{seconds(mine.iloc[0])} to {seconds(mine.iloc[-1])}"
+        return f"{name} ({ends})"
 
     shown = digits(2)
-    proof = f"; that of the search with a proof with {own.text(shown)}" if own else ""
+    between = EXACT not in (least[1], most[1])
+    proof = f"; that of {named(EXACT)} with {own.text(shown)}" if own and between else ""
     return Finding(
         f"Plan for size by the power of the legs, not by one time: with {label}, from "
-        f"{rows['legs'].min()} legs on, the time of "
+        f"{rows['legs'].min()} to {rows['legs'].max()} legs, the time of "
         f"{named(most[1])} grows with the power {most[0].text(shown)} of the number of legs, that "
-        f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
+        f"of {named(least[1])} with {least[0].text(shown)}{proof}. A steeper method may yet be the "
+        "faster one.",
         most[0],
         "power",
         f"{some(most[0].questions, 'route')} that it answers; {some(len(powers), 'method')} still "
