@@ -141,7 +141,7 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-_MOST_BARS = 6  # in a panel
+_MOST_BARS = 5  # in a panel
 _MOST_EXAMPLES = 40
 
 
@@ -179,29 +179,15 @@ def belief_section(results: Results) -> Section | None:
 
 
 def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
-    """How many methods make false claims, and in each experiment which one most often."""
-    number = int((table["attempts"] > 0).sum())
-    if not number:
+    """How many methods make false claims, and how many of these deny a path."""
+    false = rows.loc[rows["truth"] == FALSE, "proof"]
+    if false.empty:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
-    worst, several = [], rows["experiment"].nunique() > 1
-    for suite, asked in rows.groupby("experiment", sort=False):
-        each = beliefs(asked, ["solver"])
-        # of a method that was asked few questions the share says little: the figure marks it
-        each = each[each["questions"] >= FEW * each["questions"].max()]
-        solver, false = each["false"].idxmax(), each["false"].max()
-        if false > 0:
-            of = some(int(each["questions"][solver]), "question")
-            where = f"in {suite} " if several else ""
-            worst.append(f"{where}{table['name'][solver]} at {share(false)} of its {of}")
-    most = "; most often, of those asked at least half as many questions as others: "
-    said = f"{most}{'; '.join(worst)}" if worst else ""
-    false = rows.loc[rows["truth"] == FALSE, "proof"]
-    make = "makes" if number == 1 else "make"
+    number, denials = int((table["attempts"] > 0).sum()), int((false == PROOFS[3]).sum())
     return (
-        f"{number} of {some(len(table), 'method')} {make} false claims{said}. Infeasible, though "
-        f"there is a path: {count((false == PROOFS[3]).sum())} of "
-        f"{some(len(false), 'false claim')}."
+        f"Of {some(len(table), 'method')} {count(number)} made {some(len(false), 'false claim')}, "
+        f"{count(denials)} by denying that there is a path."
     )
 
 

@@ -46,10 +46,11 @@ def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     return shares.sort_values(["low", "wall_s"], ascending=[False, True])
 
 
-def _named(evidence: Evidence, solver: str) -> str:
-    """The name of an engine's method, and whether the words are known to it."""
-    known = evidence.knows(solver).split()
-    return evidence.name(solver) + (", which is given the words" if "words" in known else "")
+def _named(evidence: Evidence, *solvers: str) -> str:
+    """The names of engines' methods, and whether the words are known to all of them."""
+    given = all("words" in evidence.knows(solver).split() for solver in solvers)
+    names = " and ".join(map(evidence.name, solvers))
+    return names + (" (given the words)" if given else "")
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
@@ -77,20 +78,22 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     ]
     if not any(ratio.is_clear(1.0) for _, ratio, _ in ratios):
         return None
+    engines = evidence.methods["engine"][names]
+    short = engines if engines.is_unique else evidence.methods["name"]
     compared = " and ".join(
-        f"{ratio.text()} times the time of {evidence.name(fastest)} on routes {of}"
+        f"{ratio.text()} times the time of {short[fastest]} on routes {of}"
         for of, ratio, fastest in ratios
     )
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
     longest = own[own["legs"] == own["legs"].max()]
-    engine, finds = ("engine", "finds") if len(names) == 1 else ("engines", "find")
+    finds = "finds" if len(names) == 1 else "find"
     medians = ", ".join(seconds(value) for value in both.median())
     return Finding(
         "Ask for a proof of a route, not only of a leg: the search with a proof closes "
         f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
-        f"{seconds(longest['wall_s'].median())}. The surest {engine} "
-        f"({'; '.join(_named(evidence, name) for name in names)}) {finds} {rival.percent_text()}, "
-        f"without a proof; where all are right the search takes {compared} (geometric means).",
+        f"{seconds(longest['wall_s'].median())}. Of the engines {_named(evidence, *names)} {finds} "
+        f"most, {rival.percent_text()}, and {'prove' if len(names) > 1 else 'proves'} none; where "
+        f"all are right the search takes {compared} (geometric means).",
         ratios[0][1],
         TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
@@ -184,8 +187,7 @@ def growth(evidence: Evidence) -> Finding | None:
         f"Plan for size by the power of the legs, not by one time: with {label}, from "
         f"{rows['legs'].min()} to {rows['legs'].max()} legs, the time of "
         f"{named(most[1])} grows with the power {most[0].text(shown)} of the number of legs, that "
-        f"of {named(least[1])} with {least[0].text(shown)}{proof}. A steeper method may yet be the "
-        "faster one.",
+        f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
         most[0],
         "power",
         f"{some(most[0].questions, 'route')} that it answers; {some(len(powers), 'method')} still "
