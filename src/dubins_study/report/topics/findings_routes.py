@@ -54,12 +54,13 @@ def _named(evidence: Evidence, *solvers: str) -> str:
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
-    """How many routes the search proves, and its time beside that of the surest engine.
+    """How many routes the search proves, and its time beside the surest engine without proofs.
 
     Of several engines that are as sure the fastest counts, on short and on long routes by itself.
     """
     rows = routes_of(evidence)
-    own, surest = rows[rows["solver"] == EXACT], _surest(evidence, rows)
+    own, others = rows[rows["solver"] == EXACT], rows[~rows["solver"].isin(evidence.provers)]
+    surest = _surest(evidence, others)
     if own.empty or surest.empty:
         return None
     line = surest.iloc[0]
