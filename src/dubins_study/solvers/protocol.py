@@ -58,6 +58,7 @@ class Method(NamedTuple):
         proves: the smallest relative gap that a bound of the solver's can prove with its settings;
             None if it gives no bound, or does not know.
         presolve: whether questions are presolved for the solver; its own attribute decides.
+        knows: what the solver knows of the answer beside what its formulation and guess do.
     """
 
     formulation: str = "not stated"
@@ -66,6 +67,7 @@ class Method(NamedTuple):
     tolerance: float | None = None
     proves: float | None = None
     presolve: bool = False
+    knows: str = ""
 
     def columns(self, question: Question | None = None) -> dict[str, Any]:
         """The row's columns; the guess is `warm` if the question hands one to a search."""
@@ -73,7 +75,7 @@ class Method(NamedTuple):
         guess = "warm" if given and self.guess != "none" else self.guess
         guesses = GUESSES.get(guess, guess)
         posed = BY_NAME.get(self.formulation)
-        known = [] if posed is None else posed.knows.split()
+        known = self.knows.split() + ([] if posed is None else posed.knows.split())
         one_leg = question is None or question.scenario.one_free_leg
         if posed is not None and posed.several and guess == "bearing" and one_leg:
             guesses = SEVERAL

@@ -26,6 +26,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Expressions,
     NlpCall,
     Program,
+    Stages,
 )
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
@@ -104,8 +105,11 @@ class RouteNlp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        posed = "one NLP a word" if self.model == "words" else "joint NLP, LRSLR a leg"
-        return ENGINES[self.engine].method(posed, self.initial_guess, self.options, self.tol)
+        words = self.model == "words"
+        posed = "one NLP a word" if words else "joint NLP, LRSLR a leg"
+        method = ENGINES[self.engine].method(posed, self.initial_guess, self.options, self.tol)
+        # the words come from the closed form, by a dynamic program
+        return method._replace(knows="formula") if words else method
 
     def build(self, question: Question) -> PosedRoute:
         route = route_of(question.scenario)
@@ -171,7 +175,7 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
         path=path,
         claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
         # those of the last leg's end
-        multipliers=None if best.duals is None else tuple(best.duals[3 * n - 3 : 3 * n - 1]),
+        multipliers=None if best.duals is None else tuple(best.duals[3 * n - 2 : 3 * n]),
         native_status=best.status,
         message=best.message,
         best_run=best.effort,
@@ -228,10 +232,12 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
                 after += turn * arc
                 length += arc
             heading = next(unknown)
-            equations += [p[2 * leg] - along, p[2 * leg + 1] - across, after - heading]
+            equations += [heading - after, p[2 * leg] - along, p[2 * leg + 1] - across]
         if final_heading:
             equations.append(heading_gap(heading, p[2 * legs + 1]))
-        return Expressions(x, p, length, casadi.vertcat(*equations))
+        # a control problem: the heading is its state, the arcs of a leg are its controls
+        stages = Stages((0, *(1,) * legs), (*arcs, 0), (*(2,) * legs, int(final_heading)))
+        return Expressions(x, p, length, casadi.vertcat(*equations), stages)
 
     return DeferredExpressions(write)
 
