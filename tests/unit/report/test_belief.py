@@ -136,7 +136,7 @@ def test_the_section(load_rows):
     names = [block.name for block in section.blocks]
     assert names == ["belief-claims", "belief", "belief-false"]
     assert "infeasible, but has a path" in section.blocks[2].texts()[0]
-    assert "Of 1 method 1 made 1 false claim, 1 by denying" in section.text
+    assert "Of 1 method 1 made 1 false claim in 1 attempt, 1 by denying" in section.text
     assert "No method makes a false claim" in belief_section(good).text
     assert len(belief_section(good).blocks) == 2
 

@@ -101,6 +101,8 @@ def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     names = _pooled(keys, General.COMPARED if topic.about is General.DECIDED else topic.about)
     if topic.about is General.DECIDED:
         names = suites or names
+    if topic.about is General.POOLED:
+        names = names or suites
     if names:
         return {"": results.only(names)}
     # If the report has only studies, they are pooled.

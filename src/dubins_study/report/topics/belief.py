@@ -185,9 +185,10 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
     number, denials = int((table["attempts"] > 0).sum()), int((false == PROOFS[3]).sum())
+    claimed = f"{some(len(false), 'false claim')} in {some(len(rows), 'attempt')}"
     return (
-        f"Of {some(len(table), 'method')} {count(number)} made {some(len(false), 'false claim')}, "
-        f"{count(denials)} by denying that there is a path."
+        f"Of {some(len(table), 'method')} {count(number)} made {claimed}, {count(denials)} by denying "
+        "that there is a path, for which only some engines have a status."
     )
 
 

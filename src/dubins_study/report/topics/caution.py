@@ -15,7 +15,7 @@ from dubins_study.report.topics.findings import WARNINGS, findings
 from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Evidence, Finding
 from dubins_study.report.topics.ladder import profits_from_its_miss
 from dubins_study.report.topics.routes import TITLE
-from dubins_study.study.words import FORMULATIONS
+from dubins_study.study.words import FORMULATIONS, Outcome
 
 # The share that the precision of shares is said of: most methods that matter lie near it.
 _TYPICAL_SHARE = 0.9
@@ -71,7 +71,8 @@ def unsteady_machine(results: Results) -> Finding:
 
 def stopped_attempts(attempts: Compared) -> Finding | None:
     """Attempts that ended at the limit: nobody knows what they would have found."""
-    rows = attempts.answerable[attempts.answerable["solver"] != EXACT]
+    rows = attempts.answerable
+    rows = rows[(rows["solver"] != EXACT) & (rows["outcome"] != Outcome.NOT_ASKED)]
     stopped = rows["outcome"].isin(_STOPPED_OUTCOMES) | (rows["claim"] == "limit")
     number = int(stopped.fillna(False).sum())
     if not number:

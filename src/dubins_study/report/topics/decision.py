@@ -25,7 +25,7 @@ TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
 _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
-_ENDS = ("longer", "misses", "none", "late", "false_claims", "asked")
+_ENDS = ("longer", "misses", "none", "late", "not asked", "false_claims", "asked")
 _NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
 
 
@@ -49,13 +49,14 @@ def surest(rows: pd.DataFrame) -> pd.DataFrame:
 def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
     """How the attempts of each formulation and kind of guess ended, all engines together.
 
-    By formulation and guesses. Shares of all attempts: longer, misses, none (no path), and late (an
-    answer after the limit). Numbers: false_claims, and asked, the attempts that were made.
+    By formulation and guesses. Shares of all questions: longer, misses, none (no path), late (an
+    answer after the limit) and not asked. Numbers: false_claims, and asked, the attempts made.
     """
     verdict, late = rows["verdict"], is_true(rows["late"])
     flags = {word: (verdict == word) & ~late for word in ("longer", "misses")}
-    flags |= {"late": late, "none": ~(rows["right"] | late | flags["longer"] | flags["misses"])}
     made = rows["outcome"] != Outcome.NOT_ASKED
+    flags |= {"late": late, "not asked": ~made}
+    flags |= {"none": ~(rows["right"] | pd.DataFrame(flags).any(axis="columns"))}
     counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": made})
     kinds = [rows[key] for key in _KIND]
     frame = pd.DataFrame(flags).groupby(kinds).mean().join(counted.groupby(kinds).sum())
@@ -65,7 +66,7 @@ def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
 
 
 def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[tuple[str, str], str]:
-    """Up to how many legs an engine is right on more than half of the routes, spacing by spacing.
+    """Up to how many legs an engine is right on most routes of every size, spacing by spacing.
 
     By formulation and guesses; empty without routes. A spacing is one of the `strata`.
     """
@@ -73,8 +74,10 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[tuple[str, str], st
     routes = rows.assign(legs=legs)
     routes = routes[routes["experiment"].isin(routes.loc[legs > 1, "experiment"])]
     labels = [label for label in strata if label in set(routes["label"])]
-    by_size = routes.groupby([*_KIND, "label", "solver", "legs"], observed=True)["right"].mean()
-    most = by_size[by_size > 0.5].reset_index().groupby([*_KIND, "label"])["legs"].max()
+    keys = [*_KIND, "label", "solver"]
+    holds = routes.groupby([*keys, "legs"], observed=True)["right"].mean() > 0.5
+    holds = holds.groupby(keys).cummin()  # a larger size after one that fails is luck
+    most = holds[holds].reset_index().groupby([*_KIND, "label"])["legs"].max()
     found = most.unstack("label").reindex(columns=labels)
     return {
         (str(kind[0]), str(kind[1])): ", ".join(count(n) if n == n else "0" for n in line)
@@ -199,16 +202,15 @@ def _tables(
         kind = str(method["formulation"]), str(method["guesses"])
         line = by_kind.setdefault(kind, {"formulation": kind[0], "guesses": kind[1], "lows": []})
         line["method"] = kind[0] if kind[1] in _NO_GUESS else f"{kind[0]}, {kind[1]}"
-        line.setdefault("knows", knows[method["solver"]] or "")
+        known = f"{line.get('knows', '')} {knows[method['solver']] or ''}"
+        line["knows"] = " ".join(dict.fromkeys(known.split()))
         line["lows"].append(method["low"])
         line["mine"] = bool(own_name(str(method["solver"])))
         named = "" if line["mine"] else f"{method['solver']}\n"
         line |= _cell(method, experiments.index(method["experiment"]), named)
     for kind, line in by_kind.items():
         end = ended[kind]
-        line["errs"] = " / ".join(
-            f"{100 * end[w]:.0f}" for w in ("longer", "misses", "none", "late")
-        )
+        line["errs"] = " / ".join(f"{100 * end[name]:.0f}" for name in _ENDS[:5])
         lows = line.pop("lows")
         line["false"] = f"{end['false_claims']:.0f} of {count(end['asked'])}"
         line |= end | {"stops": stop.get(kind, ""), "suites": len(lows), "sure": np.mean(lows)}
@@ -218,7 +220,7 @@ def _tables(
     shown = (
         *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
-        *columns(kind="cell", errs="longer / misses / none / late, %"),
+        *columns(kind="cell", errs="longer / misses / none / late / not asked, %"),
         *columns(kind="cell", false="false claims"),
         *(columns(kind="cell", stops="legs") if stop else ()),
     )
@@ -233,7 +235,10 @@ def _tables(
         else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
         "attempts of all engines end at equal options.",
         "False claims are of the attempts that were made.",
-        "Legs: up to which one is right on most routes, by spacing, long to short." if stop else "",
+        "Legs: up to which an engine is right on most routes of each size, by spacing, long to "
+        "short."
+        if stop
+        else "",
     )
     bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
     table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)

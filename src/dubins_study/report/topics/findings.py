@@ -67,7 +67,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
     turned = known[head].value < 0
     others = "".join(
         f"; from {guess} by {(points.turned() if turned else points).text()}"
-        + ("" if points.is_clear() else ", which is open")
+        + ("" if points.is_clear() else ", which these rows do not decide")
         for guess, points in known.items()
         if guess != head
     )
@@ -76,7 +76,7 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
         kinds[head],
         known[head],
         ("one problem a word", "the joint model"),
-        f"Pose {{better}}: from {head} the same engines are right on {{points}} percentage "
+        f"Pose {{better}}: begun from {head}, the same engines are right on {{points}} percentage "
         f"points more of the questions than with {{worse}}{others}.",
     )
 
@@ -123,14 +123,20 @@ def _in_pairs(
 
     The sentence has places for the better and the worse name, and the percentage points.
     """
-    each = _apart(evidence, pairs).mean().to_numpy()
+    each = _apart(evidence, pairs).mean()
     better, worse = names
     if points.value < 0:
         points, each = points.turned(), -each
         better, worse = worse, better
     asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
     text = sentence.format(better=better, worse=worse, points=points.text())
-    if len(pairs) > 1:
+    by = each.groupby(evidence.methods["formulation"][each.index]).mean()
+    if len(by) > 1:
+        text += (
+            f" By formulation the difference is {by.min():z.0f} ({by.idxmin()}) to {by.max():z.0f} "
+            f"({by.idxmax()})."
+        )
+    elif len(pairs) > 1:
         text += f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
     return Finding(text, points, POINTS, f"{asked}, in pairs", MATRIX)
 
@@ -281,8 +287,8 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     proof_of_routes,
     where_engines_stop,
     growth,
-    words_against_joint,
     blind_start,
+    words_against_joint,
     presolve,
     price_of_proof,
     false_proof,

@@ -24,7 +24,6 @@ from dubins_study.study.path import FloatArray
 _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
-_MANY = 50  # legs from which a time is not averaged with those of short routes
 _RESAMPLES, _SEED = 2000, 0
 
 
@@ -56,7 +55,7 @@ def _named(evidence: Evidence, *solvers: str) -> str:
 def proof_of_routes(evidence: Evidence) -> Finding | None:
     """How many routes the search proves, and its time beside the surest engine without proofs.
 
-    Of several engines that are as sure the fastest counts, on short and on long routes by itself.
+    Of several engines that are as sure the fastest counts, spacing by spacing.
     """
     rows = routes_of(evidence)
     own, others = rows[rows["solver"] == EXACT], rows[~rows["solver"].isin(evidence.provers)]
@@ -72,30 +71,32 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     both = times.reindex(columns=[EXACT, *names]).dropna()
     if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
         return None
-    long = own.groupby("question")["legs"].first().reindex(both.index) >= _MANY
-    parts = [(f"of fewer than {_MANY} legs", both[~long]), ("of more", both[long])]
+    label = own.groupby("question")["label"].first().reindex(both.index)
     ratios = [
-        (of, *_against_fastest(evidence, part, names)) for of, part in parts if len(part) >= ENOUGH
+        (name, len(part), *_against_fastest(evidence, part, names))
+        for name, part in both.groupby(label, sort=False)
+        if len(part) >= ENOUGH
     ]
-    if not any(ratio.is_clear(1.0) for _, ratio, _ in ratios):
+    if not any(ratio.is_clear(1.0) for *_, ratio, _ in ratios):
         return None
     engines = evidence.methods["engine"][names]
     short = engines if engines.is_unique else evidence.methods["name"]
     compared = " and ".join(
-        f"{ratio.text()} times the time of {short[fastest]} on routes {of}"
-        for of, ratio, fastest in ratios
+        f"{ratio.text()} times the time of {short[fastest]} on {some(n, 'route')} with {label}"
+        for label, n, ratio, fastest in ratios
     )
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
     longest = own[own["legs"] == own["legs"].max()]
-    finds = "finds" if len(names) == 1 else "find"
+    several = len(names) > 1
     medians = ", ".join(seconds(value) for value in both.median())
     return Finding(
         "Ask for a proof of a route, not only of a leg: the search with a proof closes "
-        f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs, the longest in "
-        f"{seconds(longest['wall_s'].median())}. Of the engines {_named(evidence, *names)} {finds} "
-        f"most, {rival.percent_text()}, and {'prove' if len(names) > 1 else 'proves'} none; where "
+        f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs within its limit, "
+        f"those of {own['legs'].max()} in {seconds(longest['wall_s'].median())}. Of the engines "
+        f"{_named(evidence, *names)} {'find' if several else 'finds'} most, "
+        f"{rival.percent_text()}, and {'prove' if several else 'proves'} none; where "
         f"all are right the search takes {compared} (geometric means).",
-        ratios[0][1],
+        ratios[0][2],
         TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
         f"{medians}",
@@ -149,7 +150,8 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
 def growth(evidence: Evidence) -> Finding | None:
     """With which power of the number of legs times grow: the least and the largest.
 
-    Of methods that are right on most routes of each of at least four sizes, all of one label.
+    Of methods that are right on most routes of each of at least four sizes, all of one label. An
+    attempt that a limit ended counts as failed: its time is the limit's.
     """
     rows = routes_of(evidence)
     if rows.empty:
@@ -161,10 +163,11 @@ def growth(evidence: Evidence) -> Finding | None:
     chosen: dict[str, pd.DataFrame] = {}
     for solver in solvers:
         mine = rows[rows["solver"] == solver]
-        share = mine.groupby("legs")["right"].mean()
+        done = mine["right"] & mine["claim"].ne("limit")
+        share = done.groupby(mine["legs"]).mean()
         sizes = share.index[share > 0.5]
         if len(sizes) >= _SIZES and sizes.max() == rows["legs"].max():
-            chosen[solver] = mine[mine["right"] & mine["legs"].isin(sizes)]
+            chosen[solver] = mine[done & mine["legs"].isin(sizes)]
     for solver, mine in chosen.items():
         estimate = exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), len(chosen))
         powers.append((estimate, solver))
@@ -184,6 +187,7 @@ def growth(evidence: Evidence) -> Finding | None:
     shown = digits(2)
     between = EXACT not in (least[1], most[1])
     proof = f"; that of {named(EXACT)} with {own.text(shown)}" if own and between else ""
+    largest = rows[rows["legs"] == rows["legs"].max()]
     return Finding(
         f"Plan for size by the power of the legs, not by one time: with {label}, from "
         f"{rows['legs'].min()} to {rows['legs'].max()} legs, the time of "
@@ -191,8 +195,9 @@ def growth(evidence: Evidence) -> Finding | None:
         f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
         most[0],
         "power",
-        f"{some(most[0].questions, 'route')} that it answers; {some(len(powers), 'method')} still "
-        f"right on most routes of {rows['legs'].max()} legs",
+        f"{some(most[0].questions, 'route')} that the first one answers; "
+        f"{some(len(powers), 'method')} still right on most of the "
+        f"{some(largest['question'].nunique(), 'route')} of {largest['legs'].max()} legs",
         TITLE,
     )
 

@@ -22,6 +22,7 @@ from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of, once
+from dubins_study.study.words import Outcome
 
 
 def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -105,10 +106,15 @@ def summary_section(results: Results) -> Section | None:
         "by another angle. Not returned: timed out, crashed, raised or unavailable.",
     )
     experiments = list(dict.fromkeys(run.name for run in results.folders))
+    made = attempts["outcome"] != Outcome.NOT_ASKED
     without = len(attempts) - int(frame[["attempts", UNDECIDED]].sum().sum())
     text = sentences(
-        f"{some(len(attempts), 'attempt')} by {some(solvers, 'solver')} in the "
+        f"{some(int(made.sum()), 'attempt')} by {some(solvers, 'solver')} in the "
         f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",
+        f"{some(int((~made).sum()), 'question')} more, longer routes than those on which a solver "
+        "had failed, were not put to it and count as failures."
+        if not made.all()
+        else "",
         f"Right where a path exists: {share(frame['right'].sum() / frame['questions'].sum())}."
         if frame["questions"].any()
         else "",
@@ -118,7 +124,7 @@ def summary_section(results: Results) -> Section | None:
         if without
         else "",
         "No number here rests on a solver's own word: each path is driven again from its controls "
-        "and judged against the closed form.",
+        "and judged against the closed form, or the proven bounds of a route.",
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
     table = summary_table("summary", caption, frame, ())
