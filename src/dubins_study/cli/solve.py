@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 import math
 import shlex
 import sys
@@ -27,9 +26,8 @@ if TYPE_CHECKING:
 # `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
-    "presolved",
-    *("miss", "region", "margin", "reference", "reference_word", "curvature_excess"),
-    *("claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
+    *("presolved", "miss", "region", "margin", "reference", "reference_word"),
+    *("curvature_excess", "claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
     *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
     *("native_status", "message", "build_s", "solve_s", "wall_s"),
 )
@@ -40,9 +38,7 @@ _GEOJSON = (
     *("reference_low", "reference_high"),
 )
 
-_LOG = logging.getLogger(__name__)
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
-_ANY_WIDTH = 1_000_000  # without a terminal, a value is one line
 _LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
@@ -86,11 +82,12 @@ def solve(
             raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
         if file is not None and (reason := unwritable(file)):  # before a solve that takes long
             raise arguments.CommandError(f"{option}: cannot write {file}: {reason}")
+    if geojson is not None and geojson.suffix.lower() not in (".json", ".geojson"):
+        raise arguments.CommandError(f"--geojson: {geojson}: expected a file .json or .geojson")
     if plot is not None:
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    _LOG.info("asking %s for branch %s, at most %g s", solver, branch, time_limit)
     with output.solvers_to_stderr():
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
@@ -172,7 +169,8 @@ def answer_geojson(answer: Answer, path: Path, names: Sequence[str]) -> dict[str
     features = [path.to_geojson(radius=answer.scenario.radius, **properties)]
     points = answer.scenario.points[1:].tolist()
     at = [*(answer.visits or ()), path.length]
-    headings = path.at(at)[:, 2].tolist() if len(at) == len(points) else [None] * len(points)
+    turned = [math.remainder(heading, math.tau) for heading in path.at(at)[:, 2]]
+    headings = turned if len(at) == len(points) else [None] * len(points)
     for index, (name, point, heading) in enumerate(zip(names, points, headings, strict=True), 1):
         kind = "target" if index == len(points) else "via"
         shown = {"kind": kind, "index": index, "name": name or None, "heading_rad": heading}
@@ -278,9 +276,8 @@ def _milliseconds(seconds: float) -> str:
 
 def _line(name: str, value: str) -> str:
     """A name and its value, which goes on below itself where the terminal ends."""
-    width = max(output.terminal_width() or _ANY_WIDTH, 40)
-    indent = " " * 12
-    return textwrap.fill(f"{name:<12}{value}", width, subsequent_indent=indent, tabsize=1)
+    width = max(output.terminal_width() or 10**6, 40)  # without a terminal, a value is one line
+    return textwrap.fill(f"{name:<12}{value}", width, subsequent_indent=" " * 12, tabsize=1)
 
 
 def _verdict(answer: Answer) -> str:

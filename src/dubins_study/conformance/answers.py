@@ -168,11 +168,11 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
         return cause
     if judge(scenario, path, tolerances=tolerances).verdict is not Verdict.MISSES:
         return (
-            f"it was asked for {branch}, and its path is {answer.word}; {branch} turns with the "
-            "curvature 1 / radius. Leave words that the method does not tell apart out of "
-            "`branches`"
+            f"it was asked for {branch}, and its path is {answer.word}; L has the curvature "
+            "1 / radius, R has -1 / radius. Leave words that the method does not tell apart out "
+            "of `branches`"
         )
-    if (answer.curvature_excess or 0.0) > tolerances.curvature:
+    if tolerances.curvature < (answer.curvature_excess or 0.0) < _FIT:
         return "keep the curvature between -1 / radius and 1 / radius: clip it where it is rounded"
     if answer.miss <= _NEAR * scenario.radius:
         return "tighten the tolerance of the end point, or claim FAILED"

@@ -187,8 +187,8 @@ class Path:
 
         Returns:
             A Feature. Its properties are `length`, `word`, `radius` (the smallest of its arcs; null
-            for a straight path), `start_heading_rad` and `end_heading_rad`, `chord_error` (length
-            unit), and those given.
+            for a straight path), `start_heading_rad` and `end_heading_rad` (from -pi to pi),
+            `chord_error` (length unit), and those given.
 
         Raises:
             ValueError: if the path cannot be driven, the chord error is not between 0 and 1, it
@@ -209,8 +209,8 @@ class Path:
                 "length": self.length,
                 "word": self.word(),
                 "radius": radius,
-                "start_heading_rad": self.start.heading,
-                "end_heading_rad": self.end.heading,
+                "start_heading_rad": math.remainder(self.start.heading, math.tau),
+                "end_heading_rad": math.remainder(self.end.heading, math.tau),
                 "chord_error": share * radius if radius else 0.0,
                 **properties,
             },

@@ -71,7 +71,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     for name in {*HEADINGS} & {*names}:
         beyond = np.abs(columns[name]) > FULL_TURN
         if beyond.any() and not all(isinstance(angle, str) for angle in frame[name][beyond]):
-            warnings.warn(f"{name} {DEGREES}", stacklevel=4)  # at the call of `solve_frame`
+            warnings.warn(f"{name} {DEGREES}", stacklevel=5)  # at the call of `solve_frame`
     return pd.DataFrame(columns, index=frame.index, copy=False)
 
 

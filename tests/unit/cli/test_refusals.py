@@ -69,6 +69,7 @@ REFUSALS = {
     # two requests in one
     "solve 3": "the target is a single number; expected X Y, or --via-file",
     "solve 3 4 --plot a.svg --geojson a.svg": "--geojson: a.svg is given twice",
+    "solve 3 4 --geojson solver.py": "--geojson: solver.py: expected a file .json or .geojson",
     "solve --via 1 2 --via-file no.csv": "--via and --via-file are given; expected one of them",
     "solve --via-file no.csv": "no.csv: cannot be read: No such file or directory",
     "audit nonesuch": "no audit of 'nonesuch'; choose one of: paper, kaya",

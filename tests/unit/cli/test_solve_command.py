@@ -32,7 +32,7 @@ def test_the_json_object_of_a_route():
 @pytest.mark.parametrize("options", [("--plot",), ("--json", "--plot"), ("--geojson",)])
 def test_a_drawing_of_no_path(options, tmp_path):
     """The answer is printed all the same; one line says that nothing is drawn; exit code 1."""
-    file = tmp_path / "path.svg"
+    file = tmp_path / ("path.json" if "--geojson" in options else "path.svg")
     done = asked(*NO_PATH, *options, str(file))
 
     assert done.exit_code == 1

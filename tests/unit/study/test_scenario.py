@@ -16,6 +16,7 @@ from cases import placed
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study import solve_frame
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.reply import ask
 from dubins_study.study.angle import AngleError, parse_angle
@@ -272,6 +273,9 @@ def test_a_number_beyond_a_full_turn_gives_a_warning(name):
             warnings.simplefilter("always")
             check_frame(frame.assign(**{name: column}))
         assert [DEGREES in str(warning.message) for warning in found] == [True] * (90 in column)
+    with pytest.warns(UserWarning, match="full turn") as found:
+        solve_frame(frame.assign(**{name: 90}))
+    assert found[0].filename == __file__
 
 
 def test_a_scenario_has_the_defaults_of_the_command():

@@ -51,7 +51,9 @@ MaybeX = Annotated[float | None, typer.Argument(metavar="X", help=_OR_LAST, show
 MaybeY = Annotated[float | None, typer.Argument(metavar="Y", help=_OR_LAST, show_default=False)]
 StartPose = Annotated[
     tuple[str, str, str],
-    typer.Option("--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg"),
+    typer.Option(
+        "--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad"
+    ),
 ]
 _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]

@@ -27,7 +27,7 @@ class Status:
     Args:
         cells: number of cells that it should hold.
         left: solver -> number of cells that are not done; only solvers with cells left.
-        failing: outcome -> number of rows, without `returned`.
+        failing: outcome -> number of rows, without `returned` and `unsupported`.
         reasons: why solvers are unavailable.
         verdicts: solver -> verdict -> number of rows; the outcome replaces a missing verdict.
         stale: number of rows of earlier code, which do not count.
@@ -96,7 +96,7 @@ def _status(
 ) -> Status:
     current = rows[rows["code_digest"] == rows["solver"].map(manifest.code_digests)]
     done = _counts(current["solver"])
-    failed = current["outcome"][current["outcome"] != "returned"]
+    failed = current["outcome"][~current["outcome"].isin(("returned", "unsupported"))]
     endings = current["verdict"].where(current["outcome"] == "returned", current["outcome"])
     left = {
         spec: entry.cells - done.get(spec, 0)

@@ -187,8 +187,8 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
     number, denials = int((table["attempts"] > 0).sum()), int((false == PROOFS[3]).sum())
     claimed = f"{some(len(false), 'false claim')} in {some(len(rows), 'attempt')}"
     return (
-        f"Of {some(len(table), 'method')} {count(number)} made {claimed}, {count(denials)} by denying "
-        "that there is a path, for which only some engines have a status."
+        f"Of {some(len(table), 'method')} {count(number)} made {claimed}, {count(denials)} by "
+        "denying that there is a path, for which only some engines have a status."
     )
 
 
