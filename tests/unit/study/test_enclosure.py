@@ -14,11 +14,10 @@ import pandas as pd
 import pytest
 from hard_cases import hard_frame, hard_poses, poses_of
 
-from dubins_study.study.check import pose_enclosure_kernel
+from dubins_study.study.check import enclosure_kernel
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.pose_enclosure import enclose_pose
-from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
@@ -173,7 +172,7 @@ def test_loops_hold_the_lengths_of_ends_within_delta():
     """Of the rows of 400 hard legs that they decide, two ends each, in 60 digits."""
     frame, rng, compared = hard_poses(400, seed=8), np.random.default_rng(8), 0
     arrays = PoseArrays(*(frame[name].to_numpy() for name in frame))
-    bounds = {branch: bound_pose_rows(arrays, branch) for branch in POSE_BRANCHES}
+    bounds = {branch: bound_rows(arrays, branch) for branch in POSE_BRANCHES}
     with mp.workdps(60):
         for i, row in frame.iterrows():
             for truth in lengths_within_delta(row, rng, 2):
@@ -211,14 +210,13 @@ class Kind(NamedTuple):
     """The loops of one kind of leg, and frames of hard ones."""
 
     lengths: Callable[..., Rows | PoseRows]
-    bounds: Callable[..., object]
     arrays: type[ScenarioArrays | PoseArrays]
     hard: Callable[[int], pd.DataFrame]
     branches: tuple[str, ...]
 
 
-FREE = Kind(shortest_rows, bound_rows, ScenarioArrays, hard_frame, BRANCHES)
-GIVEN = Kind(pose_rows, bound_pose_rows, PoseArrays, hard_poses, POSE_BRANCHES)
+FREE = Kind(shortest_rows, ScenarioArrays, hard_frame, BRANCHES)
+GIVEN = Kind(pose_rows, PoseArrays, hard_poses, POSE_BRANCHES)
 KINDS = pytest.mark.parametrize("kind", [FREE, GIVEN], ids=["free", "given"])
 
 
@@ -227,7 +225,7 @@ def columns(kind, frame):
 
 
 def bounded(kind, frame, branch):
-    return kind.bounds(columns(kind, frame), branch)
+    return bound_rows(columns(kind, frame), branch)
 
 
 @KINDS
@@ -295,7 +293,7 @@ def test_the_turn_of_the_loops_is_within_its_proven_error():
     with mp.workdps(60):
         for a, b, turn in zip(*headings.tolist(), found.tolist(), strict=True):
             parts = (mp.mpf(b) - a - turn) / (2 * mp.pi)
-            assert abs(parts - mp.nint(parts)) * 2 * mp.pi < pose_enclosure_kernel._TURN_ERROR
+            assert abs(parts - mp.nint(parts)) * 2 * mp.pi < enclosure_kernel._TURN_ERROR
             assert 0 <= turn < 2 * math.pi + 1e-15
 
 

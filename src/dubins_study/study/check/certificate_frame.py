@@ -16,7 +16,6 @@ from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
-from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
 from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, three_arcs
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
@@ -85,11 +84,8 @@ def certify_frame(
     if poses:
         measured[:, ~np.isfinite(judged.gap)] = np.nan
         abnormal &= np.isfinite(judged.gap)
-        legs = PoseArrays(*(frame[name].to_numpy() for name in PoseArrays._fields))
-        low, high, left = bound_pose_rows(legs, branch)
-    else:
-        arrays = ScenarioArrays(*(frame[name].to_numpy() for name in ScenarioArrays._fields))
-        low, high, left = bound_rows(arrays, branch)
+    kind = PoseArrays if poses else ScenarioArrays
+    low, high, left = bound_rows(kind(*(frame[name].to_numpy() for name in kind._fields)), branch)
     intervals = {
         row: reference_of(scenario, branch).enclosure
         for row, scenario in zip(np.flatnonzero(left).tolist(), scenarios(frame[left]), strict=True)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.pose_enclosure_kernel import bound_pose_rows
+from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.reference import ROUNDED
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
 from dubins_study.study.check.verdict import is_false, judge
@@ -196,7 +196,7 @@ def _posed_legs(
     result: FrameJudgement,
 ) -> _Best:
     """The shortest paths to a final heading; words are written, and that there is no region."""
-    shortest, bounds = pose_rows(*legs, branch=branch), bound_pose_rows(legs, branch)
+    shortest, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
     segments = np.stack([shortest.first, shortest.middle, shortest.last])
     for lengths, words in ((length, result.word), (segments, result.reference_word)):
         _name_rows(legs.x.size)(shortest.word, loop_input(lengths), legs.radius, words)
