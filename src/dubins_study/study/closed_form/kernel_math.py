@@ -103,6 +103,25 @@ _bits: Callable[[float], int] = _intrinsic(_as_bits)
 _negated_by_bit_1: Callable[[float, int], float] = _intrinsic(_negate)
 
 
+def _polynomial(coefficients: tuple[float, ...]) -> Callable[[float], float]:
+    """c0 + c1 z + c2 z^2 + ... by Horner's rule, rounded once a step."""
+
+    def horner(typing_context: Any, z: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            value, *others = (ir.Constant(ir.DoubleType(), c) for c in reversed(coefficients))
+            for coefficient in others:
+                value = builder.fma(value, *arguments, coefficient)
+            return value
+
+        return types.float64(types.float64), generate
+
+    polynomial: Callable[[float], float] = _intrinsic(horner)
+    return polynomial
+
+
+_sine, _cosine, _arctangent = map(_polynomial, (SINE, COSINE, ARCTANGENT))
+
+
 @inlined
 def reduced(angle: float) -> tuple[float, float, int]:
     """An angle (rad) of at most `LARGEST_ANGLE` less the quarter turns nearest to it.
@@ -126,27 +145,11 @@ def quarter_turns(number: float, rest: float) -> float:
 def sine_cosine(angle: float) -> tuple[float, float]:
     """Sine and cosine of an angle (rad) of at most `LARGEST_ANGLE`."""
     r, _, quadrant = reduced(angle)
-    return sine_cosine_of(r, quadrant)
-
-
-@inlined
-def sine_cosine_of(r: float, quadrant: int) -> tuple[float, float]:
-    """Sine and cosine of an angle that is `reduced` to a rest and the bits of its quarter turns."""
     z = r * r
-    p = fma(SINE[5], z, SINE[4])
-    p = fma(p, z, SINE[3])
-    p = fma(p, z, SINE[2])
-    p = fma(p, z, SINE[1])
-    p = fma(p, z, SINE[0])
-    sine = fma(r * z, p, r)
-    p = fma(COSINE[5], z, COSINE[4])
-    p = fma(p, z, COSINE[3])
-    p = fma(p, z, COSINE[2])
-    p = fma(p, z, COSINE[1])
-    p = fma(p, z, COSINE[0])
+    sine = fma(r * z, _sine(z), r)
     half = 0.5 * z
     top = 1.0 - half
-    cosine = top + fma(z * z, p, (1.0 - top) - half)  # what the rounding of 1 - z/2 lost
+    cosine = top + fma(z * z, _cosine(z), (1.0 - top) - half)  # what the rounding of 1 - z/2 lost
     odd = (quadrant & 1) == 1
     first = cosine if odd else sine
     second = sine if odd else cosine
@@ -157,17 +160,7 @@ def sine_cosine_of(r: float, quadrant: int) -> tuple[float, float]:
 def small_arctangent(t: float) -> float:
     """Arctangent of a slope of at most tan(pi/8) either way."""
     z = t * t
-    p = fma(ARCTANGENT[10], z, ARCTANGENT[9])
-    p = fma(p, z, ARCTANGENT[8])
-    p = fma(p, z, ARCTANGENT[7])
-    p = fma(p, z, ARCTANGENT[6])
-    p = fma(p, z, ARCTANGENT[5])
-    p = fma(p, z, ARCTANGENT[4])
-    p = fma(p, z, ARCTANGENT[3])
-    p = fma(p, z, ARCTANGENT[2])
-    p = fma(p, z, ARCTANGENT[1])
-    p = fma(p, z, ARCTANGENT[0])
-    return fma(t * z, p, t)
+    return fma(t * z, _arctangent(z), t)
 
 
 @inlined
