@@ -83,13 +83,13 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
         return None, None
     word = _free_word(rates, lengths) if free else None
     if word is None:
-        driven = pieces(path, radius)
-        if not driven.u.size:
+        u, length = pieces(path.curvatures * radius, path.lengths / radius)
+        if not u.size:
             return None, math.pi if free else None
-        rates, lengths = driven.u.tolist(), driven.length.tolist()
+        rates, lengths = u.tolist(), length.tolist()
         word = _free_word(rates, lengths) if free else _posed_word(rates, lengths)
         if word is None:
-            return extremal(driven, free), None
+            return extremal(path.start.heading, u, length, free), None
     cut: float | None = None
     if free:
         x, y, abnormal, H, margin, cut = costates(path.start.heading, *word)
@@ -143,16 +143,8 @@ def _posed_word(u: list[float], length: list[float]) -> list[float] | None:
     return [u1, l1, u2, l2, u3, l3] if named else None
 
 
-class Pieces(NamedTuple):
-    """A path in units of its radius: start heading (rad), rates u and lengths of shape (n,)."""
-
-    heading: float
-    u: FloatArray
-    length: FloatArray
-
-
-def pieces(path: Path, radius: float) -> Pieces:
-    """The pieces of a path that matter, or all of them where leaving some out would show.
+def pieces(rate: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rates and lengths (radii) of the pieces of a path that matter, or of all of them.
 
     Rates within `FULL_RATE` of +1, 0 or -1 are these, neighbours of one rate are joined, what turns
     by less than `NO_TURN` is straight, and a straight shorter than `NO_LENGTH` is left out: solvers
@@ -160,18 +152,12 @@ def pieces(path: Path, radius: float) -> Pieces:
     way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
     allows, it is another path, and the driven one's own pieces stand.
     """
-    rate, scaled = path.curvatures * radius, path.lengths / radius
-    return Pieces(path.start.heading, *that_matter(rate, scaled))
-
-
-def that_matter(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rates and lengths (radii) of the pieces that matter, as `pieces` has them."""
-    if rate.size <= FEW and _apart(rate.tolist(), scaled.tolist()):
-        return rate, scaled
-    if not scaled.all():
-        rate, scaled = rate[scaled != 0], scaled[scaled != 0]
-    merged = _merged(rate, scaled)
-    return merged if _is_same(merged, (rate, scaled)) else (rate, scaled)
+    if rate.size <= FEW and _apart(rate.tolist(), length.tolist()):
+        return rate, length
+    if not length.all():
+        rate, length = rate[length != 0], length[length != 0]
+    merged = _merged(rate, length)
+    return merged if _is_same(merged, (rate, length)) else (rate, length)
 
 
 def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -220,13 +206,16 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
     return u[first], joined
 
 
-def extremal(driven: Pieces, free: bool = True) -> Extremal | None:
+def extremal(
+    heading: float, u: FloatArray, length: FloatArray, free: bool = True
+) -> Extremal | None:
     """The costates that fit a path best, and how well; None where the conditions overflow.
 
-    `free` says whether its final heading is.
+    The path starts with a heading (rad) and has pieces of rates u and lengths (radii); `free` says
+    whether its final heading is.
     """
     # in the frame of the start, where angles are small; the costates are turned back at the end
-    asked = conditions(driven.u, driven.length, _ORIGIN)
+    asked = conditions(u, length, _ORIGIN)
     if asked is None:
         return None
     hamiltonian, straight, arcs = asked.hamiltonian, asked.straight, asked.arcs
@@ -249,7 +238,7 @@ def extremal(driven: Pieces, free: bool = True) -> Extremal | None:
     transversality = abs(nu3) / asked.stretch if free else None
     if not abnormal:
         nu1, nu2 = nu1 / nu0, nu2 / nu0
-    c, s = math.cos(driven.heading), math.sin(driven.heading)
+    c, s = math.cos(heading), math.sin(heading)
     return Extremal(
         costate_x=nu1 * c - nu2 * s,
         costate_y=nu1 * s + nu2 * c,

@@ -24,8 +24,8 @@ from dubins_study.study.check.extremal import (
     Extremal,
     conditions,
     largest,
+    pieces,
     sign_margin,
-    that_matter,
 )
 from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
@@ -98,7 +98,7 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
     for begin, end in pairwise(cuts):
         lengths = np.minimum(ends[1:], end) - np.maximum(ends[:-1], begin)
         on = lengths > 0.0
-        leg = that_matter(rate[on], lengths[on])
+        leg = pieces(rate[on], lengths[on])
         yield conditions(*leg, Pose(0.0, 0.0, turned))
         turned += float(rate[on] @ lengths[on])
 
