@@ -101,9 +101,17 @@ def certify(
     bound = math.nan if lower_bound is None else lower_bound
     if scenario.via and arriving is None and math.isnan(bound):
         return Certificate(proof=Proof.NONE)  # nothing is said that would be worth a search
-    costates, cut = None, None
+    costates: Extremal | None = None
+    cut: float | None = None
     if path is not None and (judged.length if free_leg else arriving) is not None:
-        costates, cut = _measured(scenario, path, judged)
+        free = scenario.final_heading is None
+        if scenario.via:
+            # SciPy's linear programs, which one leg needs none of
+            from dubins_study.study.check.route_extremal import route_extremal
+
+            costates = route_extremal(path, judged.visits or (), radius, free)
+        else:
+            costates, cut = measure(path, radius, free)
     if free_leg:
         interval = enclose(scenario, branch)
     else:
@@ -136,31 +144,15 @@ def certify(
     )
 
 
-def _measured(
-    scenario: Scenario, path: Path, judged: Judgement
-) -> tuple[Extremal | None, float | None]:
-    """The costates of a path and, of one leg with a free final heading, the cut margin."""
-    free = scenario.final_heading is None
-    if not scenario.via:
-        return measure(path, scenario.radius, free)
-    # SciPy's linear programs, which one leg needs none of
-    from dubins_study.study.check.route_extremal import route_extremal
-
-    return route_extremal(path, judged.visits or (), scenario.radius, free), None
-
-
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:
-    """What the costates are in a row's columns."""
+    """What the costates are in a row's columns, and how far multipliers are from them."""
     if costates is None:
         return {}
-    return {"costate_error": _costate_error(costates, multipliers), **costates._asdict()}
-
-
-def _costate_error(costates: Extremal, multipliers: tuple[float, float] | None) -> float | None:
-    if costates.abnormal or multipliers is None:
-        return None
-    x, y = costates.nu
-    return _finite(math.hypot(multipliers[0] + x, multipliers[1] + y))
+    error = None
+    if multipliers is not None and not costates.abnormal:
+        x, y = costates.nu
+        error = _finite(math.hypot(multipliers[0] + x, multipliers[1] + y))
+    return {"costate_error": error, **costates._asdict()}
 
 
 def _finite(value: float) -> float | None:
