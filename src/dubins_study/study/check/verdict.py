@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.enclosure import Enclosure
 from dubins_study.study.check.reference import (
     ROUNDED,
     STEEP,
@@ -17,7 +16,7 @@ from dubins_study.study.check.reference import (
     visited,
 )
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
-from dubins_study.study.check.visits import Visits, legs, visits_of
+from dubins_study.study.check.visits import Visits, legs, visits
 from dubins_study.study.closed_form.shortest import (
     Shortest,
     margin_local,
@@ -126,7 +125,7 @@ def _of_free_leg(
     return Verdict.LONGER if longer else Verdict.OPTIMAL, {
         "reference": reference,
         "gap": gap,
-        "wrong_basin": longer and _is_wrong_basin(path.turn, word, gap, optimum),
+        "wrong_basin": longer and _is_wrong_basin(path, word, gap, *_basins(optimum)),
     }
 
 
@@ -142,19 +141,21 @@ def path_word_of(path: Path) -> str:
 _NO_ARC = (0.0, 0.0)
 
 
-def _is_wrong_basin(turn: float, word: str, gap: float, optimum: Shortest | None) -> bool:
-    """Whether a longer path is another local optimum; `turn` is its net turn (rad)."""
+def _is_wrong_basin(
+    path: Path, word: str, gap: float, words: Sequence[str], turns: Sequence[float]
+) -> bool:
+    """Whether a longer path is another local optimum than those of some words and net turns."""
+    another_word, turn = gap > COARSE and word not in words, path.turn
+    return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
+
+
+def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    """Words and net turns (rad) of the shortest path, if any, and, of a tie, its mirror image."""
     if optimum is None:
-        return True
-    another_word = gap > COARSE and word not in optimum.words
-    return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in _turns(optimum))
-
-
-def _turns(optimum: Shortest) -> tuple[float, ...]:
-    """Net turn (rad) of the shortest path and, of a tie, of its mirror image."""
+        return (), ()
     lengths = [length for length in optimum.segments if length > 0]
     turn = sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
-    return (turn,) if len(optimum.words) == 1 else (turn, -turn)
+    return optimum.words, (turn, -turn)[: len(optimum.words)]
 
 
 def curvature_excess(curvature: Sequence[float], branch: str) -> float:
@@ -195,17 +196,17 @@ class _Seen(NamedTuple):
 
 
 def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
-    radius, length = scenario.radius, path.length
-    end = path.end
+    radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
-    seen = visits_of(scenario, path, tolerances.miss)
+    allowed = tolerances.miss * radius + DRIVEN * (extent + length)
+    seen = visits(path, scenario.via, radius, allowed)
     miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
     turned, blur = 0.0, 0.0
     if scenario.final_heading is not None:
         turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
         blur = DRIVEN * (abs(end.heading) + abs(scenario.final_heading) + length / radius)
-    there = arrives(miss, radius, scenario.extent, length, tolerances.miss)
+    there = arrives(miss, radius, extent, length, tolerances.miss)
     return _Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
 
 
@@ -216,8 +217,11 @@ def _of_visits(
 
     It is compared with the scenario's reference. Only if it is shorter by more than what it misses
     its points by explains, it is compared with that of the points that it visits.
+
+    One leg has a known set of lengths, for all data within delta, of which the nearest counts. Of a
+    route the interval's lower end is the reference, so that the gap is proven.
     """
-    radius, length = scenario.radius, path.length
+    radius, length, gap = scenario.radius, path.length, tolerances.gap
     best = reference_of(scenario, branch, tolerances.search_s)
     moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
     if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
@@ -225,35 +229,19 @@ def _of_visits(
         best = reference_of(there, branch, tolerances.search_s)
     if best.path is None or not best.enclosure.exists:
         return Verdict.MISSES, {}
-    verdict, known = _compared(scenario, length, best.enclosure, tolerances.gap)
-    known["reference_word"] = words_of(best.path, best.at, radius)
-    if verdict is Verdict.LONGER:
-        another = known["gap"] > COARSE and word != known["reference_word"]
-        turn = abs(path.turn - best.path.turn)
-        known["wrong_basin"] = another or turn > _ANOTHER_TURN
-    return verdict, known
-
-
-def _compared(
-    scenario: Scenario, length: float, enclosure: Enclosure, gap: float
-) -> tuple[Verdict, dict[str, Any]]:
-    """The verdict on an arriving path, and the columns `reference` and `gap`.
-
-    One leg has a known set of lengths, for all data within delta, of which the nearest counts. Of a
-    route the interval's lower end is the reference, so that the gap is proven.
-    """
-    radius = scenario.radius
-    low = high = enclosure.low
+    low = high = best.enclosure.low
     if scenario.via:
-        high = enclosure.high
-    elif (nearest := enclosure.nearest(length, gap * max(low, radius))) is not None:
+        high = best.enclosure.high
+    elif (nearest := best.enclosure.nearest(length, gap * max(low, radius))) is not None:
         low = high = nearest
-    above = (length - low) / max(low, radius)
-    verdict = Verdict.OPTIMAL
-    if above > gap:
-        longer = (length - high) / max(high, radius) > gap
-        verdict = Verdict.LONGER if longer else Verdict.UNDECIDED
-    return verdict, {"reference": low, "gap": above}
+    above, reference_word = (length - low) / max(low, radius), words_of(best.path, best.at, radius)
+    known = {"reference": low, "gap": above, "reference_word": reference_word}
+    if above <= gap:
+        return Verdict.OPTIMAL, known
+    if (length - high) / max(high, radius) <= gap:
+        return Verdict.UNDECIDED, known
+    basin = (reference_word,), (best.path.turn,)
+    return Verdict.LONGER, known | {"wrong_basin": _is_wrong_basin(path, word, above, *basin)}
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:

@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.path import FloatArray, Path
-from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import ARRIVES, DRIVEN
+from dubins_study.study.scenario import Pose
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
 # radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
@@ -39,14 +38,6 @@ class Visits(NamedTuple):
     at: tuple[float, ...]
     points: tuple[tuple[float, float], ...]
     miss: float
-
-
-class _Passing(NamedTuple):
-    """How n pieces pass one point, each from some arc length on; radii, shape (n,)."""
-
-    first: FloatArray  # where the piece is first within the allowed distance; NaN if nowhere
-    nearest: FloatArray  # where it is nearest, then or, if it never is within, at all
-    distance: FloatArray  # there
 
 
 def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowed: float) -> Visits:
@@ -70,12 +61,6 @@ def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowe
         found.append(min(nearest * radius, path.length))
     points = path.at(np.array(found))[:, :2].tolist()
     return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
-
-
-def visits_of(scenario: Scenario, path: Path, miss: float = ARRIVES) -> Visits:
-    """How a path visits a scenario's via points, which it may miss by some radii and rounding."""
-    rounding = DRIVEN * (scenario.extent + path.length)
-    return visits(path, scenario.via, scenario.radius, miss * scenario.radius + rounding)
 
 
 class _Pieces:
@@ -104,15 +89,14 @@ class _Pieces:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
         j = min(int(np.searchsorted(self.ends, at, "right")) - 1, self.length.size - 1)
         with np.errstate(all="ignore"):  # what overflows is no visit
-            passing = self._passing(slice(j, None), x, y, at, allowed)
-        hits = np.flatnonzero(~np.isnan(passing.first))
-        begins, (_, nearest, distance) = self.ends[j:-1], passing
+            within, nearest, distance = self._passing(slice(j, None), x, y, at, allowed)
+        hits, begins = np.flatnonzero(~np.isnan(within)), self.ends[j:-1]
         if not hits.size:
             i = int(np.argmin(distance))
             reached = float(begins[i] + nearest[i])
             return reached, reached, float(distance[i])
         i = int(hits[0])
-        first = float(begins[i] + passing.first[i])
+        first = float(begins[i] + within[i])
         while (
             i + 1 < nearest.size
             and nearest[i] >= self.length[j + i]
@@ -121,8 +105,14 @@ class _Pieces:
             i += 1  # still coming nearer at the end of a piece
         return max(at, first), max(at, float(begins[i] + nearest[i])), float(distance[i])
 
-    def _passing(self, those: slice, x: float, y: float, at: float, allowed: float) -> _Passing:
-        """How pieces pass a point from the arc length `at` on."""
+    def _passing(
+        self, those: slice, x: float, y: float, at: float, allowed: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Where each piece passes a point from the arc length `at` on, seen from its start.
+
+        That is where it first is within the allowed distance, NaN if nowhere; where it then is
+        nearest or, if it never is within, at all; and how near.
+        """
         k, length, cos, sin = (a[those] for a in (self.k, self.length, self.cos, self.sin))
         dx, dy = (x - self.x[those]) / self.radius, (y - self.y[those]) / self.radius
         X, Y = dx * cos + dy * sin, (dy * cos - dx * sin) * self.side[those]
@@ -148,7 +138,7 @@ class _Pieces:
         )
         near = distance(least)
         near[np.isnan(near)] = math.inf
-        return _Passing(np.where(within, first, math.nan), least, near)
+        return np.where(within, first, math.nan), least, near
 
 
 def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
