@@ -114,7 +114,8 @@ def _best(X: arb, y: arb) -> list[arb]:
     """Lengths of the shortest paths of all, for y = |Y|, since the mirror image is as long."""
     parts: list[arb] = []
     w = _power(X, y)
-    mirrored = [*_right_straight(X, y), *chain(*right_left_solutions(X, -y, inside=False))]
+    right_straight = _tangents(X, -y, _power(X, -y), ahead_of_axis=False)  # exists everywhere
+    mirrored = [*right_straight, *chain(*right_left_solutions(X, -y, inside=False))]
     if not w > 0:  # some of the targets are outside the left disc or on its circle: LS exists
         options = _tangents(X, y, w, ahead_of_axis=True)
         turns = chain(*right_left_solutions(X, y, inside=False))
@@ -123,11 +124,6 @@ def _best(X: arb, y: arb) -> list[arb]:
         solutions = right_left_solutions(X, y, inside=True)
         parts += below(ceiling_of(solutions[:1]), [*chain(*solutions), *mirrored])
     return parts
-
-
-def _right_straight(X: arb, y: arb) -> list[arb]:
-    """Lengths of RS for y >= 0, where it exists everywhere."""
-    return _tangents(X, -y, _power(X, -y), ahead_of_axis=False)
 
 
 def _left_straight(X: arb, Y: arb) -> tuple[list[arb], bool]:
@@ -205,7 +201,7 @@ def _tangents(X: arb, Y: arb, w: arb, ahead_of_axis: bool) -> list[arb]:
     if Y.mid() > 1:
         return [arb.pi() - arb.atan2(X, Y - 1) + rest]
     angle = arb.atan2(X, 1 - Y) + rest
-    full = angle + _full_turn()
+    full = angle + 2 * arb.pi()
     if not ahead_of_axis or X < 0:
         return [full]
     return [angle] if X >= 0 else [angle, full]
@@ -225,25 +221,18 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
         return [], []
     root = (p * q).nonnegative_part().sqrt()  # four times the triangle's area
     at_first = arb.atan2(root, p + 4)
-    excess = _upper_angle(p.nonnegative_part() * root, 8 + p * (4 - p))
+    # for y >= 0, whose ball may hold 0
+    y, x = p.nonnegative_part() * root, 8 + p * (4 - p)
+    excess = arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
     # from straight up, clockwise as R turns
     bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
     outside = (not X < 0, not X >= 0)  # which signs the first arcs may have: +, -
     long, short = ((True, False), (False, True)) if inside else (outside, outside)
-    turn = _full_turn()
+    turn = 2 * arb.pi()
     return (
         [bearing - excess + (k + 1) * turn for k in _turns(bearing + at_first, *long)],
         [bearing + excess + k * turn for k in _turns(bearing - at_first, *short)],
     )
-
-
-def _upper_angle(y: arb, x: arb) -> arb:
-    """The polar angle of (x, y) for y >= 0, whose ball may hold y = 0."""
-    return arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
-
-
-def _full_turn() -> arb:
-    return 2 * arb.pi()
 
 
 def _turns(angle: arb, positive: bool, negative: bool) -> list[int]:
@@ -252,7 +241,7 @@ def _turns(angle: arb, positive: bool, negative: bool) -> list[int]:
     Near a multiple of 2 pi it has the signs that are given: an option for each.
     """
     whole = -1 if angle.mid() > 3 else 0
-    rest = angle + whole * _full_turn()
+    rest = angle + whole * 2 * arb.pi()
     if rest < 0:
         return [whole + 1]
     if rest > 0:
