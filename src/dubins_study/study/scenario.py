@@ -107,7 +107,11 @@ class Scenario:
         if self.via:
             _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:
-            raise ScenarioError(_lost_in_rounding(self.extent, self.radius))
+            least = f"at least {self.extent / LARGEST_EXTENT:.3g}"
+            raise ScenarioError(
+                f"radius is {self.radius}; expected {least} beside coordinates of size "
+                f"{self.extent:.3g}, or the turning circles are lost in rounding"
+            )
 
     @property
     def extent(self) -> float:
@@ -263,24 +267,11 @@ def checked_number(name: str, value: float | None) -> float:
         ) from None
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
-    if problem := _problem(name, number):
-        raise ScenarioError(problem)
-    return number
-
-
-def _lost_in_rounding(extent: float, radius: float) -> str:
-    return (
-        f"radius is {radius}; expected at least {extent / LARGEST_EXTENT:.3g} beside coordinates "
-        f"of size {extent:.3g}, or the turning circles are lost in rounding"
-    )
-
-
-def _problem(name: str, value: float) -> str | None:
-    if not math.isfinite(value):
-        return f"{name} is {value}; expected a finite number"
-    if name in POSITIVE and value <= 0:
-        return f"{name} is {value}; expected a number above 0"
-    if abs(value) > LARGEST or (name in POSITIVE and value < SMALLEST):
+    if not math.isfinite(number):
+        raise ScenarioError(f"{name} is {number}; expected a finite number")
+    if name in POSITIVE and number <= 0:
+        raise ScenarioError(f"{name} is {number}; expected a number above 0")
+    if abs(number) > LARGEST or (name in POSITIVE and number < SMALLEST):
         least = f"from {SMALLEST:g} to" if name in POSITIVE else "of size up to"
-        return f"{name} is {value}; expected a number {least} {LARGEST:g}"
-    return None
+        raise ScenarioError(f"{name} is {number}; expected a number {least} {LARGEST:g}")
+    return number

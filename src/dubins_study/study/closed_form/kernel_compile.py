@@ -31,33 +31,23 @@ Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could c
 class _Announcement(event.Listener):
     """Logs a warning before the first loop of this package that no cache holds is compiled."""
 
-    def on_start(self, event: event.Event) -> None:
-        if not event.data["dispatcher"].py_func.__module__.startswith(_PACKAGE):
+    def on_start(self, compiling: event.Event) -> None:
+        if not compiling.data["dispatcher"].py_func.__module__.startswith(_PACKAGE):
             return
         # on stderr where logging is not set up: half a minute of silence looks like a fault
         logging.getLogger(__name__).warning(
             "compiling the loops over rows: up to two minutes, once after each installation"
         )
-        _end_announcement()
+        event.unregister("numba:compile", self)  # type: ignore[no-untyped-call]
 
-    def on_end(self, event: event.Event) -> None:
+    def on_end(self, compiled: event.Event) -> None:
         """Nothing is logged when it is done."""
 
 
-_announcement = _Announcement()
-event.register("numba:compile", _announcement)  # type: ignore[no-untyped-call]
+event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call]
 
-
-def _end_announcement() -> None:
-    event.unregister("numba:compile", _announcement)  # type: ignore[no-untyped-call]
-
-
-def _digest() -> str:
-    sources = sorted(Path(__file__).parents[1].rglob("*.py"))
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()[:12]
-
-
-_SOURCES = _digest()
+_FILES = sorted(Path(__file__).parents[1].rglob("*.py"))
+_SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 
 
 def loop_input(values: ArrayLike) -> FloatArray:
