@@ -87,11 +87,7 @@ class FrameJudgement(NamedTuple):
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
         """Room for n rows, none of them a wrong basin."""
-        codes, numbers, flags = (
-            np.empty((4, n), np.uint8),
-            np.empty((7, n)),
-            np.zeros((2, n), np.bool_),
-        )
+        codes, numbers, flags = np.empty((4, n), np.uint8), np.empty((7, n)), np.zeros((2, n), bool)
         return cls._make([*codes[:3], *numbers[:6], *flags, codes[3], numbers[6]])
 
 
@@ -142,8 +138,7 @@ def judge_frame(
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
     result, arcs = FrameJudgement.empty(n), three_arcs(paths)
     free = not with_final_headings(frame)
-    prepare = _free_legs if free else _posed_legs
-    best = prepare(legs, *arcs, branch, result)
+    best = _shortest(legs, *arcs, free, branch, result)
     limits = _Limits(
         *(tolerances.miss, tolerances.curvature, tolerances.gap), _ALLOWED.get(branch, _OF_WORD)
     )
@@ -173,36 +168,28 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     return loop_input(curvature), loop_input(length)
 
 
-def _free_legs(
+def _shortest(
     legs: PoseArrays,
     curvature: FloatArray,
     length: FloatArray,
+    free: bool,
     branch: str,
     result: FrameJudgement,
 ) -> _Best:
-    """The shortest paths to any final heading; regions and words are written."""
-    shortest = shortest_rows(*legs[:-1], branch=branch)
-    result.reference_word[:] = shortest.word
-    _describe_targets(legs.x.size)(legs, curvature, length, result)
-    none = np.zeros(legs.x.size, np.bool_)
-    return _Best(shortest.word, RATES, shortest.length, shortest.length, none)
-
-
-def _posed_legs(
-    legs: PoseArrays,
-    curvature: FloatArray,
-    length: FloatArray,
-    branch: str,
-    result: FrameJudgement,
-) -> _Best:
-    """The shortest paths to a final heading; words are written, and that there is no region."""
-    shortest, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
-    segments = np.stack([shortest.first, shortest.middle, shortest.last])
+    """The shortest paths, if `free` to any final heading; words and regions are written."""
+    n = legs.x.size
+    if free:
+        rows = shortest_rows(*legs[:-1], branch=branch)
+        result.reference_word[:] = rows.word
+        _describe(n)(legs, curvature, length, result)
+        return _Best(rows.word, RATES, rows.length, rows.length, np.zeros(n, np.bool_))
+    posed, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
+    segments = np.stack([posed.first, posed.middle, posed.last])
     for lengths, words in ((length, result.word), (segments, result.reference_word)):
-        _name_rows(legs.x.size)(shortest.word, loop_input(lengths), legs.radius, words)
+        _name_rows(n)(posed.word, loop_input(lengths), legs.radius, words)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
-    return _Best(shortest.word, SIDES, bounds.low, bounds.high, bounds.left)
+    return _Best(posed.word, SIDES, *bounds)
 
 
 def _judge_nothing(rows: BoolArray, absent: BoolArray, codes: Any, result: FrameJudgement) -> None:
@@ -255,32 +242,6 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     return disc if near > delta else elsewhere, margin
 
 
-@inlined
-def _describe_chunk(
-    chunk: int,
-    legs: PoseArrays,
-    curvature: FloatArray,
-    length: FloatArray,
-    result: FrameJudgement,
-) -> None:
-    """Write the regions and margins of targets, and the words of paths of two arcs."""
-    x, y, heading, tx, ty, radius, _ = legs
-    low, high = chunk_bounds(chunk, x.size)
-    region, margin, word = result.region, result.margin, result.word
-    near = 0
-    for i in range(low, high):
-        sine, cosine = sine_cosine(heading[i])
-        X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
-        region[i], margin[i] = _region_and_margin(X, Y, 0.0)
-        side = abs(Y)
-        near += min(abs(side * (2.0 - side) - X * X), side) <= four_delta
-    if near:  # the last ulp decides
-        _describe_exactly(low, high, legs, region, margin)
-    for i in range(low, high):
-        first, last = length[0, i], length[1, i]
-        word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
-
-
 @separate
 def _describe_exactly(
     low: Index, high: Index, legs: PoseArrays, region: CodeArray, margin: FloatArray
@@ -292,11 +253,26 @@ def _describe_exactly(
 
 
 @threaded
-def _describe_targets(
+def _describe(
     legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
 ) -> None:
-    for chunk in numba.prange(chunks(legs.x.size)):
-        _describe_chunk(chunk, legs, curvature, length, result)
+    """Write the regions and margins of targets, and the words of paths of two arcs."""
+    x, y, heading, tx, ty, radius, _ = legs
+    region, margin, word = result.region, result.margin, result.word
+    for chunk in numba.prange(chunks(x.size)):
+        low, high = chunk_bounds(chunk, x.size)
+        near = 0
+        for i in range(low, high):
+            sine, cosine = sine_cosine(heading[i])
+            X, Y, four_delta = to_local(x[i], y[i], sine, cosine, tx[i], ty[i], radius[i])
+            region[i], margin[i] = _region_and_margin(X, Y, 0.0)
+            side = abs(Y)
+            near += min(abs(side * (2.0 - side) - X * X), side) <= four_delta
+        if near:  # the last ulp decides
+            _describe_exactly(low, high, legs, region, margin)
+        for i in range(low, high):
+            first, last = length[0, i], length[1, i]
+            word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
 
 
 # `_named` writes a word in base 4, a digit for each letter
@@ -347,10 +323,8 @@ def _judge_chunk(
     """
     x, y, heading, tx, ty, radius, final = legs
     begin, end = chunk_bounds(chunk, x.size)
-    verdict, length, miss, excess = (
-        *(result.verdict, result.length),
-        *(result.miss, result.curvature_excess),
-    )
+    verdict, length = result.verdict, result.length
+    miss, excess = result.miss, result.curvature_excess
     turn, turns = result.gap, result.reference
     for i in range(begin, end):
         driven = turned = forward = left = angle = 0.0

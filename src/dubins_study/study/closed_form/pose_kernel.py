@@ -307,10 +307,8 @@ def _best_block(
     """
     x, y, heading, tx, ty, radius, final = legs
     length, _, _, _, _ = rows
-    X, Y, sine, cosine, turn, best, least = (
-        *(scratch[0], scratch[1], scratch[2], scratch[3]),
-        *(scratch[4], scratch[5], scratch[6]),
-    )
+    X, Y, sine, cosine = scratch[0], scratch[1], scratch[2], scratch[3]
+    turn, best, least = scratch[4], scratch[5], scratch[6]
     low, n = np.uint64(begin), np.uint64(end - begin)
     left = 0
     for j in range(n):
