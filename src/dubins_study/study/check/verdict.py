@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from copy import copy
 from functools import lru_cache
+from itertools import groupby
 from typing import Any, NamedTuple
 
-from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.reference import (
-    ROUNDED,
-    STEEP,
-    free_leg_reference,
-    reference_of,
-    visited,
-)
+from dubins_study.study.body_coordinates import EPS, local
+from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits
 from dubins_study.study.closed_form.shortest import (
     Shortest,
     margin_local,
     region_of,
+    shortest,
     shortest_local,
 )
 from dubins_study.study.path import Path, drivable
@@ -30,6 +28,10 @@ from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
 _DEFAULT = Tolerances()
+ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
+# By how much the optimal length may change per shift of the target, at least: it does by 1 where
+# the path ends straight, and more near a turning circle, where that changes within the shift.
+STEEP = 10.0
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
 # same angle and differ by more than any discretisation of use.
 COARSE = 0.05
@@ -113,13 +115,27 @@ def _of_free_leg(
     tolerances: Tolerances,
     optimum: Shortest | None,
 ) -> tuple[Verdict, dict[str, Any]]:
-    """The verdict on a path of one leg that arrives with any heading, and its columns."""
-    length, radius = path.length, scenario.radius
-    shortest = None if optimum is None else optimum.total * radius
-    asked = scenario, branch, shortest, length, seen.end, tolerances.gap
-    reference = free_leg_reference(*asked)
+    """The verdict on a path of one leg that arrives with any heading, and its columns.
+
+    It is compared with the scenario's shortest length. Only a miss makes a shorter path possible:
+    it is compared with the shortest to where it ends, so that missing buys nothing. That is no
+    longer than the path itself, whatever side of a circle its end is rounded to. Where neither has
+    a path of the branch, a point of a turning circle within the miss may.
+    """
+    length, radius, end = path.length, scenario.radius, seen.end
+    reference = None if optimum is None else optimum.total * radius
+    if reference is None or length < reference * (1.0 - ROUNDED):
+        there = shortest(visited(scenario, (), end), branch)
+        if there is not None:
+            reference = min(there.total * radius, length)
     if reference is None:
-        return Verdict.MISSES, {}
+        target = local(scenario)
+        off = 2.0 * math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+        there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
+        if there is None:
+            return Verdict.MISSES, {}
+        reference = there.total * radius
+    reference = _known_to_delta(scenario, branch, length, reference, tolerances.gap)
     gap = (length - reference) / max(reference, radius)
     longer = gap > tolerances.gap
     return Verdict.LONGER if longer else Verdict.OPTIMAL, {
@@ -127,6 +143,39 @@ def _of_free_leg(
         "gap": gap,
         "wrong_basin": longer and _is_wrong_basin(path, word, gap, *_basins(optimum)),
     }
+
+
+def _known_to_delta(
+    scenario: Scenario, branch: str, length: float, reference: float, gap: float
+) -> float:
+    """The reference that an answer is compared with, for data that are known to delta.
+
+    Of a longer answer that is the longest shortest length, over targets within delta, that is not
+    above the answer's length.
+    """
+    allowed = gap * max(reference, scenario.radius)
+    if length - reference <= allowed:
+        return reference
+    nearest = enclose(scenario, branch).nearest(length, allowed)
+    if nearest is None:
+        return reference
+    # what delta alone moves a length by is no reason for another reference
+    matters = length - nearest <= allowed or nearest - reference > allowed
+    return nearest if matters else reference
+
+
+def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose) -> Scenario:
+    """The scenario whose points are those that a path visits on its way to its end.
+
+    Points that are one for a path are one point of that scenario.
+    """
+    way = [point for point, _ in groupby([scenario.start[:2], *points, end[:2]])]
+    final = None if scenario.final_heading is None else end.heading
+    there = copy(scenario)  # the end may lie beyond what a scenario may ask for
+    moved = {"target_x": end.x, "target_y": end.y, "via": tuple(way[1:-1]), "final_heading": final}
+    for name, value in moved.items():
+        object.__setattr__(there, name, value)
+    return there
 
 
 def path_word_of(path: Path) -> str:

@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike
 
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.reference import ROUNDED
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import is_false, judge
+from dubins_study.study.check.verdict import ROUNDED, is_false, judge
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     NO_PATH,
