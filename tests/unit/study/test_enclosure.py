@@ -15,9 +15,8 @@ import pytest
 from hard_cases import hard_frame, hard_poses, poses_of
 
 from dubins_study.study.check import enclosure_kernel
-from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.enclosure import enclose, enclose_pose
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.pose_enclosure import enclose_pose
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled

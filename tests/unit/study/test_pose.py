@@ -9,7 +9,7 @@ from hard_cases import hard_poses, poses_of
 from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.check.enclosure import enclose_pose
 from dubins_study.study.closed_form.kernel import NO_PATH
 from dubins_study.study.closed_form.pose import (
     WORDS6,

@@ -1,29 +1,31 @@
-"""Proven intervals around the shortest length, in interval arithmetic.
+"""Proven intervals around the shortest length of one leg, in interval arithmetic.
 
-The data are known to delta (`study.body_coordinates.Local`). So a question stands for all targets
-whose X and Y are within delta of the exact values that its doubles give, and its shortest length is
-a set of numbers: a few delta wide, and in parts where a turning circle, the edge of a word's reach
-or the axis passes through the targets. Every candidate word is evaluated in ball arithmetic (Arb,
-through python-flint) on the whole square of targets, by formulas other than those of
-`closed_form.shortest`, and the least is taken. That one of the four words is shortest is a theorem
-(docs/derivation.md, section 11); nothing is assumed about which.
+The data are known to delta (`study.body_coordinates.Local`, `study.closed_form.pose.Leg`). So a
+question stands for all targets whose X and Y, or all ends whose X, Y and heading in the start's
+frame, are within delta of the exact values that its doubles give, and its shortest length is a set
+of numbers: a few delta wide, and in parts where a turning circle, the edge of a word's reach or the
+axis passes through the targets. Every candidate word is evaluated in ball arithmetic (Arb, through
+python-flint) on all of them, by formulas other than those of `closed_form`, and the least is taken.
+That one of the four words to a free heading is shortest is a theorem (docs/derivation.md, section
+11), and that one of the six to a given one is, Dubins'; nothing is assumed about which.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from itertools import chain
+from itertools import chain, product
 from typing import NamedTuple
 
 from flint import arb, ctx
 
 from dubins_study.study.body_coordinates import PER_DISTANCE, PER_EXTENT
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
+from dubins_study.study.scenario import Pose, Scenario
 
 # 53 of the doubles, as many for what their differences lose, and some to spare beside delta
-BITS = 160
+_BITS = 160
 Part = tuple[float, float]
 
 
@@ -68,15 +70,15 @@ class Enclosure(NamedTuple):
 @lru_cache(maxsize=16384)  # the cells of a run ask each question often, in shuffled order
 def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
     """Enclose the shortest lengths of a branch over all targets within delta."""
-    with ctx.workprec(BITS):
-        X, Y = _square(scenario)
+    with ctx.workprec(_BITS):
+        X, Y = _targets(scenario)
         if branch == "best":
-            return outwards(_best(X, abs(Y)), False, scenario.radius)
+            return _outwards(_best(X, abs(Y)), False, scenario.radius)
         word = _left_straight if branch in ("LS", "RS") else _right_left
-        return outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
+        return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
 
 
-def _square(scenario: Scenario) -> tuple[arb, arb]:
+def _targets(scenario: Scenario) -> tuple[arb, arb]:
     """X and Y of the scenario's targets, as balls of radius delta."""
     x, y, target_x, target_y = map(
         arb, (scenario.x, scenario.y, scenario.target_x, scenario.target_y)
@@ -90,11 +92,11 @@ def _square(scenario: Scenario) -> tuple[arb, arb]:
     return X + blur, Y + blur
 
 
-def outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
+def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
     """The parts as doubles rounded outwards, those that overlap made one."""
     merged: list[Part] = []
     R = arb(radius)
-    for low, high in sorted(_ends(part * R) for part in parts):
+    for low, high in sorted(_doubles(part * R) for part in parts):
         if merged and low <= merged[-1][1]:
             merged[-1] = merged[-1][0], max(high, merged[-1][1])
         else:
@@ -104,7 +106,7 @@ def outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
     return Enclosure(merged[0][0], merged[-1][1], absent, tuple(merged))
 
 
-def _ends(ball: arb) -> Part:
+def _doubles(ball: arb) -> Part:
     """The ends of a ball as doubles; conversion rounds to nearest, which one step covers."""
     low, high = float(ball.lower()), float(ball.upper())
     return max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf)
@@ -119,10 +121,10 @@ def _best(X: arb, y: arb) -> list[arb]:
     if not w > 0:  # some of the targets are outside the left disc or on its circle: LS exists
         options = _tangents(X, y, w, ahead_of_axis=True)
         turns = chain(*right_left_solutions(X, y, inside=False))
-        parts += below(ceiling_of([options]), [*options, *turns, *mirrored])
+        parts += _below(_ceiling_of([options]), [*options, *turns, *mirrored])
     if not w <= 0:  # some are inside: the long RL exists
         solutions = right_left_solutions(X, y, inside=True)
-        parts += below(ceiling_of(solutions[:1]), [*chain(*solutions), *mirrored])
+        parts += _below(_ceiling_of(solutions[:1]), [*chain(*solutions), *mirrored])
     return parts
 
 
@@ -146,7 +148,7 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
     for inside in (False, True):
         if not (w <= 0 if inside else w > 0):
             solutions = right_left_solutions(X, Y, inside)
-            parts += below(ceiling_of(solutions), [*chain(*solutions)])
+            parts += _below(_ceiling_of(solutions), [*chain(*solutions)])
     return parts, not (p >= 0 and q >= 0)
 
 
@@ -154,12 +156,12 @@ def _right_left(X: arb, Y: arb) -> tuple[list[arb], bool]:
 # are two where the targets lie on both sides of a jump.
 
 
-def ceiling_of(solutions: Iterable[list[arb]]) -> arb:
+def _ceiling_of(solutions: Iterable[list[arb]]) -> arb:
     """A bound on the least of some solutions that all targets have."""
     return min(max(option.upper() for option in options) for options in solutions)
 
 
-def below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
+def _below(ceiling: arb, options: Iterable[arb]) -> list[arb]:
     """The options without what lies above the ceiling."""
     kept = [option for option in options if not option > ceiling]
     return [
@@ -226,24 +228,212 @@ def right_left_solutions(X: arb, Y: arb, inside: bool) -> tuple[list[arb], list[
     excess = arb.atan2(y, x) if x.mid() > 0 else arb.pi() - arb.atan2(y, -x)
     # from straight up, clockwise as R turns
     bearing = arb.atan2(X, 1 + Y) if Y.mid() > -1 else arb.pi() - arb.atan2(X, -1 - Y)
-    outside = (not X < 0, not X >= 0)  # which signs the first arcs may have: +, -
-    long, short = ((True, False), (False, True)) if inside else (outside, outside)
+    outside = True if X >= 0 else False if X < 0 else None  # whether first arcs are positive
+    long, short = (True, False) if inside else (outside, outside)
     turn = 2 * arb.pi()
     return (
-        [bearing - excess + (k + 1) * turn for k in _turns(bearing + at_first, *long)],
-        [bearing + excess + k * turn for k in _turns(bearing - at_first, *short)],
+        [bearing - excess + (k + 1) * turn for k in _turns(bearing + at_first, long)],
+        [bearing + excess + k * turn for k in _turns(bearing - at_first, short)],
     )
 
 
-def _turns(angle: arb, positive: bool, negative: bool) -> list[int]:
-    """How many turns bring an angle in (-2 pi, 4 pi) to [0, 2 pi).
-
-    Near a multiple of 2 pi it has the signs that are given: an option for each.
-    """
-    whole = -1 if angle.mid() > 3 else 0
-    rest = angle + whole * 2 * arb.pi()
-    if rest < 0:
-        return [whole + 1]
+def _turns(angle: arb, positive: bool | None) -> list[int]:
+    """How many turns bring an angle to [0, 2 pi); next to zero it has the sign that is given."""
+    parts = angle / (2 * arb.pi())
+    nearest = round(float(parts.mid()))
+    rest = parts - nearest
     if rest > 0:
-        return [whole]
-    return [*([whole] if positive else ()), *([whole + 1] if negative else ())]
+        return [-nearest]
+    if rest < 0:
+        return [1 - nearest]
+    low, high = math.floor(float(rest.lower())), math.floor(float(rest.upper()))
+    if (low, high) != (-1, 0):
+        return [-nearest - whole for whole in range(low, high + 1)]
+    if positive is None:
+        return [-nearest, 1 - nearest]
+    return [-nearest if positive else 1 - nearest]
+
+
+# Legs with a given final heading
+
+
+class _Ends(NamedTuple):
+    """The ends in the start's frame, as balls: X, Y, heading, its sine and cosine."""
+
+    X: arb
+    Y: arb
+    turn: arb
+    s: arb
+    c: arb
+
+    @property
+    def mirrored(self) -> _Ends:
+        return _Ends(self.X, -self.Y, -self.turn, -self.s, self.c)
+
+
+class _Signs(NamedTuple):
+    """On which side of each edge an end lies: whether the function is not negative.
+
+    The sides of the end's circles from the start's line, those of the start's circles from the
+    end's line, |E - C|^2 - 4 for the circles of LSR and RSL, 16 - |E - C|^2 for those of LRL, RLR.
+    """
+
+    start_left: bool
+    start_right: bool
+    end_left: bool
+    end_right: bool
+    reach_lsr: bool
+    reach_rsl: bool
+    reach_lrl: bool
+    reach_rlr: bool
+
+    @property
+    def mirrored(self) -> _Signs:
+        """The signs of the mirror image: circles change their names, sides their signs."""
+        return _Signs(
+            *(not self.start_right, not self.start_left, not self.end_right, not self.end_left),
+            *(self.reach_rsl, self.reach_lsr, self.reach_rlr, self.reach_lrl),
+        )
+
+    @property
+    def possible(self) -> bool:
+        """The left circle's function is below the right one's, by 2 (1 - cos)."""
+        return self.start_right >= self.start_left and self.end_right >= self.end_left
+
+
+@lru_cache(maxsize=16384)
+def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") -> Enclosure:
+    """Enclose the shortest lengths of a branch, `best` or one of `WORDS6`, over all ends.
+
+    They are divided by the signs of eight functions, of whose zeros all edges of the six words
+    consist. Most signs are the same for all ends. For each combination of the others every word
+    exists or does not, and its arcs are whole turns or nothing; so the least of its lengths can be
+    taken (docs/derivation.md, section 15).
+    """
+    with ctx.workprec(_BITS):
+        ends = _ends(start, end, radius)
+        sure = [[length] for side in (ends, ends.mirrored) for length in _nearly_one_arc(side)]
+        parts: list[arb] = []
+        absent = False
+        for signs in _cells(ends):
+            if branch == "best":
+                words = [lengths for word in WORDS6 if (lengths := _lengths(word, ends, signs))]
+                least = _ceiling_of([*words, *sure])
+                parts += _below(least, [length for word in words for length in word])
+            else:
+                lengths = _lengths(branch, ends, signs)
+                parts += lengths
+                absent |= not lengths
+        return _outwards(parts, absent, radius)
+
+
+def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
+    R = arb(radius)
+    sine, cosine = arb(start.heading).sin_cos()
+    x, y = (arb(end.x) - arb(start.x)) / R, (arb(end.y) - arb(start.y)) / R
+    extent = (abs(arb(start.x)) + abs(arb(start.y)) + abs(arb(end.x)) + abs(arb(end.y))) / R
+    delta = PER_EXTENT * extent + PER_DISTANCE * (abs(x) + abs(y)) + PER_HEADINGS
+    blur = delta.union(-delta)
+    # whole turns are told from the doubles' angle: of a heading of 1e20 they take many more digits
+    with ctx.workprec(_BITS + max(0, math.frexp(end.heading - start.heading)[1])):
+        turn = arb(end.heading) - arb(start.heading)
+        turn -= 2 * arb.pi() * (turn / (2 * arb.pi())).mid().floor()
+    turn += blur
+    return _Ends(x * cosine + y * sine + blur, y * cosine - x * sine + blur, turn, *turn.sin_cos())
+
+
+def _cells(ends: _Ends) -> Iterator[_Signs]:
+    """The combinations of signs that some of the ends may have."""
+    X, Y, _, s, c = ends
+    across, versine = X * s - Y * c, 1 - c
+    functions = (
+        *(Y - versine, Y + versine, across - versine, across + versine),
+        *(_square(X + s, Y - c - 1) - 4, _square(X - s, Y + c + 1) - 4),
+        *(16 - _square(X - s, Y + c - 1), 16 - _square(X + s, Y - c + 1)),
+    )
+    sides = [(True,) if f >= 0 else (False,) if f < 0 else (True, False) for f in functions]
+    return (signs for signs in (_Signs(*cell) for cell in product(*sides)) if signs.possible)
+
+
+def _square(x: arb, y: arb) -> arb:
+    return x * x + y * y
+
+
+def _lengths(word: str, ends: _Ends, signs: _Signs) -> list[arb]:
+    """The lengths of a word, of which one is the end's; none where it does not exist."""
+    if word in ("RSR", "RSL", "RLR"):
+        ends, signs = ends.mirrored, signs.mirrored
+        word = {"RSR": "LSL", "RSL": "LSR", "RLR": "LRL"}[word]
+    X, Y, turn, s, c = ends
+    # how far S leads forward, seen from both ends, or the chord of the middle arc's centres
+    forward = X * c + Y * s - s
+    if word == "LSR":
+        if not signs.reach_lsr:
+            return []
+        x, y = X + s, Y - c - 1
+        p = (x * x + (y - 2) * (y + 2)).nonnegative_part().sqrt()
+        first = _direction(x, y) + arb.pi() / 2 - (p / 2).atan()
+        length = _excess(p) + arb.pi() + 2 * _direction(x, y) - turn
+        left = signs.start_right if x > 0 else None
+        right = not signs.end_left if forward > 0 else None
+        return _with_turns(length, 2 * first - turn, first, left, first - turn, right)
+    x, y = X - s, Y + c - 1
+    d, first = _square(x, y).nonnegative_part().sqrt(), _direction(x, y)
+    if word == "LSL":
+        left = signs.start_left if x > 0 else None
+        right = signs.end_left if forward > 0 else None
+        return _with_turns(d + turn, turn, first, left, turn - first, right)
+    if not signs.reach_lrl:
+        return []
+    half = arb.pi() - _quarter_arcsine(d)
+    left = not signs.reach_rsl if x < 0 else None
+    right = not signs.reach_lsr if forward < 0 else None
+    arcs, rest = turn + 2 * half, turn - first + half
+    return _with_turns(arcs + 2 * half, arcs, first + half, left, rest, right)
+
+
+def _nearly_one_arc(ends: _Ends) -> Iterator[arb]:
+    """Lengths of paths S L S and R S L S R that all ends have: next to one arc above pi, as long.
+
+    Signs do not tell there that no word but the arc and a full turn is longer. The outer arcs e
+    make the middle one more than half a turn where the arc is just that.
+    """
+    X, Y, turn, s, c = ends
+    full = 2 * arb.pi()
+    turn -= full * math.floor(float((turn / full).mid()))
+    for e in (arb(0), arb(math.sqrt(float(X.rad())))):
+        sine, versine = 2 * e.sin(), 2 - 2 * e.cos()
+        x = X - s - sine * (1 + c) + versine * s
+        y = Y + c - 1 - sine * s + versine * (1 - c)
+        arc = turn + 2 * e
+        if arc > arb.pi() and arc < full:
+            yield 2 * e + arc + _square(x, y).nonnegative_part().sqrt() / abs((arc / 2).cos())
+
+
+def _direction(x: arb, y: arb) -> arb:
+    """An angle of (x, y), whatever its turns; any angle where that may be the origin."""
+    if not (x < 0 or x > 0 or y < 0 or y > 0):
+        return arb(0, 4)
+    return arb.atan2(y, x) if x.mid() >= 0 else arb.pi() + arb.atan2(-y, -x)
+
+
+def _excess(p: arb) -> arb:
+    """p - 2 atan(p / 2), which grows with p: little where p is little."""
+    low, high = p.lower(), p.upper()
+    return (low - 2 * (low / 2).atan()).union(high - 2 * (high / 2).atan())
+
+
+def _quarter_arcsine(d: arb) -> arb:
+    """asin(d / 4), which grows with d, of the distances that are at most 4."""
+    low, high = d.lower(), d.upper()
+    return (low / 4).asin().union((high / 4).asin() if high < 4 else arb.pi() / 2)
+
+
+def _with_turns(
+    length: arb, arcs: arb, first: arb, left: bool | None, last: arb, right: bool | None
+) -> list[arb]:
+    """The length and the turns that bring both outer arcs, of sum `arcs`, to [0, 2 pi)."""
+    turn = 2 * arb.pi()
+    turns = {m + n for m in _turns(first, left) for n in _turns(last, right)}
+    possible = [m for m in sorted(turns) if not (arcs + m * turn < 0 or arcs + m * turn > 2 * turn)]
+    return [length + m * turn for m in possible]

@@ -1,6 +1,6 @@
 """Proven intervals around the shortest lengths of frames, in compiled loops.
 
-They do what `enclosure.enclose` and, with final headings, `pose_enclosure.enclose_pose` do for one
+They do what `enclosure.enclose` and, with final headings, `enclosure.enclose_pose` do for one
 row: an interval holds the lengths of all data within delta of a row's (`body_coordinates.Local`,
 `closed_form.pose.Leg`), by the arithmetic of `interval_kernel`. A row is left to these functions
 where that arithmetic does not decide on which side of an edge of the branch all of the data lie, or

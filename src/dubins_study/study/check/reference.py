@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import NamedTuple
 
-from dubins_study.study.check.enclosure import Enclosure, enclose
-from dubins_study.study.check.pose_enclosure import enclose_pose
+from dubins_study.study.check.enclosure import Enclosure, enclose, enclose_pose
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
