@@ -15,7 +15,7 @@ from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.convex.verdict import judge_convex
+from dubins_study.study.convex.proof import judge_convex
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import (
     ANSWER,

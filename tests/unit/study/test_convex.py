@@ -9,8 +9,13 @@ from scipy.sparse import csr_array
 
 from dubins_study.study.convex.digests import DIGESTS
 from dubins_study.study.convex.problem import Point, Problem, ProblemError, parse, read, write
-from dubins_study.study.convex.proof import lower_bound, reference, residuals, upper_bound
-from dubins_study.study.convex.verdict import judge_convex
+from dubins_study.study.convex.proof import (
+    judge_convex,
+    lower_bound,
+    reference,
+    residuals,
+    upper_bound,
+)
 from dubins_study.study.words import Claim, Verdict
 
 QPS = [name for name in DIGESTS if name.startswith("qp")]

@@ -1,4 +1,4 @@
-"""Proven bounds of a convex problem's optimum, from any primal and any dual point.
+"""Proven bounds of a convex problem's optimum, from any primal and any dual point; the verdict.
 
 The upper bound is the objective at the point moved into the feasible set; the lower bound is the
 Lagrangian's minimum over the box of the variables. Both hold whatever point is given, since they
@@ -15,8 +15,11 @@ import numpy as np
 from flint import arb, ctx
 from scipy.sparse import csr_array
 
+from dubins_study.study.convex.digests import DIGESTS
 from dubins_study.study.convex.problem import Point, Problem, read
 from dubins_study.study.path import FloatArray
+from dubins_study.study.rows.schema import Certificate, Judgement
+from dubins_study.study.words import Claim, Proof, Verdict
 
 _BITS = 106
 _LEAST_STEP = 1e-14  # towards the interior; pays for the rounding of the step itself
@@ -222,3 +225,49 @@ def reference(name: str) -> tuple[float, float]:
     """The proven interval around the optimum of the packaged problem of this name."""
     problem = read(name)
     return lower_bound(problem, problem.witness), upper_bound(problem, problem.x)
+
+
+def judge_convex(
+    name: str, numbers: FloatArray | None, claim: Claim, tolerance: float
+) -> tuple[Judgement, Certificate]:
+    """Judge the numbers of a primal and dual point by the tolerance that was asked for.
+
+    It misses if a constraint is violated by more. It is optimal if the feasible point made from it
+    (`upper_bound`) costs at most that more than the proven optimum, relative to the larger of
+    1 and the optimum, and longer if it costs more for certain. A claim of an optimum is false if it
+    is not optimal, and a residual or the gap of both objectives is beyond the tolerance as well.
+    """
+    low, high, verdict = None, None, Verdict.NONE
+    shares: dict[str, Any] = {"region": None, "margin": None}
+    if name in DIGESTS:
+        low, high = reference(name)
+        problem = read(name)
+        if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():
+            verdict, measured = _measured(name, problem.split(numbers), tolerance)
+            shares |= measured
+    kept = max(shares.get(name, np.inf) for name in ("miss", "dual_residual", "duality_gap"))
+    wrong = verdict is not Verdict.OPTIMAL and not kept <= tolerance
+    false = claim is Claim.INFEASIBLE or (claim is Claim.OPTIMAL and wrong)
+    proof = Proof.PROVED if verdict is Verdict.OPTIMAL else Proof.NONE
+    return (
+        Judgement(verdict=verdict, false_claim=false, reference=low, **shares),
+        Certificate(proof=proof, reference_low=low, reference_high=high),
+    )
+
+
+def _measured(name: str, point: Point, tolerance: float) -> tuple[Verdict, dict[str, float]]:
+    problem, (low, high) = read(name), reference(name)
+    primal, dual, gap = residuals(problem, point)
+    value, scale = upper_bound(problem, point.x), max(1.0, abs(low))
+    shares = {
+        "miss": primal,
+        "dual_residual": dual,
+        "duality_gap": gap,
+        "certified_gap": (value - lower_bound(problem, point)) / scale,
+    }
+    if not primal <= tolerance:
+        return Verdict.MISSES, shares
+    shares |= {"length": value, "gap": (value - low) / scale}
+    if shares["gap"] <= tolerance:
+        return Verdict.OPTIMAL, shares
+    return (Verdict.LONGER if (value - high) / scale > tolerance else Verdict.UNDECIDED), shares
