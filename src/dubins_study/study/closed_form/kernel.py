@@ -122,14 +122,6 @@ _left_straight, _right_left = inlined(left_straight), inlined(right_left)
 _best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
 
 
-@inlined
-def best_exactly(X: float, Y: float, delta: float) -> tuple[float, float, int]:
-    """`shortest.shortest_local` without a branch, to the bit: both segments and the word's code."""
-    right = not _chosen_side(Y, delta)
-    first, second, arcs = _best_segments(X, abs(Y), delta)
-    return first, second, _word(first, second, arcs, right)
-
-
 @compiled
 def word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) -> None:
     """LS, or RL if `arcs`; mirrored, RS or LR, if `right`. With libm."""
@@ -183,7 +175,7 @@ def to_local(
 
 @inlined
 def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
-    """`best_exactly` for y = |Y|: both segments, the word, and how far from an edge the target is.
+    """`best_segments` with the word's code, and how far from an edge the target is.
 
     Where that is not above 4 delta the row is delicate: two evaluations of X, Y and w differ by
     less than delta, and may take different sides of the edge. So near (0, 2) that the last ulp
@@ -284,7 +276,8 @@ def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
         if (abs(heading[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST):
             continue
         X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        a, b, code = best_exactly(X, Y, delta)
+        a, b, arcs = _best_segments(X, abs(Y), delta)
+        code = _word(a, b, arcs, not _chosen_side(Y, delta))
         first[i], second[i] = a * radius[i], b * radius[i]
         sound = delta <= _LARGEST and a + b >= 0.0
         length[i] = first[i] + second[i] if sound else math.nan
