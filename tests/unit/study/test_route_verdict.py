@@ -10,7 +10,7 @@ from dubins_study import solve
 from dubins_study.solvers.attempt import judged
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.reply import Reply
-from dubins_study.study.check import reference
+from dubins_study.study.check import certificate, verdict
 from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.verdict import judge, miss_reason
 from dubins_study.study.path import Path
@@ -179,7 +179,8 @@ def test_a_search_that_is_cut_short_claims_no_optimum():
 
 
 def test_no_path_is_judged_without_a_search(monkeypatch):
-    monkeypatch.setattr(reference, "reference_of", None)
+    for module in (certificate, verdict):
+        monkeypatch.setattr(module, "reference_of", None)
     nothing = Reply(Outcome.RETURNED, Solution(Claim.FAILED), Times())
 
     answer = judged("nobody", Question(FREE), nothing)
