@@ -63,6 +63,10 @@ _BEST, _STRAIGHT, _ARCS = -1, 0, 1  # beside places in `WORDS6`
 _FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
 
 
+# a shortest length in radii, infinite where there is no path, and whether it is decided
+_Shortest = tuple[Interval, bool]
+
+
 class Bounds(NamedTuple):
     """Proven bounds of the shortest lengths of n rows: arrays of shape (n,)."""
 
@@ -99,13 +103,6 @@ def _ends_in_units(length: Interval, radius: float, delta: float) -> tuple[float
     above = (scaled.mid + scaled.rad) * (1.0 + 2.0 * EPS)
     useful &= below > 0.0
     return math.inf if none else below, math.inf if none else above, none | useful
-
-
-class _Shortest(NamedTuple):
-    """A shortest length in radii, and whether it is decided; infinite where there is no path."""
-
-    length: Interval
-    decided: bool
 
 
 @inlined
@@ -152,7 +149,7 @@ def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
     most = s.mid + s.rad
     spread = s.rad * min(most * most, 1.0) * GROWTH
     rest = minus(exact(s.mid), corner)
-    return _Shortest(plus(bearing, Interval(rest.mid, rest.rad + spread)), decided)
+    return plus(bearing, Interval(rest.mid, rest.rad + spread)), decided
 
 
 @inlined
@@ -172,7 +169,7 @@ def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
     first, decided = _full_angle(rise, run)
     corner = angle_above(D, minus(exact(4.0), p))
     second = minus(FULL_TURN, corner) if long else corner
-    return _Shortest(plus(first, second), decided)
+    return plus(first, second), decided
 
 
 @inlined
@@ -189,8 +186,8 @@ def _best(X: Interval, Y: Interval) -> _Shortest:
     The edges are both circles, and the start lies on them.
     """
     w, p = _squares(X, Y)
-    shortest = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
-    return _Shortest(shortest.length, shortest.decided & is_signed(w))
+    length, decided = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
+    return length, decided & is_signed(w)
 
 
 @inlined
@@ -198,10 +195,10 @@ def _straight_word(X: Interval, Y: Interval) -> _Shortest:
     """LS; its edges are the left circle and the axis ahead, where the start is."""
     w, _ = _squares(X, Y)
     if w.mid > 0.0:
-        return _Shortest(exact(math.inf), is_signed(w))
-    shortest = _left_straight(X, Y, w)
+        return exact(math.inf), is_signed(w)
+    length, decided = _left_straight(X, Y, w)
     off_axis = is_signed(Y) | positive(negative(X))
-    return _Shortest(shortest.length, shortest.decided & is_signed(w) & off_axis)
+    return length, decided & is_signed(w) & off_axis
 
 
 @inlined
@@ -214,9 +211,10 @@ def _arcs_word(X: Interval, Y: Interval) -> _Shortest:
     q = minus(exact(8.0), p)
     in_reach = is_signed(p) & is_signed(q)
     if p.mid < 0.0 or q.mid < 0.0:
-        return _Shortest(exact(math.inf), in_reach)
-    a, b = _right_left(X, Y, p, True), _right_left(X, Y, p, False)
-    return _Shortest(lesser(a.length, b.length), a.decided & b.decided & in_reach)
+        return exact(math.inf), in_reach
+    long, long_decided = _right_left(X, Y, p, True)
+    short, short_decided = _right_left(X, Y, p, False)
+    return lesser(long, short), long_decided & short_decided & in_reach
 
 
 @inlined
