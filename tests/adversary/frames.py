@@ -8,8 +8,8 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.certificate_frame import PROOFS, FrameCertificate, certify_frame
+from dubins_study.study.check.certificate import PROOFS, certify
+from dubins_study.study.check.certificate_frame import FrameCertificate, certify_frame
 from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.verdict_frame import (

@@ -160,7 +160,7 @@ def _columns(
 
 
 def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
-    from dubins_study.study.check.certificate_frame import PROOFS
+    from dubins_study.study.check.certificate import PROOFS
 
     return {
         "proof": _texts(certificate.proof, PROOFS),

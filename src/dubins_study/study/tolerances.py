@@ -33,11 +33,12 @@ class Tolerances:
     search_s: float = SEARCH_S
 
 
+DEFAULT = Tolerances()
 # Named tolerances; a solver may add settings of its own under the same name (its `profiles`).
 # `default` calls four digits of the length optimal: what a plotted path or a flight plan can use.
 # `accurate` asks for what an NLP solver reaches at its usual tolerance; `fast` for three digits.
 PROFILES = {
-    "default": Tolerances(),
+    "default": DEFAULT,
     "fast": Tolerances(gap=1e-3),
     "accurate": Tolerances(gap=1e-6),
 }

@@ -17,11 +17,10 @@ from dubins_study.study.check.reference import reference_of
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.tolerances import DEFAULT, Tolerances
 from dubins_study.study.words import Proof, Verdict
 
-_DEFAULT = Tolerances()
-_PROOFS = tuple(Proof)
+PROOFS = tuple(Proof)
 # A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
 # interior-point method adds to a segment leaves its square, 1e-6 (docs/derivation.md, section 9).
 PMP_TOLERANCE = 1e-7
@@ -84,7 +83,7 @@ def certify(
     *,
     lower_bound: float | None = None,
     multipliers: tuple[float, float] | None = None,
-    tolerances: Tolerances = _DEFAULT,
+    tolerances: Tolerances = DEFAULT,
 ) -> Certificate:
     """Certify an answer that has been judged.
 
@@ -135,7 +134,7 @@ def certify(
         allowed,
     )
     return Certificate(
-        proof=_PROOFS[(*levels, True).index(True)],
+        proof=PROOFS[(*levels, True).index(True)],
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,

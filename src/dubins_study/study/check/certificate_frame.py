@@ -13,7 +13,7 @@ import numpy as np
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
-from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, proof_levels
+from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, PROOFS, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
 from dubins_study.study.check.reference import reference_of
@@ -23,7 +23,7 @@ from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loo
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
 from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
 from dubins_study.study.scenario_frame import scenarios, with_final_headings
-from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.tolerances import DEFAULT, Tolerances
 from dubins_study.study.words import Proof, Verdict
 
 if TYPE_CHECKING:
@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 _costates = inlined(two_arcs.costates)
 _pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nearest_rate)
 
-PROOFS = tuple(Proof)
 _TURN = 2 * math.pi
 _ROUNDED_RATES = 8.0 * EPS  # what rounding leaves of three rates
 _NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
-_DEFAULT = Tolerances()
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
 
 
@@ -64,7 +62,7 @@ def certify_frame(
     judged: FrameJudgement,
     branch: str = "best",
     lower_bound: FloatArray | None = None,
-    tolerances: Tolerances = _DEFAULT,
+    tolerances: Tolerances = DEFAULT,
 ) -> FrameCertificate:
     """Certify the judged paths of a frame.
 

@@ -24,10 +24,9 @@ from dubins_study.study.closed_form.shortest import (
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
+from dubins_study.study.tolerances import DEFAULT, DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
-_DEFAULT = Tolerances()
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
 # By how much the optimal length may change per shift of the target, at least: it does by 1 where
 # the path ends straight, and more near a turning circle, where that changes within the shift.
@@ -48,7 +47,7 @@ def judge(
     path: Path | None,
     claim: Claim = Claim.NONE,
     branch: str = "best",
-    tolerances: Tolerances = _DEFAULT,
+    tolerances: Tolerances = DEFAULT,
 ) -> Judgement:
     """Judge a path, or its absence, for a question.
 
@@ -312,7 +311,7 @@ def is_false(claim: Claim, verdict: Verdict) -> bool:
 
 
 def miss_reason(
-    scenario: Scenario, path: Path, branch: str, tolerances: Tolerances = _DEFAULT
+    scenario: Scenario, path: Path, branch: str, tolerances: Tolerances = DEFAULT
 ) -> str:
     """What keeps a path whose verdict is `misses` from answering its question."""
     if not drivable(path):

@@ -37,7 +37,7 @@ from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.scenario_frame import with_final_headings
-from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
+from dubins_study.study.tolerances import DEFAULT, DRIVEN, HEADED, Tolerances, arrives
 from dubins_study.study.words import Claim, Verdict
 
 if TYPE_CHECKING:
@@ -59,7 +59,6 @@ _OPTIMAL, _NONE, _NONE_EXISTS = map(
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
 _LARGEST, _TWO_PI = np.finfo(np.float64).max, 2 * math.pi
-_DEFAULT = Tolerances()
 
 
 class FrameJudgement(NamedTuple):
@@ -118,7 +117,7 @@ def judge_frame(
     paths: Paths,
     claim: Claim | ArrayLike = Claim.NONE,
     branch: str = "best",
-    tolerances: Tolerances = _DEFAULT,
+    tolerances: Tolerances = DEFAULT,
 ) -> FrameJudgement:
     """Judge one path a scenario, from its controls alone.
 
