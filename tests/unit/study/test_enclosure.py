@@ -223,22 +223,17 @@ def columns(kind, frame):
     return kind.arrays(*(frame[name].to_numpy() for name in kind.arrays._fields))
 
 
-def bounded(kind, frame, branch):
-    return bound_rows(columns(kind, frame), branch)
-
-
 @KINDS
 def test_threads_and_vectors_do_not_change_a_bit(kind):
     """Threaded, alone, and one row at a time: strict IEEE arithmetic gives the same numbers."""
     frame = kind.hard(700)
     many = pd.concat([frame] * (SMALL // 700 + 2), ignore_index=True)
-    alone, threaded = (kind.lengths(*columns(kind, rows)) for rows in (frame, many))
+    short, long = columns(kind, frame), columns(kind, many)
+    alone, threaded = kind.lengths(*short), kind.lengths(*long)
     for i in range(0, 700, 7):
         single = kind.lengths(*columns(kind, frame[i : i + 1]))
         assert [a[0] for a in single] == [a[i] for a in alone]
-    of_branches = (
-        (bounded(kind, frame, branch), bounded(kind, many, branch)) for branch in kind.branches
-    )
+    of_branches = ((bound_rows(short, b), bound_rows(long, b)) for b in kind.branches)
     for few, all_rows in [(alone, threaded), *of_branches]:
         for a, b in zip(few, all_rows, strict=True):
             np.testing.assert_array_equal(a, b[:700])
@@ -277,7 +272,7 @@ def test_rows_that_the_loops_cannot_decide_are_left(kind, values, left):
     frame = pd.DataFrame([GOOD | values, GOOD])
     rows = kind.lengths(*columns(kind, frame))
 
-    assert bounded(kind, frame, "best").left.tolist() == [left, False]
+    assert bound_rows(columns(kind, frame)).left.tolist() == [left, False]
     no_path = values in BAD or values in UNDECIDED_IF_GIVEN[1:3]
     if no_path or not left:
         assert (rows.word == NO_PATH).tolist() == [no_path, False]

@@ -32,12 +32,9 @@ ARCS = st.floats(0.01, 6.2)
 ROUNDING = 1e-9
 
 
-def certified(path, radius=1.0):
-    return extremal(path.start.heading, *driven_pieces(path, radius))
-
-
-def driven_pieces(path, radius=1.0):
-    return pieces(path.curvatures * radius, path.lengths / radius)
+def certified(path, radius=1.0, free=True):
+    driven = pieces(path.curvatures * radius, path.lengths / radius)
+    return extremal(path.start.heading, *driven, free)
 
 
 def cut_margin(path, radius=1.0):
@@ -139,7 +136,7 @@ def test_what_is_no_extremal(curvature, length, least):
 def test_what_is_too_small_to_matter_is_passed_over():
     """A solver's arcs of 1e-9 name no piece, and equal neighbours are one."""
     path = Path(Pose(0, 0, 0), [1, 1, -1, 0, 0], [0.5, 0.5, 1e-9, 3.0, 2.0])
-    rates, lengths = driven_pieces(path)
+    rates, lengths = pieces(path.curvatures, path.lengths)
 
     assert rates.tolist() == [1, 0]
     assert lengths == pytest.approx([1.0, 5.0])
@@ -155,7 +152,7 @@ def test_a_nearly_straight_leg_is_a_leg():
     bent = Path(Pose(0, 0, 0), [1, 5e-8], [4.5, 5])
     straight = Path(Pose(0, 0, 0), [1, 0], [4.5, 5])
 
-    assert driven_pieces(bent)[1].sum() == pytest.approx(9.5)
+    assert pieces(bent.curvatures, bent.lengths)[1].sum() == pytest.approx(9.5)
     assert cut_margin(bent) == pytest.approx(cut_margin(straight))
     assert cut_margin(bent) < 0
 
@@ -356,7 +353,7 @@ def test_costates_of_a_leg_with_a_final_heading(seed, word):
     if path is None:
         pytest.skip("this word does not reach the end")
     measured, _ = measure(path, 1.0, free=False)
-    general = extremal(path.start.heading, *driven_pieces(path), free=False)
+    general = certified(path, free=False)
 
     assert measured.transversality is None
     assert measured.hamiltonian < 1e-12
