@@ -64,7 +64,9 @@ def matrix(methods: pd.DataFrame, entries: Sequence[MatrixEntry]) -> pd.DataFram
     from 1, 0 if filled).
     """
     asked = methods[(methods["formulation"] != _FORMULA) & (methods["right_of"] > 0)]
-    best = best_methods(asked, ["engine", "formulation"]).assign(filled=True)
+    most = asked.groupby(["engine", "formulation"])["right_of"].transform("max")
+    whole = asked[2 * asked["right_of"] > most]  # no sample displaces it
+    best = best_methods(whole, ["engine", "formulation"]).assign(filled=True)
     known = [entry for entry in entries if entry.formulation != _FORMULA]
     with_rows = set(best["engine"])
     readable = {entry.engine for entry in known if entry.kind != "exact"} | with_rows
