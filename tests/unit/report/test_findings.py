@@ -157,13 +157,16 @@ CASES = [
     Case(
         found.where_engines_stop,
         partial(routes, right=lambda legs: legs < 5),
-        ("Do not trust any engine alone with routes of many short", "0 % (0 to", "on 22 of 22"),
+        ("Do not trust any engine alone with routes of many short", "0 % (0 to", "proves 22 of 22"),
         0.0,
     ),
     Case(
         found.growth,
         partial(routes, power=2.0, sizes=(10, 20, 50, 100)),
-        ("on one NLP a word (105 ms to 10.6 s) grows with the power 2.0 (", "with 1.0 ("),
+        (
+            "on one NLP a word (105 ms to 10.6 s) grows as the legs to the power 2.0 (",
+            "power 1.0 (",
+        ),
         2.0,
     ),
     Case(

@@ -131,14 +131,15 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
         return None
     share, label, name, chosen = min(found)
     own = chosen[chosen["solver"] == EXACT]
-    if own.empty or not own["right"].mean() > share.high / 100:
+    proved = own["right"] & own["claim"].eq("optimal")
+    if own.empty or not proved.mean() > share.high / 100:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
     named = f", {_named(evidence, name)}," if share.questions >= ENOUGH_TO_CHOOSE else ""
     return Finding(
         f"Do not trust any engine alone with routes of many {label}: of {legs} the surest{named} "
-        f"finds the shortest on {share.percent_text()}; the "
-        f"search proves it on {int(own['right'].sum())} of {len(own)}.",
+        f"finds the shortest on {share.percent_text()} of {some(share.questions, 'route')}; the "
+        f"search proves {int(proved.sum())} of {len(own)}.",
         share,
         PERCENT,
         f"{some(share.questions, 'route')} of {legs}, the surest of "
@@ -186,13 +187,13 @@ def growth(evidence: Evidence) -> Finding | None:
 
     shown = digits(2)
     between = EXACT not in (least[1], most[1])
-    proof = f"; that of {named(EXACT)} with {own.text(shown)}" if own and between else ""
+    proof = f"; that of {named(EXACT)} to {own.text(shown)}" if own and between else ""
     largest = rows[rows["legs"] == rows["legs"].max()]
     return Finding(
         f"Plan for size by the power of the legs, not by one time: with {label}, from "
         f"{rows['legs'].min()} to {rows['legs'].max()} legs, the time of "
-        f"{named(most[1])} grows with the power {most[0].text(shown)} of the number of legs, that "
-        f"of {named(least[1])} with {least[0].text(shown)}{proof}.",
+        f"{named(most[1])} grows as the legs to the power {most[0].text(shown)}, that of "
+        f"{named(least[1])} to the power {least[0].text(shown)}{proof}.",
         most[0],
         "power",
         f"{some(most[0].questions, 'route')} that the first one answers; "
