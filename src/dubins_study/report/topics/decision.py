@@ -203,14 +203,15 @@ def _tables(
         line = by_kind.setdefault(kind, {"formulation": kind[0], "guesses": kind[1], "lows": []})
         line["method"] = kind[0] if kind[1] in _NO_GUESS else f"{kind[0]}, {kind[1]}"
         known = f"{line.get('knows', '')} {knows[method['solver']] or ''}"
-        line["knows"] = " ".join(dict.fromkeys(known.split()))
+        line["knows"] = " ".join(sorted({*known.split()}))
         line["lows"].append(method["low"])
         line["mine"] = bool(own_name(str(method["solver"])))
         named = "" if line["mine"] else f"{method['solver']}\n"
         line |= _cell(method, experiments.index(method["experiment"]), named)
     for kind, line in by_kind.items():
         end = ended[kind]
-        line["errs"] = " / ".join(f"{100 * end[name]:.0f}" for name in _ENDS[:5])
+        ended_as = end["longer"], end["misses"], end["none"] + end["late"], end["not asked"]
+        line["errs"] = " / ".join(f"{100 * part:.0f}" for part in ended_as)
         lows = line.pop("lows")
         line["false"] = f"{end['false_claims']:.0f} of {count(end['asked'])}"
         line |= end | {"stops": stop.get(kind, ""), "suites": len(lows), "sure": np.mean(lows)}
@@ -220,7 +221,7 @@ def _tables(
     shown = (
         *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
-        *columns(kind="cell", errs="longer / misses / none / late / not asked, %"),
+        *columns(kind="cell", errs="longer / misses / none / unasked, %"),
         *columns(kind="cell", false="false claims"),
         *(columns(kind="cell", stops="legs") if stop else ()),
     )
@@ -234,7 +235,7 @@ def _tables(
         if each
         else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
         "attempts of all engines end at equal options.",
-        "False claims are of the attempts that were made.",
+        "None: no path in time. False claims: of attempts made.",
         "Legs: up to which an engine is right on most routes of each size, by spacing, long to "
         "short."
         if stop
