@@ -366,8 +366,8 @@ def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Tabl
     caption = (
         f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others, over "
         "engines too where none is named; of the most extreme of several, that of all at once. A "
-        "ratio of times is that of two medians over the questions that both methods answer, of "
-        "routes a geometric mean; tables that count failures have other quotients."
+        "ratio of times is that of two medians over the questions that both methods answer; of "
+        "routes it is a geometric mean."
     )
     return Table(
         name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
