@@ -172,7 +172,8 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
             "1 / radius, R has -1 / radius. Leave words that the method does not tell apart out "
             "of `branches`"
         )
-    if tolerances.curvature < (answer.curvature_excess or 0.0) < _FIT:
+    excess = answer.curvature_excess or 0.0
+    if excess > tolerances.curvature and (branch == "best" or excess < _FIT):
         return "keep the curvature between -1 / radius and 1 / radius: clip it where it is rounded"
     if answer.miss <= _NEAR * scenario.radius:
         return "tighten the tolerance of the end point, or claim FAILED"
