@@ -35,6 +35,7 @@ from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared, once
 from dubins_study.report.topics.summary import best_solvers
 from dubins_study.study.scenario_frame import number_text, solve_command
+from dubins_study.study.words import Outcome
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is
@@ -185,7 +186,8 @@ def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
         questions = int(table["questions"].max())
         return f"No method makes a false claim at any of up to {some(questions, 'question')}."
     number, denials = int((table["attempts"] > 0).sum()), int((false == PROOFS[3]).sum())
-    claimed = f"{some(len(false), 'false claim')} in {some(len(rows), 'attempt')}"
+    made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
+    claimed = f"{some(len(false), 'false claim')} in {some(made, 'attempt')}"
     return (
         f"Of {some(len(table), 'method')} {count(number)} made {claimed}, {count(denials)} by "
         "denying that there is a path, for which only some engines have a status."
