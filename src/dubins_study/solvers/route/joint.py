@@ -160,10 +160,10 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest point that the engine calls a solution, or the one that misses least."""
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")
-    question, route, places, program, _ = model
+    question, route, places, program, known = model
     scenario, equations = question.scenario, program.functions.equations
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
-    if claim is Claim.INFEASIBLE and places != (_ALL,) * route.legs:
+    if claim is Claim.INFEASIBLE and known is not None:
         claim = Claim.FAILED  # of these words: others may have a path
     n = route.legs
     path = None
