@@ -1,12 +1,14 @@
 """Dynamic programs over a few headings a point, of a grid and of edges where a leg loses a segment.
 
-Done again and again, on finer grids about the best headings, they shorten a route. Everything is
-in units of the turning radius.
+Done again and again, on finer grids about the best headings, they shorten a route. One that runs
+out of time moves the headings up to where it has come. Everything is in units of the turning
+radius.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,15 +16,38 @@ from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.closed_form.pose import pose_delta, pose_shortest
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.effort import Effort
-from dubins_study.study.route.leg_bound import WordArray
+from dubins_study.study.route.leg_bound import IndexArray, WordArray
 from dubins_study.study.route.leg_words import principal
 
 _PI, _TWO_PI = math.pi, 2 * math.pi
-_GRID, _MOST = 2, 24  # headings on each side of a point's; and at most in all, with edges
-_ALL, _MOST_OF_ALL = 48, 112  # headings of the whole circle; and at most in all, with edges
+_ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
-_REACH = 20.0  # grid widths; edges farther from a heading wait for a wider grid
 _STEP_BOXES, _SURVEY_BOXES = 3, 400  # a leg: how many bounds take as long as a step of the search
+_UNEQUAL = 0.1  # radii; costs of one point's headings that differ by less exclude none
+_PAIRS_AT_ONCE = 100_000  # a few hundredths of a second between looks at the clock
+_CHAIN_NONE, _CHAIN_ARCS, _CHAIN_ALL = range(3)  # from which headings pairs of arcs are followed
+
+
+class Grid(NamedTuple):
+    """The headings that a dynamic program has at each point.
+
+    Args:
+        side: on each side of the point's own heading.
+        most: in all, with those of edges.
+        reach: grid widths; edges farther from the point's own heading wait for a wider grid.
+        chained: the headings at the point before from which two arcs are followed: none, given
+            ones and those of single arcs, or all.
+    """
+
+    side: int
+    most: int
+    reach: float
+    chained: int
+
+
+_FINE_GRID = Grid(side=2, most=24, reach=20.0, chained=_CHAIN_ALL)
+_WIDE_GRID = Grid(side=_ALL // 2, most=112, reach=math.inf, chained=_CHAIN_ARCS)
+_COARSE_GRID = Grid(side=6, most=21, reach=math.inf, chained=_CHAIN_NONE)
 
 
 @separate
@@ -97,54 +122,96 @@ def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float)
 
 
 @compiled
-def _step(
-    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, wide: bool
-) -> bool:
-    """Move to the best chain of some headings a point; whether any has changed.
+def _candidates(
+    legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, grid: Grid
+) -> tuple[FloatArray, IndexArray]:
+    """The headings at each point that a dynamic program chooses from, and how many there are.
 
     They are those of a grid, and those of edges: where a leg is one arc, or two arcs from one of
     the headings at the point before (after it, if `back`), so that a chain of edges is followed.
-    `wide` is about the whole circle: from given headings and single arcs alone.
     """
-    grid, most, reach = _GRID, _MOST, _REACH * width
-    if wide:
-        grid, most, reach = _ALL // 2, _MOST_OF_ALL, _PI
-    n = legs.shape[0]
-    tried, sizes = np.empty((n + 1, most)), np.empty(n + 1, np.int64)
+    n, reach = legs.shape[0], grid.reach * width
+    tried, sizes = np.empty((n + 1, grid.most)), np.empty(n + 1, np.int64)
     found = np.empty(4)
     for place in range(n + 1):
         i = n - place if back else place
         some = tried[i]
         some[0], size = headings[i], 1
         if free[i]:
-            for k in range(1, grid + 1):
+            for k in range(1, grid.side + 1):
                 some[size], some[size + 1] = headings[i] + k * width, headings[i] - k * width
                 size += 2
             for leg in range(max(i - 1, 0), min(i + 1, n)):
                 m = _arc_headings(legs[leg, 0], legs[leg, 1], leg < i, found)
                 size = _add(some, size, found, m, reach)
-            if place > 0:
+            if place > 0 and grid.chained != _CHAIN_NONE:
                 leg, other = (i, i + 1) if back else (i - 1, i - 1)
-                for k in range(1 + 2 * grid if wide and free[other] else 0, sizes[other]):
+                arcs_alone = grid.chained == _CHAIN_ARCS and free[other]
+                for k in range(1 + 2 * grid.side if arcs_alone else 0, sizes[other]):
                     m = _touching_headings(legs[leg, 0], legs[leg, 1], tried[other, k], back, found)
                     size = _add(some, size, found, m, reach)
         sizes[i] = size
-    cost, before = np.zeros(most), np.empty((n, most), np.int64)
-    for i in range(n):
-        following = np.full(most, math.inf)
+    return tried, sizes
+
+
+@compiled
+def _chained(
+    legs: FloatArray, tried: FloatArray, sizes: IndexArray, cost: FloatArray, before: IndexArray
+) -> FloatArray:
+    """The least cost of chains that go on from `cost` over some legs; `before` is written.
+
+    A heading from which even a straight leg is longer than the chain of the cheapest heading is
+    passed over.
+    """
+    for i in range(legs.shape[0]):
+        x, y = legs[i, 0], legs[i, 1]
+        straight = math.hypot(x, y) * (1.0 - 1e-12) - 1e-9
+        cheapest = np.argmin(cost[: sizes[i]])
+        unequal = cost[: sizes[i]].max() - cost[cheapest] > _UNEQUAL
+        following, enough = np.full(cost.size, math.inf), math.inf
         for k in range(sizes[i + 1]):
+            if unequal:
+                enough = cost[cheapest] + shortest_leg(x, y, tried[i, cheapest], tried[i + 1, k])[0]
             for j in range(sizes[i]):
-                length = shortest_leg(legs[i, 0], legs[i, 1], tried[i, j], tried[i + 1, k])[0]
+                if cost[j] + straight > enough:
+                    continue
+                length = shortest_leg(x, y, tried[i, j], tried[i + 1, k])[0]
                 # where lengths are equal nothing moves, so that the search comes to rest
                 total = cost[j] + length + (0.0 if j == 0 else 1e-14)
                 if total < following[k]:
                     following[k], before[i, k] = total, j
         cost = following
-    k, moved = 0, False
-    for j in range(sizes[n]):
-        if cost[j] < cost[k]:
-            k = j
-    for i in range(n, -1, -1):
+    return cost
+
+
+def _step(
+    legs: FloatArray,
+    headings: FloatArray,
+    free: BoolArray,
+    width: float,
+    *,
+    back: bool,
+    grid: Grid,
+    effort: Effort,
+) -> bool:
+    """Move to the best chain of some headings a point; whether any has changed.
+
+    Out of time, the headings behind the last leg that was reached stay as they are.
+    """
+    n = len(legs)
+    tried, sizes = _candidates(legs, headings, free, width, back, grid)
+    cost, before = np.zeros(grid.most), np.empty((n, grid.most), np.int64)
+    legs_at_once = 1 + _PAIRS_AT_ONCE // grid.most**2
+    done = 0
+    while done < n and not effort.late:
+        end = min(done + legs_at_once, n)
+        part = slice(done, end)
+        points = slice(done, end + 1)
+        cost = _chained(legs[part], tried[points], sizes[points], cost, before[part])
+        done = end
+    k = int(np.argmin(cost[: sizes[n]])) if done == n else 0
+    moved = False
+    for i in range(done, -1, -1):
         moved |= k != 0
         headings[i] = tried[i, k]
         if i > 0:
@@ -168,8 +235,12 @@ def shorten(
         for _ in range(8):
             if effort.spend(2 * _STEP_BOXES * len(legs)):
                 return
-            moved = _step(legs, headings, free, width, False, False)
-            if not _step(legs, headings, free, width, True, False) | moved:
+            moved = False
+            for back in (False, True):
+                moved |= _step(
+                    legs, headings, free, width, back=back, grid=_FINE_GRID, effort=effort
+                )
+            if not moved:
                 break
         width *= _FINER
 
@@ -178,4 +249,32 @@ def survey(legs: FloatArray, headings: FloatArray, free: BoolArray, effort: Effo
     """Set free headings to the best chain of a grid of the whole circle and of many edges."""
     for back in (False, True):
         if not effort.spend(_SURVEY_BOXES * len(legs)):
-            _step(legs, headings, free, _TWO_PI / _ALL, back, True)
+            width = _TWO_PI / _ALL
+            _step(legs, headings, free, width, back=back, grid=_WIDE_GRID, effort=effort)
+
+
+def first_route(
+    legs: FloatArray, first: float | None, last: float | None, effort: Effort
+) -> FloatArray:
+    """Headings of a good route, in a time that is linear in the number of points.
+
+    Headings that bisect the chords of their neighbours, and of these, of a coarse grid and of
+    single arcs to a neighbour the best chain. Where points are dense, a heading that is off costs
+    a full turn at each of them.
+
+    Args:
+        legs: from each point to the next, shape (n, 2).
+        first, last: headings at both ends (rad); None if free.
+    """
+    chord = np.arctan2(legs[:, 1], legs[:, 0])
+    turn = np.remainder(np.diff(chord) + _PI, _TWO_PI) - _PI
+    inner = chord[:-1] + 0.5 * turn
+    start = chord[0] if first is None else first
+    end = chord[-1] if last is None else last
+    headings = np.concatenate(([start], inner, [end]))
+    free = np.ones(headings.size, np.bool_)
+    free[0] = first is None
+    free[-1] = last is None
+    width = _TWO_PI / (2 * _COARSE_GRID.side + 1)
+    _step(legs, headings, free, width, back=False, grid=_COARSE_GRID, effort=effort)
+    return headings

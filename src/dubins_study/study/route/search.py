@@ -25,8 +25,8 @@ from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.descent import downhill, route_length, route_words
-from dubins_study.study.route.effort import Effort
-from dubins_study.study.route.heading_grids import leg_table, survey
+from dubins_study.study.route.effort import Effort, SpentError
+from dubins_study.study.route.heading_grids import first_route, leg_table, survey
 from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first_intervals
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
@@ -45,6 +45,7 @@ _TWO_PI = 2 * math.pi
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
 _AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
 _EAGER = 6  # rounds
+_HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
@@ -162,12 +163,13 @@ class _Search:
         self.effort, self.tolerance = effort, tolerance
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
+        self.headings = first_route(self.legs, first, last, effort)
+        self.length = route_length(self.legs, self.headings)
         given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
         self.intervals, self.live = first_intervals(self.legs, given)
         self.arc_ends = [interval.middle[COARSE:] for interval in self.intervals]
-        self.length, self.headings = math.inf, np.zeros(self.n + 1)
-        self.slopes = np.full(self.n + 1, math.nan)  # of the potential, at the best route
+        self.slopes: FloatArray | None = None  # of the potential, at the best route
         # no path is shorter than the legs' straight lines; each is rounded, and so is their sum
         straight = float(np.hypot(self.legs[:, 0], self.legs[:, 1]).sum())
         self.low, self.discarded = straight * (1.0 - (self.n + 4) * EPS), math.inf
@@ -177,28 +179,44 @@ class _Search:
     def run(self) -> Route:
         """Bound, go downhill and split by turns until the gap is closed or all is spent."""
         _LOG.info("searching for the shortest route of %d legs", self.n)
+        try:
+            self._begin()
+            while not self.closed:
+                if not self._round():
+                    break
+        except SpentError:
+            _LOG.info("the search has spent its effort")
+        return self._route()
+
+    def _begin(self) -> None:
+        """Make the first route shorter, and aim the potential at it."""
+        width = 0.5 * _TWO_PI / COARSE
+        self._descend(self.headings, width)
         chains = self._middles()
         self._improve(chains)
-        self._survey()
+        if (np.hypot(*self.legs.T) < 4.0).any():  # there can be edges
+            headings = self.headings.copy()
+            survey(self.legs, headings, self.free, self.effort)
+            self._descend(headings, width)
         self.intervals = self._aimed(chains)
-        while not self.closed:
-            bounded = self._bound()
-            if bounded is None:
-                break
-            self.rounds += 1
-            least = float(bounded.ahead[-1].min()) * (1.0 - (self.n + 2) * EPS)
-            self.low = max(self.low, min(least, self.discarded, self.high))
-            open_part = 1.0 - self.low / self.high
-            _LOG.info("round %d: proven to within %.2g of the length", self.rounds, open_part)
-            # a chain of other words, but not in every round of a long search
-            eager = self.rounds <= _EAGER or self.rounds % _EAGER == 0
-            if eager and not self.closed:
-                self._improve(bounded)
-            if self.closed or not self._split(bounded):
-                break
-            if eager:
-                self._improve(self._middles())
-        return self._route()
+
+    def _round(self) -> bool:
+        """Bound and split once, and go downhill at times; False at the end."""
+        bounded = self._bound()
+        self.rounds += 1
+        least = float(bounded.ahead[-1].min()) * (1.0 - (self.n + 2) * EPS)
+        self.low = max(self.low, min(least, self.discarded, self.high))
+        open_part = 1.0 - self.low / self.high
+        _LOG.info("round %d: proven to within %.2g of the length", self.rounds, open_part)
+        # a chain of other words, but not in every round of a long search
+        eager = self.rounds <= _EAGER or self.rounds % _EAGER == 0
+        if eager and not self.closed:
+            self._improve(bounded)
+        if self.closed or not self._split(bounded):
+            return False
+        if eager:
+            self._improve(self._middles())
+        return True
 
     @property
     def high(self) -> float:
@@ -210,8 +228,8 @@ class _Search:
         """Whether the bounds are within the tolerance."""
         return self.low >= self.high * (1.0 - self.tolerance)
 
-    def _bound(self) -> _Chains | None:
-        """Bounds of all live pairs of intervals; None where all is spent."""
+    def _bound(self) -> _Chains:
+        """Bounds of all live pairs of intervals."""
         bounds, words = [], []
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             bounds.append(np.empty(live.shape))
@@ -220,32 +238,23 @@ class _Search:
             for low in range(0, live.shape[0], rows):
                 part = slice(low, low + rows)
                 if self.effort.spend(int(np.count_nonzero(live[part]))):
-                    return None
+                    raise SpentError
                 some = Intervals(*(column[part] for column in a))
                 bound_leg(leg, some, b, live[part], bounds[-1][part], words[-1][part])
         return _Chains(bounds, words)
 
     def _middles(self) -> _Chains:
         """Routes through the middles of the intervals, by live pairs."""
-        tables = [
-            leg_table(leg, a.middle, b.middle, live)
-            for leg, live, (a, b) in zip(
-                self.legs, self.live, pairwise(self.intervals), strict=True
-            )
-        ]
+        tables = []
+        for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
+            self.effort.look_at_the_clock()
+            tables.append(leg_table(leg, a.middle, b.middle, live))
         return _Chains([lengths for lengths, _ in tables], [words for _, words in tables])
-
-    def _survey(self) -> None:
-        """Go downhill from a route that knows of edges, where there can be any."""
-        if (np.hypot(*self.legs.T) < 4.0).any():
-            headings = self.headings.copy()
-            survey(self.legs, headings, self.free, self.effort)
-            self._descend(headings, 0.5 * _TWO_PI / COARSE)
 
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
         route, words = chains.cheapest()
-        if words in self.tried or not math.isfinite(chains.ahead[-1].min()):
+        if words in self.tried or not chains.ahead[-1].min() < _HOPELESS * self.length:
             return
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
@@ -259,8 +268,7 @@ class _Search:
         )
         length = route_length(self.legs, headings)
         if length < self.length:
-            self.length, self.headings = length, headings
-            self.slopes = self._slopes_at(headings)
+            self.length, self.headings, self.slopes = length, headings, None
 
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
         """The slopes of the potential at the points of a route; NaN where its legs do not tell."""
@@ -314,6 +322,8 @@ class _Search:
 
     def _aimed(self, chains: _Chains) -> list[Intervals]:
         """The intervals with slopes of the potential from the best chain through each of them."""
+        if self.slopes is None:
+            self.slopes = self._slopes_at(self.headings)
         before = self._asked(self.intervals, chains.words, chains.before, True)
         after = self._asked(self.intervals, chains.words, chains.after, False)
         aimed = []
@@ -339,6 +349,7 @@ class _Search:
         slope = np.full(size, 0.0 if self.free[end] else math.nan)
         asked = [(slope, np.full(size, BY_WORD if self.free[end] else UNKNOWN, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
+            self.effort.look_at_the_clock()
             ends = intervals[i], intervals[i + 1]
             asked.append(
                 slopes_across(self.legs[i], *ends, words[i], mates[i], asked[-1][0], forward)
@@ -349,6 +360,7 @@ class _Search:
         """How much more the bound along the best chain through an interval is with its halves."""
         gains = []
         for i, interval in enumerate(self.intervals):
+            self.effort.look_at_the_clock()
             halves, both = np.zeros((2, interval.half.size)), np.zeros(interval.half.size)
             for leg, mates in ((i - 1, chains.before), (i, chains.after)):
                 if 0 <= leg < self.n:
