@@ -212,7 +212,7 @@ def _judged(table: Table, answer: Answer) -> None:
         table.note("route arrival", (off > 1.0) != (judged.verdict is Verdict.MISSES), line)
     if judged.verdict is Verdict.MISSES:
         return
-    interval = reference_of(scenario, search_s=TOLERANCES.search_s).enclosure
+    interval = reference_of(scenario, tolerances=TOLERANCES).enclosure
     low, scale = interval.low, max(interval.low, scenario.radius)
     certificate = certify(scenario, path, judged, lower_bound=low, tolerances=TOLERANCES)
     length = path.length

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.visits import visits
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
 
-SEARCH_S = 0.1  # in which nine of ten of these routes close
+QUICK = Tolerances(search_s=0.1)  # in which nine of ten of these routes close
 NARROW = 2e-9  # relative; what a search asks for, twice
 ANGLES = st.floats(-3, 3)
 
@@ -50,8 +51,8 @@ def through(points: np.ndarray, first: float, last: float | None, radius: float 
 
 def compared(one: Scenario, other: Scenario) -> None:
     scale = other.radius / one.radius
-    (low, high, *_), path, _ = reference_of(one, search_s=SEARCH_S)
-    (other_low, other_high, *_), other_path, _ = reference_of(other, search_s=SEARCH_S)
+    (low, high, *_), path, _ = reference_of(one, tolerances=QUICK)
+    (other_low, other_high, *_), other_path, _ = reference_of(other, tolerances=QUICK)
 
     assert other_low <= scale * high * (1 + 1e-12)
     assert scale * low <= other_high * (1 + 1e-12)
@@ -75,7 +76,7 @@ def test_reversal_in_time_leaves_the_length(scenario, last):
 @given(routes())
 def test_a_via_point_on_the_shortest_path_leaves_the_length(scenario):
     """In the middle of its longest straight: on an arc, rounding may put it inside the circle."""
-    path = reference_of(scenario, search_s=SEARCH_S).path
+    path = reference_of(scenario, tolerances=QUICK).path
     straights = np.where(path.curvatures == 0, path.lengths, 0)
     longest = int(np.argmax(straights))
     assume(straights[longest] > 1e-3)

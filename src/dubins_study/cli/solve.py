@@ -65,13 +65,20 @@ def solve(
         FilePath | None,
         typer.Option(metavar="FILE", help="write path and points as GeoJSON, in their x and y"),
     ] = None,
+    shortest: Annotated[
+        bool,
+        typer.Option(
+            "--shortest", help="draw and write the check's path where it is shorter than the answer"
+        ),
+    ] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
     ] = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
     from dubins_study.experiments.solve import solve as ask
-    from dubins_study.solvers.attempt import check_request
+    from dubins_study.solvers.attempt import check_request, shorter_answer
+    from dubins_study.study.tolerances import SEARCH_S
     from dubins_study.study.values import unwritable
 
     target, via, names = _points(x, y, via, via_file)
@@ -88,7 +95,8 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    with output.solvers_to_stderr():
+    at_most = time_limit + min(time_limit, SEARCH_S)
+    with output.solvers_to_stderr(), output.waiting("seconds, of at most", at_most):
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
@@ -98,8 +106,11 @@ def solve(
         raise arguments.CommandError(message)
     if not as_json and (faster := _faster(answer, profile)):
         print(f"dubins-study: a faster setting: --solver {shlex.quote(faster)}", file=sys.stderr)
-    drawn = plot is None or _save(answer, plot, None)
-    written = geojson is None or _save(answer, geojson, names)
+    flown = answer
+    if shortest:
+        flown = shorter_answer(answer) or answer
+    drawn = plot is None or _save(flown, plot, None)
+    written = geojson is None or _save(flown, geojson, names)
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -204,7 +215,10 @@ def answer_text(answer: Answer) -> str:
     ]
     if answer.presolved and answer.verdict == "none exists":
         lines.append(_line("presolve", "answered, and the engine was not asked"))
-    lines.append(_line("proof", answer.proof))
+    proof = str(answer.proof)
+    if answer.scenario.via and answer.gap is not None and answer.pmp_residual is None:
+        proof += "; Pontryagin's conditions were not checked in time"
+    lines.append(_line("proof", proof))
     if answer.length is not None:
         ties = [word for word in answer.tied_words if word != answer.reference_word]
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
@@ -215,6 +229,7 @@ def answer_text(answer: Answer) -> str:
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),
             *_optimum(answer),
+            *_shorter(answer),
             *lines,
             _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
             _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
@@ -255,6 +270,16 @@ def _optimum(answer: Answer) -> list[str]:
     text = " or ".join(f"[{begin!r}, {end!r}]" for begin, end in parts)
     widest = max(end - begin for begin, end in parts) / max(high, answer.scenario.radius)
     return [_line("optimum", f"in {text}, relative width {widest:.2g}")]
+
+
+def _shorter(answer: Answer) -> list[str]:
+    """The length of the check's path where it is shorter than the answer."""
+    from dubins_study.solvers.attempt import shorter_answer
+
+    found = shorter_answer(answer)
+    if found is None or found.length is None:
+        return []
+    return [_line("shorter", f"{found.length:.12g}, found by the check: --shortest takes it")]
 
 
 def _segments(answer: Answer) -> str:

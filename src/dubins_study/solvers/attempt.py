@@ -13,6 +13,7 @@ from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution
 from dubins_study.solvers.registry import stated_method
 from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
 from dubins_study.study.check.certificate import certify
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.convex.proof import judge_convex
@@ -29,9 +30,17 @@ from dubins_study.study.rows.schema import (
     names,
 )
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import PROFILES, Tolerances
+from dubins_study.study.tolerances import DEFAULT, PROFILES, Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
-from dubins_study.study.words import EVERY_BRANCH, FROZEN, PATH_BRANCHES, Outcome, Proof
+from dubins_study.study.words import (
+    EVERY_BRANCH,
+    FROZEN,
+    PATH_BRANCHES,
+    Claim,
+    Outcome,
+    Proof,
+    Verdict,
+)
 
 _REPR_CHARS = 96  # of a line of an answer's repr
 
@@ -164,6 +173,16 @@ def judged(
     return Answer(scenario=question.scenario, path=reply.solution.path, **fields)
 
 
+def shorter_answer(answer: Answer) -> Answer | None:
+    """The shortest path that the check knows, judged, where the answer is found longer."""
+    if answer.verdict != Verdict.LONGER:
+        return None
+    at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
+    path = reference_of(answer.scenario, answer.branch, at_once).path
+    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path), Times())
+    return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
+
+
 def judged_row(
     spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
 ) -> dict[str, Any]:
@@ -193,6 +212,7 @@ def _judged(
     """The fields of an answer that are columns of a row under the same name."""
     outcome, solution, times = reply
     scenario, branch, path = question.scenario, question.branch, solution.path
+    allowed = allowed.begun()
     if branch == FROZEN:
         tolerance = method.tolerance or allowed.gap
         judgement, certificate = judge_convex(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from time import perf_counter
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.body_coordinates import EPS
@@ -18,19 +19,32 @@ HEADED = ARRIVES
 DRIVEN = 32.0 * EPS
 # Seconds after which the search for a route's reference ends; most take less than one. They are
 # counted in work (`route.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
-# interval. Only after four times as long by the clock the interval stays wider, and an answer may
-# be undecided, but never wrong.
+# interval. Only after `PATIENCE` times as long by the clock the interval stays wider, and an answer
+# may be undecided, but never wrong.
 SEARCH_S = 20.0
+PATIENCE = 5.0
+_PATIENCE_OF_ONE = 0.8  # of a single solve, whose caller waits: the rest is for what has no clock
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """When a path counts as arriving, as drivable and as optimal, and the effort to find out."""
+    """When a path counts as arriving, as drivable and as optimal, and the effort to find out.
+
+    A check ends `patience` times `search_s` after it began, or soon after: what it has not done by
+    then is not proved.
+    """
 
     miss: float = ARRIVES  # largest distance to the target, in turning radii
     curvature: float = 1e-9  # largest curvature beyond what the branch allows, times the radius
     gap: float = 1e-4  # largest gap of an answer that is called optimal
     search_s: float = SEARCH_S
+    patience: float = PATIENCE
+    until: float = math.inf  # of `perf_counter`: when the check ends
+
+    def begun(self) -> Tolerances:
+        """The tolerances of a check that begins now."""
+        end = perf_counter() + self.patience * self.search_s
+        return replace(self, until=min(end, self.until))
 
 
 DEFAULT = Tolerances()
@@ -49,13 +63,19 @@ class ProfileError(DubinsStudyError, ValueError):
 
 
 def tolerances(profile: str, limit: float = math.inf) -> Tolerances:
-    """The tolerances of a profile; the check searches no longer than the limit (s) of a solve."""
+    """The tolerances of a profile.
+
+    With a limit (s) of a solve, its check takes no longer than that by the clock, and no longer
+    than `SEARCH_S`.
+    """
     if not isinstance(profile, str) or profile not in PROFILES:
         names = ", ".join(PROFILES)
         near = did_you_mean(profile, PROFILES)
         raise ProfileError(f"no profile named {short(profile)}; {near}choose one of: {names}")
     allowed = PROFILES[profile]
-    return allowed if limit >= allowed.search_s else replace(allowed, search_s=limit)
+    if math.isinf(limit):
+        return allowed
+    return replace(allowed, search_s=min(limit, allowed.search_s), patience=_PATIENCE_OF_ONE)
 
 
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:

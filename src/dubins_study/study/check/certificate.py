@@ -108,13 +108,14 @@ def certify(
             # SciPy's linear programs, which one leg needs none of
             from dubins_study.study.check.route_extremal import route_extremal
 
-            costates = route_extremal(path, judged.visits or (), radius, free)
+            visits = judged.visits or ()
+            costates = route_extremal(path, visits, radius, free, tolerances.until)
         else:
             costates, cut = measure(path, radius, free)
     if free_leg:
         interval = enclose(scenario, branch)
     else:
-        interval = reference_of(scenario, branch, tolerances.search_s).enclosure
+        interval = reference_of(scenario, branch, tolerances).enclosure
     scale = max(interval.low, radius)
     allowed = tolerances.gap * scale
     length = math.nan if judged.length is None else judged.length

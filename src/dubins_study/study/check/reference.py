@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from time import perf_counter
 from typing import NamedTuple
 
 from dubins_study.study.check.enclosure import Enclosure, enclose, enclose_pose
@@ -10,7 +11,9 @@ from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import SEARCH_S
+from dubins_study.study.tolerances import DEFAULT, Tolerances
+
+_SEARCH_SHARE = 0.8  # of the time that a check has left: what follows a search needs some too
 
 
 class Reference(NamedTuple):
@@ -25,7 +28,9 @@ class Reference(NamedTuple):
     at: tuple[float, ...]  # the arc lengths of its via points
 
 
-def reference_of(scenario: Scenario, branch: str = "best", search_s: float = SEARCH_S) -> Reference:
+def reference_of(
+    scenario: Scenario, branch: str = "best", tolerances: Tolerances = DEFAULT
+) -> Reference:
     """The reference of a scenario's branch; nothing that a solver says enters.
 
     A search of the same route in this process, by whomever it was called, is not repeated.
@@ -34,7 +39,8 @@ def reference_of(scenario: Scenario, branch: str = "best", search_s: float = SEA
         # routes alone need compiled code
         from dubins_study.study.route.shortest import known_route
 
-        found = known_route(scenario, search_s)
+        left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
+        found = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * left, 0.0))
         part = (found.low, found.high)
         return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
     if scenario.final_heading is None:

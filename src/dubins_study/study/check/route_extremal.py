@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, takewhile
 from operator import attrgetter
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,21 +34,26 @@ from dubins_study.study.scenario import Pose
 _BESIDE = 1e-5  # radii; what is shorter between a via point and the end of a piece is nothing
 _EXACT = 1e-10  # the least tolerance that HiGHS takes
 _EXTREMAL = 1e-7  # a residual up to which nu3 is not let jump
+_TOLERANCES = ("primal_feasibility_tolerance", "dual_feasibility_tolerance")
+_STOPPED = 1  # status of `linprog` at a limit
 _CUTS = 20  # rounds of adding headings at which the sign on an arc is asked for
 
 
-def route_extremal(path: Path, at: Sequence[float], radius: float, free: bool) -> Extremal | None:
+def route_extremal(
+    path: Path, at: Sequence[float], radius: float, free: bool, until: float = math.inf
+) -> Extremal | None:
     """The costates that fit a route best, those of its last leg, and how well all of them do.
 
     The path is one that can be driven, `at` has the arc lengths of its via points, and `free` says
-    whether its final heading is. None where the conditions overflow.
+    whether its final heading is. None where the conditions overflow, or where they are not solved
+    by the time `until` of `perf_counter`.
     """
     legs = [leg for leg in route_legs(path, at, radius) if leg is not None]
     if len(legs) <= len(at):
         return None
-    fits = [_measured(legs, free, path.start.heading, ())]
+    fits = [_measured(legs, free, path.start.heading, (), until)]
     if (fits[0] is None or fits[0].pmp_residual > _EXTREMAL) and (jumps := _jumps(legs, free)):
-        fits.append(_measured(legs, free, path.start.heading, jumps))
+        fits.append(_measured(legs, free, path.start.heading, jumps, until))
     known = [fit for fit in fits if fit is not None]
     return min(known, key=attrgetter("pmp_residual"), default=None)
 
@@ -65,10 +71,10 @@ def _jumps(legs: Sequence[Conditions], free: bool) -> tuple[int, ...]:
 
 
 def _measured(
-    legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int]
+    legs: Sequence[Conditions], free: bool, heading: float, jumps: Sequence[int], until: float
 ) -> Extremal | None:
     """How well the costates that fit best do."""
-    fitted = route_costates(legs, free, jumps)
+    fitted = route_costates(legs, free, jumps, until)
     if fitted is None:
         return None
     costates = [[1.0, *of_leg] for of_leg in fitted.tolist()]
@@ -93,27 +99,37 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
     rate, ends = path.curvatures * radius, np.concatenate(([0.0], np.cumsum(path.lengths))) / radius
     turned = 0.0
     cuts = np.array([0.0, *at, ends[-1] * radius]) / radius
-    nearest = ends[np.abs(ends[:, None] - cuts).argmin(axis=0)]
+    after = np.clip(np.searchsorted(ends, cuts), 1, rate.size)
+    before = after - 1
+    nearest = np.where(cuts - ends[before] <= ends[after] - cuts, ends[before], ends[after])
     cuts = np.where(np.abs(nearest - cuts) <= _BESIDE, nearest, cuts)
-    for begin, end in pairwise(cuts):
-        lengths = np.minimum(ends[1:], end) - np.maximum(ends[:-1], begin)
+    first = np.searchsorted(ends, cuts[:-1], "right") - 1
+    last = np.searchsorted(ends, cuts[1:], "left")
+    for i, (begin, end) in enumerate(pairwise(cuts)):
+        part = slice(first[i], last[i])
+        lengths = np.minimum(ends[1:][part], end) - np.maximum(ends[:-1][part], begin)
         on = lengths > 0.0
-        leg = pieces(rate[on], lengths[on])
-        yield conditions(*leg, Pose(0.0, 0.0, turned))
-        turned += float(rate[on] @ lengths[on])
+        rates = rate[part][on]
+        yield conditions(*pieces(rates, lengths[on]), Pose(0.0, 0.0, turned))
+        turned += float(rates @ lengths[on])
 
 
 def route_costates(
-    legs: Sequence[Conditions], free: bool, jumps: Sequence[int] = ()
+    legs: Sequence[Conditions], free: bool, jumps: Sequence[int] = (), until: float = math.inf
 ) -> FloatArray | None:
     """nu1 and nu2 of each leg and nu3 at its end, shape (n, 3), in the frame of the path's start.
 
-    nu3 may jump before the legs `jumps`. None if the linear program cannot be solved.
+    nu3 may jump before the legs `jumps`. None if the linear programs cannot be solved, or are not
+    by the time `until`.
     """
     equations, constants = _equations(legs, free, jumps)
     n = equations.shape[1]
     headings = [(i, heading) for i, leg in enumerate(legs) for arc in leg.arcs for heading in arc]
+    tolerances = dict.fromkeys(_TOLERANCES, _EXACT)
     for _ in range(_CUTS):
+        left = until - perf_counter()
+        if left <= 0.0:
+            return None
         # variables: the costates, then the worst violation
         rows = vstack([equations, -equations, -_signs(headings, n)])
         solved = linprog(
@@ -121,9 +137,9 @@ def route_costates(
             hstack([rows, np.full((rows.shape[0], 1), -1.0)]),
             np.concatenate([-constants, constants, np.ones(len(headings))]),
             bounds=[(None, None)] * n + [(0.0, None)],
-            options={"primal_feasibility_tolerance": _EXACT, "dual_feasibility_tolerance": _EXACT},
+            options=tolerances | {"time_limit": left},
         )
-        if solved.x is None:
+        if solved.x is None or solved.status == _STOPPED:
             return None
         *costates, worst = solved.x
         fitted: FloatArray = np.reshape(costates, (-1, 3))

@@ -270,11 +270,11 @@ def _of_visits(
     route the interval's lower end is the reference, so that the gap is proven.
     """
     radius, length, gap = scenario.radius, path.length, tolerances.gap
-    best = reference_of(scenario, branch, tolerances.search_s)
+    best = reference_of(scenario, branch, tolerances)
     moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
     if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
         there = visited(scenario, seen.visits.points, seen.end)
-        best = reference_of(there, branch, tolerances.search_s)
+        best = reference_of(there, branch, tolerances)
     if best.path is None or not best.enclosure.exists:
         return Verdict.MISSES, {}
     low = high = best.enclosure.low

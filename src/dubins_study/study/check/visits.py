@@ -23,6 +23,7 @@ _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 
 # radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
 # neighbour's, cut off beside the point
 CUT = 1e-5
+_PIECES_AT_ONCE = 32  # a visit is nearly always among the next few; where not, twice as many follow
 
 
 class Visits(NamedTuple):
@@ -87,24 +88,39 @@ class _Pieces:
         """
         if not self.length.size:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
-        j = min(int(np.searchsorted(self.ends, at, "right")) - 1, self.length.size - 1)
-        with np.errstate(all="ignore"):  # what overflows is no visit
-            within, nearest, distance = self._passing(slice(j, None), x, y, at, allowed)
-        hits, begins = np.flatnonzero(~np.isnan(within)), self.ends[j:-1]
-        if not hits.size:
+        n, size = self.length.size, _PIECES_AT_ONCE
+        begin = min(int(np.searchsorted(self.ends, at, "right")) - 1, n - 1)
+        reached = least = math.nan
+        while True:
+            part = slice(begin, begin + size)
+            within, nearest, distance = self._passing(part, x, y, at, allowed)
+            hits = np.flatnonzero(~np.isnan(within))
+            if hits.size:
+                break
             i = int(np.argmin(distance))
-            reached = float(begins[i] + nearest[i])
-            return reached, reached, float(distance[i])
+            if not least <= distance[i]:
+                reached = float(self.ends[begin + i] + nearest[i])
+                least = float(distance[i])
+            begin += size
+            size *= 2
+            if begin >= n:
+                return reached, reached, least
         i = int(hits[0])
-        first = float(begins[i] + within[i])
-        while (
-            i + 1 < nearest.size
-            and nearest[i] >= self.length[j + i]
-            and distance[i + 1] <= distance[i]
-        ):
-            i += 1  # still coming nearer at the end of a piece
-        return max(at, first), max(at, float(begins[i] + nearest[i])), float(distance[i])
+        first = float(self.ends[begin + i] + within[i])
+        # still coming nearer at the end of a piece
+        while begin + i + 1 < n and nearest[i] >= self.length[begin + i]:
+            if i + 1 == nearest.size:
+                begin += i
+                i = 0
+                part = slice(begin, begin + size)
+                _, nearest, distance = self._passing(part, x, y, at, allowed)
+            if distance[i + 1] > distance[i]:
+                break
+            i += 1
+        last = float(self.ends[begin + i] + nearest[i])
+        return max(at, first), max(at, last), float(distance[i])
 
+    @np.errstate(all="ignore")  # what overflows is no visit
     def _passing(
         self, those: slice, x: float, y: float, at: float, allowed: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -164,7 +164,7 @@ class _Search:
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
         self.headings = first_route(self.legs, first, last, effort)
-        self.length = route_length(self.legs, self.headings)
+        self.length: float = route_length(self.legs, self.headings)
         given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
         self.intervals, self.live = first_intervals(self.legs, given)

@@ -17,10 +17,19 @@ from dubins_study.study.words import TURN
 # less.
 _NARROW = 1e-9
 BOXES_A_SECOND = 100_000  # of one core of a server of 2026, which does 120 000 to 190 000
-_MUCH_SLOWER = 4.0
+_AS_LONG = 0.95  # of the seconds that are wanted
 _MOST_KNOWN = 4096  # the cells of a run ask each question often, in shuffled order
-# of a scenario its last search: how many boxes, infinite if it closed the gap, and its result
-_known: dict[Scenario, tuple[float, ShortestRoute]] = {}
+
+
+class _Searched(NamedTuple):
+    """The last search of a scenario; infinite effort where more would change nothing."""
+
+    boxes: float
+    seconds: float
+    route: ShortestRoute
+
+
+_known: dict[Scenario, _Searched] = {}
 
 
 class ShortestRoute(NamedTuple):
@@ -59,23 +68,28 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
         math.nextafter(found.low * radius, -math.inf),
         math.nextafter(found.high * radius, math.inf),
     )
+    searched = _Searched(math.inf, math.inf, route)
+    if found.seconds > limit:
+        searched = _Searched(found.boxes, limit, route)
+    elif found.boxes >= boxes:
+        searched = _Searched(boxes, found.seconds, route)
     _known.pop(scenario, None)
-    done = found.boxes if math.isinf(boxes) else boxes  # it would end as early again
-    _known[scenario] = (math.inf if found.closed else done, route)
+    _known[scenario] = searched
     if len(_known) > _MOST_KNOWN:
         del _known[next(iter(_known))]
     return route
 
 
-def known_route(scenario: Scenario, search_s: float) -> ShortestRoute:
-    """What the last search of this process found, if more work would not change it; or a search.
+def known_route(scenario: Scenario, search_s: float, seconds: float) -> ShortestRoute:
+    """What the last search of this process found, if that was as long as is wanted; or a search.
 
     Args:
         search_s: seconds of a machine that bounds `BOXES_A_SECOND`; the search ends after so many
-            boxes, so that the result is the same on a slower one, but for one that is much slower.
+            boxes, so that the result is the same on a slower one.
+        seconds: after which it ends all the same. What was searched for as long is known.
     """
     boxes = round(search_s * BOXES_A_SECOND)
-    searched, route = _known.get(scenario, (-1, None))
-    if route is None or searched < boxes:
-        route = shortest_route(scenario, _MUCH_SLOWER * search_s, boxes)
-    return route
+    last = _known.get(scenario)
+    if last is not None and (last.boxes >= boxes or last.seconds >= _AS_LONG * seconds):
+        return last.route
+    return shortest_route(scenario, seconds, boxes)
