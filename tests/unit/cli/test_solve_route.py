@@ -195,3 +195,18 @@ def test_a_jump_of_the_length_is_no_wide_interval():
     for (low, high), turns in zip(parts, range(3), strict=True):
         assert low <= 2 * math.pi * turns <= high
         assert high - low < 1e-13
+
+
+def test_the_check_s_shorter_path_can_be_taken(tmp_path):
+    """Of an answer that is found longer, the text has the shorter length, and files its path."""
+    solver = "heading-milp[headings=5]"
+    question = ("solve", "--from", "0", "0", "0", "-2", "-1", "--via", "3", "0", "--solver", solver)
+    files = [tmp_path / name for name in ("answer.json", "shortest.json")]
+
+    text = asked(*question, "--geojson", str(files[0])).stdout
+    asked(*question, "--geojson", str(files[1]), "--shortest")
+
+    answer, shortest = (json.loads(file.read_text())["features"][0]["properties"] for file in files)
+    assert (answer["verdict"], shortest["verdict"]) == ("longer", "optimal")
+    assert answer["length"] > shortest["length"]
+    assert line_of("shorter", text).startswith(f"{shortest['length']:.12g}, found by the check")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dubins_study import solve
-from dubins_study.solvers.attempt import judged
+from dubins_study.solvers.attempt import judged, shorter_answer
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.reply import Reply
 from dubins_study.study.check import certificate, verdict
@@ -169,6 +169,58 @@ def test_the_check_repeats_no_search(monkeypatch):
     judge(FREE, solve(FREE, limit=1e-9).path)  # in its own time
     assert limits[4] <= 1e-9
     assert limits[5:] == [4 * 20]  # a count of boxes ends it sooner
+
+
+def _zigzag(points):
+    """A route that no search closes in a second."""
+    x, y = 0.4 * np.arange(1, points + 1), 0.3 * (-1.0) ** np.arange(points)
+    *via, target = zip(x.tolist(), y.tolist(), strict=True)
+    return Scenario(target_x=target[0], target_y=target[1], via=via)
+
+
+@pytest.mark.parametrize("speed", [1e5, 1e12])
+def test_what_the_solver_searched_is_the_reference_on_any_machine(speed, monkeypatch):
+    """The search was ended by its limit; a check that may take as long does not search again."""
+    searches = []
+    search_routes = shortest.search
+    monkeypatch.setattr(shortest, "BOXES_A_SECOND", speed)
+    monkeypatch.setattr(
+        shortest, "search", lambda *a, **o: searches.append(o) or search_routes(*a, **o)
+    )
+
+    answer = solve(_zigzag(60), limit=0.3)
+
+    assert answer.claim is Claim.FEASIBLE
+    assert len(searches) == 1
+    assert answer.reference_low == answer.lower_bound
+
+
+def test_a_check_out_of_time_certifies_less():
+    """The conditions are not checked; the interval, which is known, still proves the path."""
+    answer = solve(ROUTE)
+    judged_before = judge(ROUTE, answer.path)
+    late = replace(Tolerances(), until=-math.inf)
+
+    found = certify(ROUTE, answer.path, judged_before, tolerances=late)
+
+    assert answer.pmp_residual < 1e-7
+    assert found.pmp_residual is None
+    assert found.proof is Proof.PROVED
+
+
+def test_a_longer_answer_comes_with_the_shorter_path():
+    """The check's own path is an answer too, judged as all are."""
+    best = solve(ROUTE).path
+    circled = Path(best.start, [1.0, *best.curvatures], [2 * math.pi, *best.lengths])
+    reply = Reply(Outcome.RETURNED, Solution(Claim.LOCAL, circled), Times())
+    answer = judged("circles", Question(ROUTE), reply)
+
+    found = shorter_answer(answer)
+
+    assert answer.verdict is Verdict.LONGER
+    assert found.verdict is Verdict.OPTIMAL
+    assert found.length == pytest.approx(answer.length - 2 * math.pi, rel=1e-9)
+    assert shorter_answer(found) is None
 
 
 def test_a_search_that_is_cut_short_claims_no_optimum():

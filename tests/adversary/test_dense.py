@@ -1,0 +1,68 @@
+"""Dense tracks have sane routes, whatever the limit, and limits that hold."""
+
+import pytest
+
+from dubins_study import Scenario, solve
+from dubins_study.study.route.search import search
+from tests.adversary import dense
+
+SANE = 1.01  # times the shorter of two routes that take milliseconds
+ROUNDING = 1e-9  # relative, of two programs that add thousands of lengths
+LATE_S = 0.3  # what solving may take beyond its limit
+
+
+def asked(seed: int, limit: float) -> None:
+    """A track with a limit: a sane path, an honest interval, in time."""
+    _, points, first = dense.drawn(seed)
+    bisecting, program = dense.lengths(points, first)
+    (x, y), *via, (target_x, target_y) = points.tolist()
+    scenario = Scenario(x, y, first, target_x, target_y, via=[tuple(point) for point in via])
+
+    for _ in range(3):  # what is late by itself is so each time, on a busy machine too
+        answer = solve(scenario, limit=limit)
+        if answer.solve_s <= limit + LATE_S and answer.wall_s <= limit + LATE_S:
+            break
+
+    assert answer.solve_s <= limit + LATE_S
+    assert answer.length <= SANE * min(bisecting, program)
+    assert answer.reference_low <= program * (1.0 + ROUNDING)
+    assert answer.reference_low <= answer.length * (1.0 + ROUNDING)
+    assert answer.verdict in ("optimal", "undecided")
+    assert not answer.false_bound
+
+
+@pytest.mark.parametrize("seed", [5, 7, 15])  # one of each kind, of some hundred points at most
+def test_a_dense_track_has_a_sane_route(seed):
+    asked(seed, 0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("seed", range(12))
+def test_dense_tracks_have_sane_routes(seed, limit):
+    """Of 50 to 5 000 points."""
+    asked(seed, limit)
+
+
+@pytest.mark.parametrize("seed", [5, 7, 15])
+def test_more_effort_makes_no_path_longer(seed):
+    """The search does the same work in the same order, and keeps the best route."""
+    _, points, first = dense.drawn(seed)
+    bisecting, program = dense.lengths(points, first)
+
+    found = [search(points, first, boxes=boxes) for boxes in (0, 1_000, 10_000, 100_000)]
+
+    lengths = [route.length for route in found]
+    assert lengths[0] <= SANE * min(bisecting, program)
+    assert lengths == sorted(lengths, reverse=True)
+    assert [route.low for route in found] == sorted(route.low for route in found)
+
+
+@pytest.mark.parametrize(("points", "spacing"), [(200, 0.2), (5000, 0.5)])
+def test_the_first_route_of_a_circle_has_no_loops(points, spacing):
+    """Points on a circle of 5R; no effort is spent but for the first route."""
+    track = dense.circle(points, spacing, radius=5.0)
+
+    route = search(track, 0.0, boxes=0)
+
+    assert route.low <= route.length <= route.low * 1.01
