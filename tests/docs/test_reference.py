@@ -16,13 +16,16 @@ from jsonschema import Draft202012Validator
 
 import dubins_study
 from dubins_study.experiments.definition.experiment import packaged
+from dubins_study.report.page.glossary import GLOSSARY, WORDS
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.report.topics.findings import FINDINGS
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.registry import load, settings
+from dubins_study.study.words import Claim, Outcome, Proof, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
-PACKAGE = DOCS.parent / "src" / "dubins_study"
+ROOT = DOCS.parent
+PACKAGE = ROOT / "src" / "dubins_study"
 FOLDER = files("dubins_study.experiments")
 SCHEMA = FOLDER / "experiment.schema.json"
 
@@ -110,6 +113,45 @@ def test_every_section_of_the_report_is_explained():
     assert re.findall(r"^\| ([^|]*) \|", table, re.M) == [topic.title for topic in TOPICS]
 
 
+GLOSSARY_HEAD = """# Glossary
+
+The words of this project; each means one thing everywhere: in the code, in the rows, in the report.
+"""
+
+
+def glossary_page() -> str:
+    """The page of the documentation, as `report/page/glossary.py` declares its words."""
+    parts = [GLOSSARY_HEAD]
+    for title, words in GLOSSARY.items():
+        parts.append(f"## {title}\n")
+        parts += [
+            f"{word.term}\n: {' '.join((word.meaning, word.more)).strip()}\n" for word in words
+        ]
+    return "\n".join(parts)
+
+
+def test_the_glossary_is_the_page_s():
+    """Write it anew with `python -m tests.docs.test_reference > docs/glossary.md`."""
+    assert (DOCS / "glossary.md").read_text(encoding="utf-8") == glossary_page()
+
+
+@pytest.mark.parametrize("words", [Outcome, Claim, Verdict, Proof])
+def test_the_glossary_lists_what_may_be_said(words):
+    [meaning] = [each.meaning for each in WORDS if each.term == words.__name__.lower()]
+
+    assert {*re.findall(r"`(.+?)`", meaning)} == set(words)
+
+
+def test_the_words_of_readme_are_the_glossary_s():
+    """Some of them, in its order."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    table = readme.partition("| word | meaning |\n|---|---|\n")[2].partition("\n\n")[0]
+    rows = [f"| {word.term} | {word.meaning} |" for word in WORDS]
+
+    assert 5 < len(table.splitlines()) < 12
+    assert table.splitlines() == [row for row in rows if row in table]
+
+
 def test_every_sentence_of_the_findings_is_explained():
     """In their order, by the word that begins the sentence."""
     page = (DOCS / "report.md").read_text(encoding="utf-8")
@@ -121,7 +163,6 @@ def test_every_sentence_of_the_findings_is_explained():
         assert re.search(rf"[\"']{word.capitalize()} ", inspect.getsource(find)), word
 
 
-ROOT = DOCS.parent
 # `folder/file.py`, or with a name that it has: `folder/file.py:name`
 FILE_NAME = re.compile(r"(?<![\w./*-])((?:[\w-]+/)+[\w-]+\.(?:py|js|md))\b(?::(\w+))?")
 # `room.module`, `room.module.name` or `dubins_study.room.module.name`
@@ -217,3 +258,7 @@ def test_the_architecture_answers_its_thirteen_questions():
     assert len(rows) == 13
     assert all("`" in answer for _, answer in rows)
     assert len(NAMED) > 30
+
+
+if __name__ == "__main__":
+    print(glossary_page(), end="")
