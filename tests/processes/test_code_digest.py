@@ -162,6 +162,8 @@ def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
         ("{None: 1}", "{**a}"),
         ("x = a - (b - c)", "x = a - b - c"),
         ("from a import b", "from a import c"),
+        ("[(yield), (yield x)]", "[(yield x), (yield)]"),
+        ("[a[:b], a[c:]]", "[a[b:], a[:c]]"),
         ("no Python", "no python"),
     ],
 )
@@ -179,8 +181,8 @@ def test_every_python_writes_the_same_syntax():
     tree = ast.parse("def f(x):\n    'Text.'\n    return x + 1")
 
     assert digest_module._syntax(tree) == (
-        "body FunctionDef name 'f' args arguments body Return args arg value BinOp arg 'x' "
-        "left Name op Add right Constant id 'x' value 1"
+        "Module body * FunctionDef name 'f' args * body * arguments args * Return value * "
+        "arg arg 'x' BinOp left * op * right * Name id 'x' Add Constant value 1"
     )
 
 

@@ -30,6 +30,7 @@ _ROOM_NAME = re.compile(rb"dubins_study\.solvers\.(\w+)")
 _JUDGE = "attempt"  # the room that judges the answers of all solvers
 # Fields of a node that do nothing: the use that its place gives a name, and the prefix of u"text".
 _IDLE_FIELDS = ("ctx", "kind")
+_CHILD = "*"  # in the place of a node that follows
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 # Path of a file, as it enters the hash -> its syntax.
@@ -139,6 +140,7 @@ def _syntax(tree: ast.Module) -> str:
     nodes: list[ast.AST] = [tree]
     for node in nodes:  # which grows by the children
         _drop_docstring(node)
+        parts.append(type(node).__name__)
         if isinstance(node, ast.ImportFrom):
             parts += [f"{node.module}.{alias.name}" for alias in node.names]
         for field in node._fields:
@@ -149,7 +151,7 @@ def _syntax(tree: ast.Module) -> str:
             for child in value if isinstance(value, list) else [value]:
                 if isinstance(child, ast.AST):
                     nodes.append(child)
-                    parts.append(type(child).__name__)
+                    parts.append(_CHILD)
                 else:
                     parts.append(repr(child))
     return " ".join(parts)
