@@ -182,6 +182,16 @@ def texts() -> Iterator[Path]:
                 yield file
 
 
+def test_contributing_lists_the_folders_of_tests_and_the_targets_of_make():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    folders = {file.parent.relative_to(ROOT).parts[1] for file in ROOT.glob("tests/*/**/test_*.py")}
+    targets = set(re.findall(r"^([a-z-]+):.*##", makefile, re.M)) - {"help", "clean"}
+
+    assert set(re.findall(r"^\| `tests/(\w+)/` \|", text, re.M)) == folders
+    assert set(re.findall(r"`make ([a-z-]+)[ `]", text)) == targets
+
+
 def test_files_and_names_that_a_text_names_exist():
     """Files and what they have in them; modules of the package, and what they define."""
     folders = ("src", "tests", "docs", "benchmarks", "examples")

@@ -127,7 +127,8 @@ def _read(file: FilePath) -> bytes:
     try:
         tree = ast.parse(content)
     except (SyntaxError, ValueError):  # a module that is not imported may be anything
-        return content
+        # git may check text files out with other line ends on another system
+        return content.replace(b"\r\n", b"\n")
     return _syntax(tree).encode("utf-8", "backslashreplace")
 
 
