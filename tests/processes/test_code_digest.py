@@ -127,6 +127,7 @@ class Mine(Slsqp):
     '''A docstring that names dubins_study.solvers.optimal_control.'''
 
     patience: "float" = 1  # seconds
+    '''How long it waits.'''
 """
 
 

@@ -140,7 +140,6 @@ def _syntax(tree: ast.Module) -> str:
     parts: list[str] = []
     nodes: list[ast.AST] = [tree]
     for node in nodes:  # which grows by the children
-        _drop_docstring(node)
         parts.append(type(node).__name__)
         if isinstance(node, ast.ImportFrom):
             parts += [f"{node.module}.{alias.name}" for alias in node.names]
@@ -149,16 +148,16 @@ def _syntax(tree: ast.Module) -> str:
             if value is None or value == [] or field in _IDLE_FIELDS:
                 continue
             parts.append(field)
-            for child in value if isinstance(value, list) else [value]:
-                if isinstance(child, ast.AST):
-                    nodes.append(child)
-                    parts.append(_CHILD)
-                else:
+            children = value if isinstance(value, list) else [value]
+            for child in children:
+                if not isinstance(child, ast.AST):
                     parts.append(repr(child))
+                elif not _is_idle(child):
+                    parts.append(_CHILD)
+                    nodes.append(child)
     return " ".join(parts)
 
 
-def _drop_docstring(node: ast.AST) -> None:
-    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-    if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
-        del node.body[0]
+def _is_idle(node: ast.AST) -> bool:
+    """Whether a node is a statement of a constant alone, such as a docstring."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
