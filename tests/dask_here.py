@@ -43,7 +43,7 @@ def gone(pids: list[int]) -> bool:
 
 def asked_of(address: str, experiment: str, out: Path, **options: Any) -> Path:
     """The folder of a run on the workers of a scheduler."""
-    return run(experiment, out, engine="dask", scheduler=address, **options)
+    return run(experiment, out, executor="dask", scheduler=address, **options)
 
 
 @contextmanager

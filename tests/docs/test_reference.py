@@ -1,8 +1,11 @@
 """What the documentation generates from the package, or names of it, is complete and up to date."""
 
+import inspect
 import json
+import pkgutil
 import re
 import tomllib
+from collections.abc import Iterator
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
@@ -13,11 +16,16 @@ from jsonschema import Draft202012Validator
 
 import dubins_study
 from dubins_study.experiments.definition.experiment import packaged
+from dubins_study.report.page.glossary import GLOSSARY, WORDS
 from dubins_study.report.page.sections import TOPICS
+from dubins_study.report.topics.findings import FINDINGS
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.registry import load, settings
+from dubins_study.study.words import Claim, Outcome, Proof, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
+ROOT = DOCS.parent
+PACKAGE = ROOT / "src" / "dubins_study"
 FOLDER = files("dubins_study.experiments")
 SCHEMA = FOLDER / "experiment.schema.json"
 
@@ -105,6 +113,111 @@ def test_every_section_of_the_report_is_explained():
     assert re.findall(r"^\| ([^|]*) \|", table, re.M) == [topic.title for topic in TOPICS]
 
 
+GLOSSARY_HEAD = """# Glossary
+
+The words of this project; each means one thing everywhere: in the code, in the rows, in the report.
+"""
+
+
+def glossary_page() -> str:
+    """The page of the documentation, as `report/page/glossary.py` declares its words."""
+    parts = [GLOSSARY_HEAD]
+    for title, words in GLOSSARY.items():
+        parts.append(f"## {title}\n")
+        parts += [
+            f"{word.term}\n: {' '.join((word.meaning, word.more)).strip()}\n" for word in words
+        ]
+    return "\n".join(parts)
+
+
+def test_the_glossary_is_the_page_s():
+    """Write it anew with `python -m tests.docs.test_reference > docs/glossary.md`."""
+    assert (DOCS / "glossary.md").read_text(encoding="utf-8") == glossary_page()
+
+
+@pytest.mark.parametrize("words", [Outcome, Claim, Verdict, Proof])
+def test_the_glossary_lists_what_may_be_said(words):
+    [meaning] = [each.meaning for each in WORDS if each.term == words.__name__.lower()]
+
+    assert {*re.findall(r"`(.+?)`", meaning)} == set(words)
+
+
+def test_the_words_of_readme_are_the_glossary_s():
+    """Some of them, in its order."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    table = readme.partition("| word | meaning |\n|---|---|\n")[2].partition("\n\n")[0]
+    rows = [f"| {word.term} | {word.meaning} |" for word in WORDS]
+
+    assert 5 < len(table.splitlines()) < 12
+    assert table.splitlines() == [row for row in rows if row in table]
+
+
+def test_every_sentence_of_the_findings_is_explained():
+    """In their order, by the word that begins the sentence."""
+    page = (DOCS / "report.md").read_text(encoding="utf-8")
+    table = page.partition("| sentence | what is compared |\n|---|---|\n")[2].partition("\n\n")[0]
+    first_words = re.findall(r"^\| (\w+) ", table, re.M)
+
+    assert len(first_words) == len(FINDINGS)
+    for word, find in zip(first_words, FINDINGS, strict=True):
+        assert re.search(rf"[\"']{word.capitalize()} ", inspect.getsource(find)), word
+
+
+# `folder/file.py`, or with a name that it has: `folder/file.py:name`
+FILE_NAME = re.compile(r"(?<![\w./*-])((?:[\w-]+/)+[\w-]+\.(?:py|js|md))\b(?::(\w+))?")
+# `room.module`, `room.module.name` or `dubins_study.room.module.name`
+DOTTED_NAME = re.compile(
+    r"(?:`|dubins_study\.)((?:study|solvers|experiments|conformance|report)(?:\.\w+)+)"
+)
+ELSEWHERE = ("scipy/", "results/", "a/my_solver.py")  # of SciPy, of a run, of an example
+MADE = ("report.tex", "report.md")  # files of a report
+
+
+def texts() -> Iterator[Path]:
+    """The documentation, and the sources of the package with its scripts and templates."""
+    yield from (ROOT / name for name in ("README.md", "CONTRIBUTING.md", "pyproject.toml"))
+    for folder in (DOCS, PACKAGE):
+        for file in folder.rglob("*"):
+            if file.suffix in (".md", ".py", ".js", ".j2", ".toml", ".txt"):
+                yield file
+
+
+def test_contributing_lists_the_folders_of_tests_and_the_targets_of_make():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    folders = {file.parent.relative_to(ROOT).parts[1] for file in ROOT.glob("tests/*/**/test_*.py")}
+    targets = set(re.findall(r"^([a-z-]+):.*##", makefile, re.M)) - {"help", "clean"}
+
+    assert set(re.findall(r"^\| `tests/(\w+)/` \|", text, re.M)) == folders
+    assert set(re.findall(r"`make ([a-z-]+)[ `]", text)) == targets
+
+
+def test_files_and_names_that_a_text_names_exist():
+    """Files and what they have in them; modules of the package, and what they define."""
+    folders = ("src", "tests", "docs", "benchmarks", "examples")
+    known = [file for folder in folders for file in (ROOT / folder).rglob("*.*")]
+    gone = []
+    for place in texts():
+        text = place.read_text(encoding="utf-8")
+        for name, defined in FILE_NAME.findall(text):
+            files = [file for file in known if file.as_posix().endswith(f"/{name}")]
+            there = any(defined in file.read_text(encoding="utf-8") for file in files)
+            if not (there or name.startswith(ELSEWHERE)):
+                gone.append(f"{place}: {name} {defined}")
+        dotted = [name for name in DOTTED_NAME.findall(text) if name not in MADE]
+        gone += [f"{place}: {name}" for name in dotted if not is_defined(name)]
+
+    assert gone == []
+
+
+def is_defined(name: str) -> bool:
+    """Whether these dotted words are a module of the package, or what one defines."""
+    try:
+        return pkgutil.resolve_name(f"dubins_study.{name}") is not None
+    except (ImportError, AttributeError):
+        return False
+
+
 @pytest.mark.parametrize("kind", ["nlp", "search", "qp"])
 def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind):
     """Read back from the page's table; an engine that no line names is left to its makers."""
@@ -126,7 +239,6 @@ def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind)
             assert page_says == {key: str(value) for key, value in options.of(chosen).items()}
 
 
-PACKAGE = DOCS.parent / "src" / "dubins_study"
 TEXT = (DOCS / "architecture.md").read_text(encoding="utf-8")
 # `room/`, `room/module.py` or `room/module.py:name`
 NAMED = re.findall(r"`([\w/<>.-]+/|[\w/<>.-]+\.(?:py|toml))(?::(\w+))?`", TEXT)
@@ -156,3 +268,7 @@ def test_the_architecture_answers_its_thirteen_questions():
     assert len(rows) == 13
     assert all("`" in answer for _, answer in rows)
     assert len(NAMED) > 30
+
+
+if __name__ == "__main__":
+    print(glossary_page(), end="")

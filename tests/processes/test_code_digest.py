@@ -25,7 +25,6 @@ from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 @dataclass(frozen=True)
 class Mine(Slsqp):
     patience: float = {patience}
-    # {remark}
 """
 
 
@@ -70,10 +69,10 @@ def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tm
     shutil.copytree(PACKAGE, tmp_path / "dubins_study")
     names = ("slsqp", "ipopt", "shooting", "turn-rate-qp", "analytic")
 
-    def stale_after(file: str) -> set[str]:
+    def stale_after(file: str, added: str = "EDITED = 1") -> set[str]:
         edited = tmp_path / "dubins_study" / file
         text = edited.read_text(encoding="utf-8")
-        edited.write_text(text + "# edited\n", encoding="utf-8")
+        edited.write_text(f"{text}{added}\n", encoding="utf-8")
         after = digests()
         edited.write_text(text, encoding="utf-8")
         return {name for name in names if after[name] != before[name]}
@@ -88,6 +87,7 @@ def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tm
     assert stale_after("solvers/paper_nlp/ipopt.py").isdisjoint({"analytic"})
     assert stale_after("solvers/analytic.py") == {"analytic"}
     assert stale_after("study/check/verdict.py") == set(names)
+    assert stale_after("study/check/verdict.py", "# edited") == set()
     assert stale_after("study/rows/schema.py") == set()
 
 
@@ -111,16 +111,84 @@ def printed(*lines: str, path: Path | None = None) -> list[str]:
     return output(interpreted(text, **({"PYTHONPATH": str(path)} if path else {}))).split()
 
 
-def test_a_plugin_is_told_by_its_text_and_its_defaults(tmp_path):
-    plugin = tmp_path / "mine.py"
-    spec = f"{plugin}:Mine"
-    found = []
-    for patience, remark in ((1, ""), (2, ""), (2, "new"), (1, "")):
-        plugin.write_text(PLUGIN.format(patience=patience, remark=remark))
-        found += printed(f"print(code_digest({spec!r}))")
+RELAID = """
+# A comment.
+from dataclasses import dataclass
 
-    assert found[0] == found[3]
-    assert len(set(found)) == 3
+from dubins_study.solvers.paper_nlp.slsqp import (
+    Slsqp,
+)
+
+
+@dataclass(
+    frozen=True
+)
+class Mine(Slsqp):
+    '''A docstring that names dubins_study.solvers.optimal_control.'''
+
+    patience: "float" = 1  # seconds
+    '''How long it waits.'''
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        (RELAID, True),
+        (RELAID.replace("\n", "\r\n"), True),
+        (RELAID.replace("= 1", "= 2"), False),
+        (RELAID.replace("= 1", "= 1.0"), False),
+        (RELAID.replace("patience", "zeal"), False),
+        (RELAID.replace("Mine(Slsqp)", "Mine(Slsqp, object)"), False),
+    ],
+)
+def test_a_plugin_is_told_by_its_syntax(text, same, tmp_path):
+    """A comment, a docstring and another layout leave the digest; a constant changes it."""
+    plugin = tmp_path / "mine.py"
+    found = []
+    for content in (PLUGIN.format(patience=1).replace("float", '"float"'), text):
+        plugin.write_bytes(content.encode())
+        found += printed(f"print(code_digest({f'{plugin}:Mine'!r}))")
+
+    assert (found[0] == found[1]) is same
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("x = None", "x: y"),
+        ("f(a, b)", "f(a)(b)"),
+        ("x = 'y'", "x = y"),
+        ("def f():\n    'text'\n    return 1", "def f():\n    x = 'text'\n    return 1"),
+        ("{None: 1}", "{**a}"),
+        ("x = a - (b - c)", "x = a - b - c"),
+        ("from a import b", "from a import c"),
+        ("[(yield), (yield x)]", "[(yield x), (yield)]"),
+        ("[a[:b], a[c:]]", "[a[b:], a[:c]]"),
+        ("no Python", "no python"),
+    ],
+)
+def test_what_differs_has_another_syntax(one, other, tmp_path):
+    """Also a file that is none of Python, by its bytes."""
+    files = tmp_path / "one.py", tmp_path / "other.py"
+    for file, text in zip(files, (one, other), strict=True):
+        file.write_text(text)
+
+    assert digest_module._read(files[0]) != digest_module._read(files[1])
+
+
+def test_every_python_writes_the_same_syntax():
+    """Its trees differ in empty fields: `type_params` of a function is there from 3.12 on."""
+    tree = ast.parse("def f(x):\n    'Text.'\n    return x + 1")
+
+    assert digest_module._syntax(tree) == (
+        "Module body * FunctionDef name 'f' args * body * arguments args * Return value * "
+        "arg arg 'x' BinOp left * op * right * Name id 'x' Add Constant value 1"
+    )
+
+
+def test_the_judge_of_all_solvers_is_there():
+    assert digest_module._room(digest_module._JUDGE)
 
 
 def test_other_libraries_make_another_code(monkeypatch):
@@ -141,7 +209,7 @@ def test_rows_of_earlier_code_are_solved_anew_and_never_shown(tmp_path):
     spec, out = f"{tmp_path}/mine.py:Mine", tmp_path / "out"
     file = quick_experiment(tmp_path, 2, f'{spec}", "analytic')
     for patience in (1, 2):
-        (tmp_path / "mine.py").write_text(PLUGIN.format(patience=patience, remark=""))
+        (tmp_path / "mine.py").write_text(PLUGIN.format(patience=patience))
         done = output(finished("run", file, "--trust-plugins", "--out", out))
         assert "4 of 4 cells done, finished" in done
 

@@ -65,7 +65,7 @@ def plugin(folder: Path, solve: str) -> str:
         "HERE = Path(__file__).parent\n"
         "def dask_worker():\n"
         "    parents = psutil.Process().parents()\n"
-        "    return parents[1].pid if 'dask' in str((HERE / 'engine').read_text()) else None\n"
+        "    return parents[1].pid if 'dask' in str((HERE / 'executor').read_text()) else None\n"
         "class Plugin(Slsqp):\n"
         "    def solve(self, model, limit):\n"
         "        question = model.question\n"
@@ -73,7 +73,7 @@ def plugin(folder: Path, solve: str) -> str:
         f"            {solve}\n"
         "        return super().solve(model, limit)\n"
     )
-    (folder / "engine").write_text("local")
+    (folder / "executor").write_text("local")
     return f"{file}:Plugin"
 
 
@@ -88,7 +88,7 @@ def test_the_rows_are_those_of_a_serial_run(experiment, tmp_path, address):
     assert set(rows["executor"]) == {"dask"}
     assert set(rows["jobs"]) == {2}
     entry = json.loads((other / "manifest.json").read_text())["runs"][-1]
-    assert (entry["engine"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
+    assert (entry["executor"], entry["jobs"], entry["workers"]) == ("dask", 2, 2)
     assert address not in (other / "manifest.json").read_text()
 
 
@@ -120,7 +120,7 @@ def test_a_worker_killed_in_the_middle_of_a_work_unit_costs_no_row(experiment, t
     solver = plugin(tmp_path, ONCE)
     arguments = {"solvers": [solver, "analytic"], "time_limit": 90.0}
     one = run(experiment, tmp_path / "one", **arguments)
-    (tmp_path / "engine").write_text("dask")
+    (tmp_path / "executor").write_text("dask")
     (tmp_path / "armed").touch()
     other = here.asked_of(address, experiment, tmp_path / "other", **arguments)
 
@@ -143,7 +143,7 @@ ORPHANS = (
 def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, address):
     """Its fork server and the solver's process, though that is in a loop that nobody watches."""
     solver = plugin(tmp_path, ORPHANS)
-    (tmp_path / "engine").write_text("dask")
+    (tmp_path / "executor").write_text("dask")
     (tmp_path / "armed").touch()
     pids: list[int] = []
 
@@ -164,7 +164,7 @@ def test_what_a_dead_worker_was_solving_dies_with_it(experiment, tmp_path, addre
 def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, address):
     """After as many workers as Dask's `allowed-failures` permits; the rows so far are kept."""
     solver = plugin(tmp_path, "question.branch == 'LS' and os.kill(dask_worker(), signal.SIGKILL)")
-    (tmp_path / "engine").write_text("dask")
+    (tmp_path / "executor").write_text("dask")
     out = tmp_path / "out"
     with pytest.raises(
         RunError, match=r"^a Dask worker failed: KilledWorker: .* on 4 different workers"
@@ -176,7 +176,7 @@ def test_a_work_unit_that_kills_every_worker_ends_the_run(experiment, tmp_path, 
 
 
 @pytest.mark.slow
-def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address):
+def test_another_executor_goes_on_where_one_left_off(experiment, tmp_path, address):
     """A sweep cut in the middle goes on from its last path, elsewhere."""
     one = run(experiment, tmp_path / "one", solvers=["slsqp[presolve=true]"])
 
@@ -191,8 +191,8 @@ def test_another_engine_goes_on_where_one_left_off(experiment, tmp_path, address
     here.asked_of(address, experiment, out, solvers=["slsqp[presolve=true]"])
 
     here.assert_same(one, out)
-    engines = set(read_rows(out, ["executor"])["executor"].to_pylist())
-    assert engines == {"local", "dask"}
+    executors = set(read_rows(out, ["executor"])["executor"].to_pylist())
+    assert executors == {"local", "dask"}
 
 
 def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):

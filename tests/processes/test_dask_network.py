@@ -122,7 +122,7 @@ def test_a_plugin_that_is_not_there_is_told(experiment, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer(experiment, tmp_path):
-    arguments = ("--engine", "dask", "--scheduler", "tcp://127.0.0.1:1")
+    arguments = ("--executor", "dask", "--scheduler", "tcp://127.0.0.1:1")
     refused = finished("run", experiment, *arguments, "--out", tmp_path / "out")
 
     assert refused.returncode == 2
@@ -142,7 +142,7 @@ def test_ctrl_c(experiment, tmp_path, signals):
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "2", NAP=nap) as worker,
     ):
-        options = ("--engine", "dask", "--scheduler", address, "--time-limit", "4000")
+        options = ("--executor", "dask", "--scheduler", address, "--time-limit", "4000")
         spec, out = f"{tmp_path}/slow.py:Slow", tmp_path / "out"
         with started("run", experiment, *options, "--solver", spec, "--out", out) as process:
             wait_for(lambda: (tmp_path / "asked").exists())

@@ -96,7 +96,7 @@ def test_a_run_leaves_an_entry(tmp_path):
     assert entry["command"].startswith("dubins-study run ")
     assert "--time-limit 7.0" in entry["command"]
     assert (entry["jobs"], entry["time_limit_s"], entry["threads"]) == (1, 7.0, 1)
-    assert entry["engine"] == "local"
+    assert entry["executor"] == "local"
     assert entry["memory_limit_gib"] > 0
     assert entry["machine"] == machine()
     assert 1 <= machine()["usable_cores"] <= machine()["cores"] == os.cpu_count()
@@ -132,6 +132,15 @@ def test_machines_are_not_compared_with_each_other():
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
     assert RunEntry(probes=listed).probes == [*steady, Probe(1.0, 2.0)]
+
+
+def test_an_executor_is_read_under_its_old_name():
+    """As manifests of the first benchmark have it; it is written under its own."""
+    entry = RunEntry.model_validate({"engine": "dask"})
+
+    assert entry.executor == "dask"
+    assert RunEntry.model_validate(entry.model_dump()) == entry
+    assert "engine" not in entry.model_dump()
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):

@@ -176,18 +176,33 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         ({"time_limit": "long"}, "^time_limit is 'long': expected a valid number"),
         ({"solvers": "slsqp"}, "^solvers is 'slsqp': expected a valid list"),
         ({"experiment": None, "scenarios": "a.csv"}, r"without solvers; expected solvers \(--sol"),
-        ({"engine": "ray"}, "engine is 'ray'; expected one of: local, dask"),
-        ({"engine": None}, "engine is None; expected one of"),
-        ({"engine": "dask"}, "scheduler is None and engine 'dask'; expected engine 'dask' and the"),
-        ({"engine": "dask", "scheduler": ""}, "scheduler is '' and engine 'dask'; expected"),
-        ({"scheduler": "tcp://x:1"}, "scheduler is 'tcp://x:1' and engine 'local'; expected"),
-        ({"engine": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
+        ({"executor": "ray"}, "executor is 'ray'; expected one of: local, dask"),
+        ({"executor": None}, "executor is None; expected one of"),
+        ({"executor": "dask"}, "scheduler is None and executor 'dask'; expected executor 'dask'"),
+        ({"executor": "dask", "scheduler": ""}, "scheduler is '' and executor 'dask'; expected"),
+        ({"scheduler": "tcp://x:1"}, "scheduler is 'tcp://x:1' and executor 'local'; expected"),
+        ({"executor": "dask", "scheduler": "tcp://x:1", "jobs": 2}, "jobs is 2; how many"),
     ],
 )
 def test_requests_that_are_refused_leave_no_folder(small, tmp_path, change, message):
     with pytest.raises(ExperimentError, match=message):
         run(**{"experiment": small, "out": tmp_path / "out"} | change)
     assert not (tmp_path / "out").exists()
+
+
+def test_the_old_word_for_the_executor_is_taken_with_a_hint(small, tmp_path):
+    """At the caller's line, whether the request is then refused or not."""
+    with pytest.warns(FutureWarning, match=r"run\(executor='dask'\)") as found:
+        run(small, tmp_path / "out", solvers=["analytic"], engine="local")
+    assert found[0].filename == __file__
+    [entry] = json.loads((tmp_path / "out" / "manifest.json").read_text())["runs"]
+    assert entry["executor"] == "local"
+    assert "engine" not in entry
+    with (
+        pytest.warns(FutureWarning, match="the old word, engine, is taken for this release only"),
+        pytest.raises(ExperimentError, match="executor is 'ray'"),
+    ):
+        run(small, engine="ray")
 
 
 def test_errors_name_the_file_unless_the_caller_is_to_blame(small, tmp_path):

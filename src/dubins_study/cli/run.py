@@ -25,7 +25,7 @@ _SCENARIOS = "ask about these: .csv or .parquet, a row a scenario"
 _SOLVERS = "instead of the experiment's own; may be given several times"
 _LIMIT = "seconds after which a solve is ended"
 _TRUST = "the experiment may name plug-ins and programs"
-_SCHEDULER = "of Dask's, with --engine dask"
+_SCHEDULER = "of Dask's, with --executor dask"
 _JSON = "print the folder's status as one JSON object"
 
 
@@ -46,9 +46,10 @@ def run(
     repeats: Annotated[int | None, typer.Option(metavar="N", help="attempts per cell")] = None,
     restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
     trust_plugins: Annotated[bool, typer.Option("--trust-plugins", help=_TRUST)] = False,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="local, or dask")] = "local",
+    executor: Annotated[str, typer.Option(metavar="NAME", help="local, or dask")] = "local",
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help=_SCHEDULER)] = None,
     as_json: Annotated[bool, typer.Option("--json", help=_JSON)] = False,
+    engine: Annotated[str | None, typer.Option(hidden=True)] = None,  # the old word for executor
 ) -> None:
     """Run an experiment, or go on with it.
 
@@ -56,10 +57,13 @@ def run(
     """
     counts: list[int] = []  # number of cells done, and of all cells, as last reported
     with _interruptible(restart, counts) as stop:
+        from dubins_study.experiments.run import OLD_WORD
         from dubins_study.experiments.run import run as run_experiment
         from dubins_study.experiments.store.status import status as status_of
 
         stop.check()
+        if engine is not None:
+            print(f"dubins-study: {OLD_WORD}", file=sys.stderr)
         if experiment is None and scenarios is None:
             raise CommandError(
                 "run: no experiment; expected a name (dubins-study experiments lists them), a "
@@ -79,7 +83,7 @@ def run(
                 repeats=repeats,
                 restart=restart,
                 trust_plugins=trust_plugins,
-                engine=engine,
+                executor=engine or executor,
                 scheduler=scheduler,
                 scenarios=scenarios,
                 progress=progress,

@@ -102,7 +102,7 @@ def _tables(progress: Status) -> list[str]:
         ]
         tables.append(table(("solver", *map(plain, kinds)), rows))
     if progress.runs:
-        head = ("run", "started, UTC", "took", "state", "engine", "jobs", "speed varied by")
+        head = ("run", "started, UTC", "took", "state", "executor", "jobs", "speed varied by")
         tables.append(table(head, [_run(run) for run in progress.runs[-_MOST_RUNS:]]))
     return tables
 
@@ -113,7 +113,7 @@ def _run(run: RunEntry) -> tuple[str, ...]:
         plain(run.started[:19].replace("T", " ")),  # without fractions of a second
         "" if run.seconds is None else duration(run.seconds),
         plain(run.state),
-        plain(run.engine),
+        plain(run.executor),
         str(run.jobs),
         "" if run.spread is None else f"{100 * run.spread:.1f} %",
     )

@@ -128,7 +128,7 @@ def declaration(solver: Solver) -> dict[str, Any]:
 
 
 def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """How bad a problem is (`report.Status`), what was seen, and what to do."""
+    """How bad a problem is (`conformance.report.Status`), what was seen, and what to do."""
     kind = type(solver)
     unknown = [name for name in kind.branches if name not in EVERY_BRANCH]
     if unknown or not kind.branches:

@@ -1,13 +1,14 @@
 """The code digest: changes whenever a solver would have to be run again.
 
 A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
-the source of the whole room, of every room that the room's text names, of the code that judges an
-answer, and of `study`. Rooms are found by their dotted names in the text. An import inside a
-function therefore counts, like one at the top of a file.
+the code of the whole room, of every room that the room's code names, of the attempt that judges an
+answer, and of `study`. Rooms are found by their dotted names in the code. An import inside a
+function therefore counts, like one at the top of a file. Comments, docstrings and layout do not.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import math
@@ -25,12 +26,14 @@ from dubins_study.solvers.registry import canonical, load, settings
 
 _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
-_ROOM_NAME = re.compile(rb"dubins_study\.solvers(?:\.| import )(\w+)")
-# The rooms that judge the answers of all solvers.
-_JUDGES = ("attempt", "profiles")
+_ROOM_NAME = re.compile(rb"dubins_study\.solvers\.(\w+)")
+_JUDGE = "attempt"  # the room that judges the answers of all solvers
+# Fields of a node that do nothing: the use that its place gives a name, and the prefix of u"text".
+_IDLE_FIELDS = ("ctx", "kind")
+_CHILD = "*"  # in the place of a node that follows
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
-# Path of a file, as it enters the hash -> bytes of the file.
+# Path of a file, as it enters the hash -> its syntax.
 Sources = dict[str, bytes]
 
 
@@ -73,9 +76,8 @@ def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
         sources = dict(_room(module.split(".")[2]))
     else:
         sources = _installed_plugin(module.partition(".")[0])
-    for room in _JUDGES:
-        sources |= _room(room)
-    return _with_named_rooms(sources) | _study()
+    sources |= _room(_JUDGE)
+    return _with_named_rooms(sources) | study_sources()
 
 
 def _with_named_rooms(sources: Sources) -> Sources:
@@ -99,7 +101,7 @@ def _room(name: str) -> Sources:
 
 
 @cache
-def _study() -> Sources:
+def study_sources() -> Sources:
     """All modules of `study`, which judges every answer, except those of the results format."""
     files = (_PACKAGE / "study").rglob("*.py")
     return _read_all(_PACKAGE, (file for file in files if file.parent.name != "rows"))
@@ -120,5 +122,42 @@ def _read_all(root: FilePath, files: Iterable[FilePath]) -> Sources:
 
 @cache
 def _read(file: FilePath) -> bytes:
-    # git may check text files out with other line ends on another system
-    return file.read_bytes().replace(b"\r\n", b"\n")
+    """The syntax of a file; the bytes of one that is not Python."""
+    content = file.read_bytes()
+    try:
+        tree = ast.parse(content)
+    except (SyntaxError, ValueError):  # a module that is not imported may be anything
+        # git may check text files out with other line ends on another system
+        return content.replace(b"\r\n", b"\n")
+    return _syntax(tree).encode("utf-8", "backslashreplace")
+
+
+def _syntax(tree: ast.Module) -> str:
+    """The nodes of a tree, level by level, without docstrings and positions.
+
+    Empty fields are left out, since newer versions of Python have more of them.
+    """
+    parts: list[str] = []
+    nodes: list[ast.AST] = [tree]
+    for node in nodes:  # which grows by the children
+        parts.append(type(node).__name__)
+        if isinstance(node, ast.ImportFrom):
+            parts += [f"{node.module}.{alias.name}" for alias in node.names]
+        for field in node._fields:
+            value = getattr(node, field, None)
+            if value is None or value == [] or field in _IDLE_FIELDS:
+                continue
+            parts.append(field)
+            children = value if isinstance(value, list) else [value]
+            for child in children:
+                if not isinstance(child, ast.AST):
+                    parts.append(repr(child))
+                elif not _is_idle(child):
+                    parts.append(_CHILD)
+                    nodes.append(child)
+    return " ".join(parts)
+
+
+def _is_idle(node: ast.AST) -> bool:
+    """Whether a node is a statement of a constant alone, such as a docstring."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from collections import Counter
 from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
@@ -26,6 +27,10 @@ from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, Sol
 from dubins_study.study.tolerances import tolerances
 
 _LOG = logging.getLogger(__name__)
+OLD_WORD = (
+    "what runs the cells is the executor, as in run(executor='dask') and --executor dask; the old "
+    "word, engine, is taken for this release only"
+)
 
 
 def run(
@@ -39,10 +44,11 @@ def run(
     repeats: int | None = None,
     restart: bool = False,
     trust_plugins: bool = False,
-    engine: str = "local",
+    executor: str = "local",
     scheduler: str | None = None,
     scenarios: str | FilePath | None = None,
     progress: Progress | None = None,
+    engine: str | None = None,
 ) -> FilePath:
     """Run an experiment and return its results folder.
 
@@ -63,11 +69,12 @@ def run(
         restart: delete the rows that the folder holds.
         trust_plugins: let the experiment's file name plug-in files and programs on PATH as
             solvers. Those named in `solvers` are always trusted.
-        engine: `local`, or `dask` for the workers of a Dask scheduler.
+        executor: `local`, or `dask` for the workers of a Dask scheduler.
         scheduler: the address of that scheduler.
         scenarios: a .csv or .parquet file of scenarios (`definition.scenario_file`), which replace
             those of the experiment.
         progress: called with the number of cells done and the number of all cells.
+        engine: the old word for `executor`, with a warning.
 
     Raises:
         ExperimentError, SolverError, ScenarioError, ResultsError: if the request or the folder is
@@ -77,15 +84,18 @@ def run(
             finished and all rows are written; a second signal abandons that cell. The caller's
             signal handlers are restored. Signals are handled in the main thread only.
     """
-    arguments = {name: value for name, value in locals().items() if name != "progress"}
+    arguments = {name: value for name, value in locals().items() if name in Request._fields}
+    if engine is not None:
+        warnings.warn(OLD_WORD, FutureWarning, stacklevel=2)
+        arguments["executor"] = engine
     request = Request(**arguments)
     with Interruption() as stop:
         plan = plan_run(request)
         stop.check()
-        with _executor(request) as executor:
+        with _executor(request) as opened:
             prepare_folder(plan.folder)
             with locked(plan.folder):
-                _solve(plan, request, executor, progress, stop)
+                _solve(plan, request, opened, progress, stop)
     return plan.folder
 
 
@@ -113,7 +123,7 @@ def _solve(
     settings = RunSettings(
         run_id=uuid4().hex[:12],
         jobs=executor.jobs,
-        executor=request.engine,
+        executor=request.executor,
         **experiment.model_dump(include={"time_limit_s", "memory_limit_gib", "seed"}),
     )
     done_keys = done(folder)
@@ -132,7 +142,7 @@ def _solve(
     entry = RunEntry(
         command=request.command(),
         run_id=settings.run_id,
-        engine=settings.executor,
+        executor=settings.executor,
         jobs=settings.jobs,
         threads=THREADS,
         time_limit_s=settings.time_limit_s,

@@ -135,7 +135,7 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
         sharpest = float(np.abs(drawn.curvatures).max(initial=0.0))
         radius = 1 / sharpest if sharpest > 0 else 1.0
         x, y = drawn.end.x, drawn.end.y
-        return "path", drawn, Scenario(*drawn.start, target_x=x, target_y=y, radius=radius)
+        return "path", drawn, Scenario(*drawn.start, x, y, radius, _radians=True)
     wanted = ("scenario", "path", "solver")
     if isinstance(drawn, type) or not all(hasattr(drawn, name) for name in wanted):
         raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")

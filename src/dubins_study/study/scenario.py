@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -74,6 +73,9 @@ class Scenario:
     label: str
     via: tuple[tuple[float, float], ...]
     final_heading: float | None
+    # Whether numbers beyond a full turn are known to be radians, and so give no warning. Those of a
+    # scenario are: `replace` passes this default on.
+    _radians: InitVar[bool] = True
 
     def __init__(
         self,
@@ -87,6 +89,8 @@ class Scenario:
         label: str = "",
         via: ArrayLike | Iterable[Sequence[float]] = (),
         final_heading: float | str | None = None,
+        *,
+        _radians: bool = False,
     ) -> None:
         given = (x, y, _heading("heading", heading), target_x, target_y, radius, speed)
         for name, value in zip(NUMBERS, given, strict=True):
@@ -98,12 +102,10 @@ class Scenario:
         if final_heading is not None:
             angle = checked_number("final_heading", _heading("final_heading", final_heading))
         object.__setattr__(self, "final_heading", angle)
-        # within the package, and of a scenario with `replace`d fields, numbers are in radians
-        caller = sys._getframe(1).f_globals.get("__name__", "")
-        if not caller.startswith(("dubins_study.", "dataclasses")):
-            for name, written in (("heading", heading), ("final_heading", final_heading)):
-                if not isinstance(written, str) and abs(getattr(self, name) or 0.0) > FULL_TURN:
-                    warnings.warn(f"{name} {DEGREES}", stacklevel=2)
+        for name, written in (("heading", heading), ("final_heading", final_heading)):
+            known = _radians or isinstance(written, str)
+            if not known and abs(getattr(self, name) or 0.0) > FULL_TURN:
+                warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:

@@ -191,7 +191,7 @@ def scenario_of(row: Mapping[Any, Any]) -> Scenario:
             counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
             raise ScenarioError(f"{counts}; expected as many")
         via = zip(xs, ys, strict=True)
-    return Scenario(**fields, via=via)
+    return Scenario(**fields, via=via, _radians=True)
 
 
 def numbers_of(name: str, value: Any) -> list[float] | None:

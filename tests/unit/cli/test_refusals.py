@@ -37,7 +37,7 @@ REFUSALS = {
     "run paper slsqp": "unexpected extra argument",
     "run": "run: no experiment; expected a name (dubins-study experiments lists them), a .toml fi",
     "run papr": "no experiment named 'papr'; did you mean 'paper'? choose one of",
-    "run paper --engine desk": "engine is 'desk'; did you mean 'dask'? expected",
+    "run paper --executor desk": "executor is 'desk'; did you mean 'dask'? expected",
     "compare a": "Missing argument 'NEW'",
     "merge a b": "Missing option '--out'",
     "status a\x1b[31m": "a\\x1b[31m is no results folder",
@@ -91,6 +91,17 @@ def test_a_refusal_is_one_line_and_nothing_is_written(line, monkeypatch, capsys,
     assert REFUSALS[line] in written.err
     assert written.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_old_word_for_the_executor_is_taken_with_a_hint(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["dubins-study", "run", "paper", "--engine", "desk"])
+
+    with pytest.raises(SystemExit) as stopped:
+        app.main()
+    hint, refusal = capsys.readouterr().err.splitlines()
+    assert stopped.value.code == 2
+    assert "--executor dask; the old word, engine, is taken for this release only" in hint
+    assert "executor is 'desk'; did you mean 'dask'?" in refusal
 
 
 @pytest.mark.parametrize("words", ["", "new"])

@@ -136,9 +136,10 @@ def test_a_report_without_anything_to_compare_says_so(results):
             "--scenarios 'my s.csv' --repeats 2",
         ),
         (
-            "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --engine dask",
+            "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --executor dask",
             "--scenarios s.csv",
         ),
+        ("dubins-study run s.toml --engine dask", "s.toml"),  # the old word for the executor
         ("dubins-study run --scenarios 'no end", "'a b; rm c'"),
         ("", "'a b; rm c'"),
     ],

@@ -22,7 +22,7 @@ from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.page.environment import TEMPLATES
 from dubins_study.report.page.explorer import explorer_section, write_explorer
-from dubins_study.report.page.glossary import GLOSSARY, Glossed
+from dubins_study.report.page.glossary import WORDS, Glossed
 from dubins_study.report.page.markup import inline
 from dubins_study.report.page.render import head_of
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
@@ -56,7 +56,7 @@ def test_the_first_use_of_a_word_is_a_link():
     assert first.count('href="#term-gap"') == first.count('href="#term-engine"') == 1
     assert "&lt;b&gt;" in first
     assert second == "A gap."
-    assert len({word.anchor for word in GLOSSARY}) == len(GLOSSARY)
+    assert len({word.anchor for word in WORDS}) == len(WORDS)
 
 
 def test_the_number_behind_a_cell_is_the_raw_one():

@@ -16,7 +16,8 @@ from cases import placed
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study import solve_frame
+from dubins_study import Path, plot_path, solve_frame
+from dubins_study.experiments.isolation.messages import decode_question, encode_question
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.reply import ask
 from dubins_study.study.angle import AngleError, parse_angle
@@ -25,6 +26,7 @@ from dubins_study.study.rows.schema import ROW, SCENARIO, names
 from dubins_study.study.scenario import (
     COLUMNS,
     NUMBERS,
+    Pose,
     Scenario,
     ScenarioError,
 )
@@ -266,6 +268,14 @@ def test_a_number_beyond_a_full_turn_gives_a_warning(name):
         replace(scenario, x=1)
     assert [DEGREES in str(warning.message) for warning in found] == [True]
     assert found[0].filename == __file__
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert decode_question(encode_question(Question(scenario, "best"))).scenario == scenario
+        plot_path(Path(Pose(0, 0, 400.0), [1.0], [2.0]))
+    theirs = {"Scenario": Scenario, "__name__": "dubins_study.plugin_of_another"}
+    with pytest.warns(UserWarning, match="full turn"):
+        exec("Scenario(target_x=1, target_y=0, heading=90)", theirs)
 
     frame = pd.DataFrame([GOOD | {"final_heading": 1.0}] * 3)
     for column in ([1, 90, 7.0], ["7rad", 90, 1], ["90deg", "7rad", "-720deg"]):

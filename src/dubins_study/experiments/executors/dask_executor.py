@@ -50,7 +50,7 @@ def dask_executor(scheduler: str) -> Iterator[Executor]:
         import distributed
     except ImportError as error:
         raise RunError(
-            f"engine 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
+            f"executor 'dask' needs Dask: pip install 'dubins-study[dask]' ({error})"
         ) from None
     with ExitStack() as stack:
         for name in _LOGGERS:  # the stack restores their levels at the end

@@ -206,7 +206,9 @@ def _directory() -> str:
 
 def serve() -> None:
     """Fork a process per byte received from the socket on stdin, until that socket is closed."""
-    import_module("dubins_study.experiments.isolation.worker")  # loaded once, for all workers
+    # loaded and read once, for all workers
+    import_module("dubins_study.experiments.isolation.worker")
+    import_module("dubins_study.experiments.code_digest").study_sources()
     control = socket.socket(fileno=os.dup(0))
     null_device = os.open(os.devnull, os.O_RDONLY)
     os.dup2(null_device, 0)

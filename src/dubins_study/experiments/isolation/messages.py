@@ -105,7 +105,7 @@ def encode_question(question: Question) -> list[Any]:
 def decode_question(values: list[Any]) -> Question:
     """The question that was encoded."""
     scenario, branch, guess, repeat = values
-    return Question(Scenario(*scenario), branch, _decode_path(guess), repeat)
+    return Question(Scenario(*scenario, _radians=True), branch, _decode_path(guess), repeat)
 
 
 def _encode_path(path: Path | None) -> list[Any] | None:

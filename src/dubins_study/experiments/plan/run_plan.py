@@ -57,7 +57,7 @@ class Request(NamedTuple):
     repeats: int | None = None
     restart: bool = False
     trust_plugins: bool = False
-    engine: str = "local"
+    executor: str = "local"
     scheduler: str | None = None
     scenarios: str | FilePath | None = None
 
@@ -74,7 +74,7 @@ class Request(NamedTuple):
             "--time-limit": self.time_limit,
             "--memory-limit": self.memory_limit,
             "--repeats": self.repeats,
-            "--engine": self.engine if self.engine != "local" else None,
+            "--executor": self.executor if self.executor != "local" else None,
         }
         for option, value in options.items():
             if value:
@@ -86,7 +86,7 @@ class Request(NamedTuple):
     def check(self) -> None:
         """Refuse arguments that are no experiment, no number of jobs, or do not go together."""
         name, listed, jobs = self.experiment, self.scenarios, self.jobs
-        engine, scheduler = self.engine, self.scheduler
+        executor, scheduler = self.executor, self.scheduler
         is_name = isinstance(name, str | FilePath)
         problem = None
         if listed is not None and not is_name and self.solvers is None:
@@ -98,13 +98,14 @@ class Request(NamedTuple):
             problem = f"experiment is {name!r}; expected a name or the path of a .toml file"
         elif not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
             problem = f"jobs is {jobs!r}; expected a whole number of processes above 0"
-        elif engine not in _EXECUTOR_NAMES:
-            near = did_you_mean(engine, _EXECUTOR_NAMES)
-            problem = f"engine is {engine!r}; {near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
-        elif bool(scheduler) != (engine == "dask"):
+        elif executor not in _EXECUTOR_NAMES:
+            near = did_you_mean(executor, _EXECUTOR_NAMES)
+            expected = f"{near}expected one of: {', '.join(_EXECUTOR_NAMES)}"
+            problem = f"executor is {executor!r}; {expected}"
+        elif bool(scheduler) != (executor == "dask"):
             problem = (
-                f"scheduler is {scheduler!r} and engine {engine!r}; expected engine 'dask' and the "
-                "address of a scheduler, such as tcp://127.0.0.1:8786, or neither"
+                f"scheduler is {scheduler!r} and executor {executor!r}; expected executor 'dask' "
+                "and the address of a scheduler, such as tcp://127.0.0.1:8786, or neither"
             )
         elif scheduler is not None and jobs != 1:
             problem = (

@@ -163,7 +163,7 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     for i, (numbers, via) in enumerate(rows):
         fields: dict[str, Any] = dict(zip(found, numbers, strict=True))
         try:
-            scenario = Scenario(**fields, label=block.label, via=via)
+            scenario = Scenario(**fields, label=block.label, via=via, _radians=True)
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {i}: {error}") from None
         yield scenario

@@ -17,7 +17,7 @@ from dubins_study.study.rows.parts import ResultsError, folder_paths
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
 _COLUMNS = ["outcome", "verdict", "message", "run_id", "wall_s"]  # beside those of the key
-_RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "engine"}
+_RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "executor"}
 
 
 @dataclass(frozen=True)

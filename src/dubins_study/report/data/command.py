@@ -12,7 +12,7 @@ ROUTE = (*VIA, "final_heading")
 
 
 # Options of a run that say who answers its questions, and how many at once: with their values.
-_OF_ANSWERS = ("--solver", "--jobs", "--engine")
+_OF_ANSWERS = ("--solver", "--jobs", "--executor", "--engine")
 
 
 def run_command(manifest: Manifest, options: str) -> str:

@@ -25,7 +25,7 @@ from dubins_study.report.page.environment import (
     scripts,
     styles,
 )
-from dubins_study.report.page.glossary import GLOSSARY
+from dubins_study.report.page.glossary import WORDS
 from dubins_study.report.page.markup import dictionary, inline, to_csv, to_markdown
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.report.page.tex import document, to_tex
@@ -213,7 +213,7 @@ def _write(
         "citation": CITATION,
         "paper_title": TITLE,
     }
-    content |= {"glossary": GLOSSARY, **head._asdict()}
+    content |= {"glossary": WORDS, **head._asdict()}
     content |= {"style": styles(), "scripts": scripts()}
     for name, text in _documents(sections, runs, content):
         (folder / name).write_text(text, encoding="utf-8", newline="\n")

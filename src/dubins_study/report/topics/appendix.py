@@ -74,7 +74,7 @@ def runs(folders: Iterable[Folder]) -> pd.DataFrame:
             # The entry of a killed run stays `running`; its seconds say nothing of its end.
             "seconds": math.nan if run.seconds is None or run.state == "running" else run.seconds,
             "state": "running, or killed" if run.state == "running" else run.state,
-            "engine": run.engine,
+            "executor": run.executor,
             "jobs": str(run.jobs),
             "where": f"{_machine(run.machine)}; governor {run.governor}",
             "load": f"{_load(run.load_start)} to {_load(run.load_end)}",
@@ -122,7 +122,7 @@ def runs_section(results: Results) -> Section | None:
         *columns(kind="code", experiment="experiment", run="run"),
         *columns(_minute, kind="text", started="started (UTC)"),
         *columns(seconds, seconds="took"),
-        *columns(kind="text", state="state", engine="engine"),
+        *columns(kind="text", state="state", executor="executor"),
         *columns(jobs="jobs"),
         *columns(share, spread="varied by"),
         *columns(kind="text", load="load"),

@@ -31,7 +31,7 @@ from dubins_study.report.statistics.metrics import (
     success,
 )
 from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario_frame import scenario_of
 
 _FEWEST_RADII = 4  # fewer do not show a curve
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
@@ -156,7 +156,8 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
         ax.plot(radii[first:past], lengths[first:past], color=INK, zorder=3)
     dense = np.geomspace(radii[0], radii[-1], 300)
     for word, line in _WORD_LINE.items():
-        paths = [shortest(Scenario(**_place(rows), radius=radius), word) for radius in dense]
+        sweep = (scenario_of(_place(rows) | {"radius": radius}) for radius in dense)
+        paths = [shortest(scenario, word) for scenario in sweep]
         totals = [math.nan if path is None else path.total for path in paths]
         dashes: Style = {"color": MUTED, "linestyle": line, "linewidth": 0.9, "zorder": 2}
         ax.plot(dense, dense * totals, **dashes)

@@ -1,1 +1,1 @@
-"""The shortest path as a disjunction of words, proven by a global solver."""
+"""The shortest path proven by a global solver: (4.12), or a disjunction of words."""

@@ -1,1 +1,1 @@
-"""The paper's model (4.12) as a nonlinear program, and one adapter for each NLP engine."""
+"""The paper's model (4.12) as a nonlinear program: `ipopt`, `slsqp`, and `nlp` for the others."""

@@ -149,7 +149,9 @@ def judge_frame(
     result = result._replace(travel_time=result.length / columns["speed"])
     for row in np.flatnonzero(result.verdict == ODD).tolist():
         numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
-        scenario = Scenario(**numbers | ({"final_heading": None} if free else {}))
+        if free:
+            del numbers["final_heading"]
+        scenario = Scenario(**numbers, _radians=True)
         asked = CLAIMS[codes if isinstance(codes, int) else codes[row]]
         path = paths.path(row, scenario)
         _write(result, row, judge(scenario, path, asked, branch, tolerances))

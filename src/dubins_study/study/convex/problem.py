@@ -123,7 +123,7 @@ def parse(content: bytes, name: str) -> Problem:
 
 @lru_cache(maxsize=32)
 def read(name: str) -> Problem:
-    """The packaged problem of this name, one of `study.convex.problems.DIGESTS`.
+    """The packaged problem of this name, one of `study.convex.digests.DIGESTS`.
 
     Raises:
         ProblemError: if there is none of this name, or its file was changed.

@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, field_serializer
 
 from dubins_study.study.rows.parts import ResultsError, os_errors_as
 from dubins_study.study.rows.schema import VERSION
@@ -115,7 +115,7 @@ class RunEntry(_Record):
 
     run_id: str = ""
     command: str = ""
-    engine: str = "local"
+    executor: str = Field(default="local", validation_alias=AliasChoices("executor", "engine"))
     jobs: Annotated[int, Field(ge=1, le=2**31)] = 1
     threads: int | None = None
     time_limit_s: float | None = None

@@ -42,7 +42,7 @@ window.dubins.certificate = (() => {
   }
 
   // The pieces [rate, length in radii] without one that is next to nothing, if the path then ends
-  // where it did to within ARRIVES radii (study/check/two_arcs.py, word_of).
+  // where it did to within ARRIVES radii (study/check/extremal.py:_free_word).
   function mattering(pieces) {
     if (pieces.length < 2) return pieces;
     const [[rate1, first], [rate2, second]] = pieces, total = first + second;

@@ -2,7 +2,7 @@
 // window.dubins.pose: the six words of one leg whose final heading is given.
 //
 // The formulas of study/closed_form/pose.py (docs/derivation.md, section 14), in radii. A word that
-// begins with R is one that begins with L, mirrored. tests/browser/test_route_script.py compares both.
+// begins with R is one that begins with L, mirrored. tests/browser/test_dubins_script.py compares both.
 window.dubins.pose = (() => {
   const EPS = Number.EPSILON, TWO_PI = 2 * Math.PI;
   const RATE = {L: 1, S: 0, R: -1}; // curvature times radius

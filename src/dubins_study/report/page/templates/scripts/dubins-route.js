@@ -9,7 +9,7 @@
 // programs over headings ever closer to theirs. Each of them tries the headings as well at which a
 // leg's length jumps: there a leg is two arcs, or one (docs/derivation.md, section 16), and the
 // shortest route often has such a leg. Nothing here proves that no route is shorter.
-// tests/browser/test_route_script.py says how often it is the shortest.
+// tests/browser/test_dubins_script.py says how often it is the shortest.
 window.dubins.route = (() => {
   const {shortest, uncertainty, words} = window.dubins.pose, {rightLeftPair} = window.dubins;
   const GRID = 18, ROUTES = 4; // headings a point, and routes that are improved
