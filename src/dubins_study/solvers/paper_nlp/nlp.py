@@ -30,7 +30,7 @@ from dubins_study.study.words import NLP
 # A path would let whoever writes an experiment choose the file that is run.
 _EXECUTABLE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 _KNITRO = "knitro"
-_DEFAULT = "trust-constr"
+_DEFAULT = "ipopt"
 _ENGINES = names(NLP)
 
 
