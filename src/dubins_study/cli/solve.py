@@ -39,6 +39,7 @@ _GEOJSON = (
 )
 
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
+_AFTER_FROM = "; --from takes X Y HEADING"  # two numbers too, and the third is the target's x
 _LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
@@ -128,7 +129,7 @@ def _points(
     if file is None:
         if x is None or y is None:
             missing = "the target is missing" if x is None else "the target is a single number"
-            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file")
+            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file{_AFTER_FROM}")
         return arguments.Point(x, y), via, [""] * (len(via) + 1)
     if via:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
@@ -136,7 +137,8 @@ def _points(
     if x is None:
         return points[-1], points[:-1], names
     if y is None:
-        raise arguments.CommandError("the target is a single number; expected X Y, or neither")
+        message = f"the target is a single number; expected X Y, or neither{_AFTER_FROM}"
+        raise arguments.CommandError(message)
     return arguments.Point(x, y), points, [*names, ""]
 
 
