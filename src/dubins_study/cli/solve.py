@@ -16,7 +16,7 @@ import typer
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
 from dubins_study.cli.terminal.points import read_points
-from dubins_study.study.words import Outcome
+from dubins_study.study.words import Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
@@ -212,7 +212,7 @@ def answer_text(answer: Answer) -> str:
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
         none = "none" if answer.gap is None else "none: the target is the start"
         lines = [
-            _line("word", f"{answer.word or none}{tied}"),
+            _line("word", f"{short_word(answer.word or none)}{tied}"),
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),
