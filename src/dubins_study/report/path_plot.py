@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol
 
@@ -16,7 +16,7 @@ from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout
 from dubins_study.report.topics.paper_figures import plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path, outline
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import short, unwritable
 from dubins_study.study.words import BRANCHES, Verdict, short_word
@@ -80,13 +80,14 @@ def plot_path(
         named_paths = {"shortest": reference, **named_paths}
     with drawing():
         if ax is None:
-            figure = new_figure(_WIDTH, _height(named_paths.values(), scenario))
-            _plot(figure.add_subplot(), named_paths, scenario)
+            figure = new_figure(_WIDTH, _HEIGHT[1])
+            axes = figure.add_subplot()
+            _plot(axes, named_paths, scenario)
+            aspect = axes.dataLim.height / axes.dataLim.width
+            figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
-            root = ax.get_figure(root=True)
-            assert root is not None
-            figure = root
+            figure = ax.get_figure(root=True)
             _plot(ax, named_paths, scenario)
         if place is not None:
             image = figure_bytes(figure, place.suffix.removeprefix("."))
@@ -114,14 +115,6 @@ def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None
     ]
     paths = pd.DataFrame(rows).assign(rank=range(1, len(rows) + 1), **shared)
     plot_paths(ax, paths, names=tuple(named_paths))
-
-
-def _height(paths: Iterable[Path], scenario: Scenario) -> float:
-    """Height (inches) of a figure with equal scales for paths, points and turning circles."""
-    points = [scenario.points, *(outline(path)[0][:, :2] for path in paths)]
-    width, height = np.ptp(np.vstack(points), axis=0) + 2 * scenario.radius
-    least, most = _HEIGHT
-    return float(min(max(_WIDTH * height / width + 0.6, least), most))
 
 
 def check_format(file: str | FilePath) -> FilePath:

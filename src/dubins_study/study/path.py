@@ -28,6 +28,7 @@ RIPPLE = 1e-3
 # up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
 FEW = 7
 _MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
+_MOST_PARTS = 100_000  # in all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
@@ -371,24 +372,20 @@ def _on_earth(points: FloatArray, origin: tuple[float, float]) -> FloatArray:
 def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
     """Poses along a path that cut its arcs into equal parts, and the parts' curvatures.
 
-    A full turn that is driven again and again is driven twice.
-
     Args:
-        path: with finite numbers; a negative length is passed over.
-        angle: the most that a part turns by (rad). A chord over 0.05 is 0.0003 radii from its arc.
+        path: with finite numbers; an arc of negative length is passed over.
+        angle: the most that a part turns by (rad), but for paths of thousands of turns. A chord
+            over 0.05 is 0.0003 radii from its arc.
 
     Returns:
         Shapes (m + 1, 3) and (m,).
     """
     driven = path.lengths > 0
     curvatures, lengths = path.curvatures[driven], path.lengths[driven]
-    bend = np.abs(curvatures)
-    turn = bend * lengths
-    again = turn > 4 * math.pi
-    turn[again] = 2 * math.pi + np.fmod(turn[again], 2 * math.pi)
-    lengths[again] = turn[again] / bend[again]
+    turn = np.abs(curvatures) * lengths
+    angle = max(angle, turn.sum() / _MOST_PARTS)
     parts = np.maximum(np.ceil(turn / angle), 1.0).astype(int)
-    return Path(path.start, curvatures, lengths).at(_cuts(lengths, parts)), curvatures.repeat(parts)
+    return path.at(_cuts(lengths, parts)), curvatures.repeat(parts)
 
 
 def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:

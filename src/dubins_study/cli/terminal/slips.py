@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import typer
 
-_NEGATIVE = re.compile(r"-[\d.]")  # begins an argument such as -6, and no option
+_OPTION = re.compile(r"-[^\d.]")  # -6 and -.5 begin no option
 
 
 def arranged(
@@ -31,7 +31,7 @@ def arranged(
         if word == "--":
             arguments += rest
             break
-        if word == "-" or not word.startswith("-") or _NEGATIVE.match(word):
+        if not _OPTION.match(word):
             arguments.append(word)
             continue
         taken.append(word)

@@ -307,19 +307,16 @@ def _unit(step: FloatArray) -> FloatArray:
 
 def _points_per_unit(ax: Axes) -> float:
     """Size of a length unit on the paper (pt), with equal scales and the margins of a route."""
-    paper = 72 / ax.figure.dpi / (1 + 2 * _MARGIN)
-    width, height = ax.dataLim.width, ax.dataLim.height
-    return paper * min(ax.bbox.width / max(width, 1e-300), ax.bbox.height / max(height, 1e-300))
+    sizes = [np.ptp(box.get_points(), axis=0) for box in (ax.bbox, ax.dataLim)]
+    unit = sizes[0] / np.maximum(sizes[1], 1e-300) / (1 + 2 * _MARGIN)
+    return float(unit.min()) * 72 / ax.figure.dpi
 
 
 def _runs(points: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
-    """Points of the parts that are inside, shape (m, 2), with a NaN behind each run of them."""
+    """Points of the parts that are inside, shape (m, 2), with a NaN between two runs of them."""
     parts = np.flatnonzero(inside)
-    shown = [np.empty((0, 2))]
-    for run in np.split(parts, np.flatnonzero(np.diff(parts) > 1) + 1):
-        if run.size:
-            shown += [points[run[0] : run[-1] + 2], np.full((1, 2), np.nan)]
-    return np.vstack(shown)
+    ends = points[np.column_stack((parts, parts + 1)).ravel()]
+    return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
 
 
 def _number(ax: Axes, points: FloatArray, unit: float) -> None:
@@ -328,22 +325,20 @@ def _number(ax: Axes, points: FloatArray, unit: float) -> None:
     A number stands outside the bend; one that would overlap another or an end is left out.
     `unit` is the size of a length unit (pt).
     """
-    step = 1
-    while (len(points) - 2) / step > _MOST_NUMBERS:
-        step *= 10
-    size = np.array([_DIGIT * len(str(len(points) - 2)) + 2, 9.0])  # of a number, pt
+    last = len(points) - 1
+    step = 10 ** max(math.ceil(math.log10((last - 1) / _MOST_NUMBERS)), 0)
+    size = _DIGIT * len(str(last)) + 2, 9.0  # of a number, pt
     places = unit * points[[0, -1]]
-    for number in range(step, len(points) - 1, step):
+    for number in range(step, last, step):
         before, point, after = points[number - 1 : number + 2]
         outside = _unit(point - before) - _unit(after - point)
         sharp = np.hypot(*outside)
         lift = 8 * (outside / sharp if sharp > 1e-3 else _unit(after - before)[::-1] * (-1, 1))
         place = unit * point + lift
-        if (np.abs(places - place) < size).all(axis=1).any():
-            continue
-        places = np.vstack((places, place))
-        where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        ax.annotate(str(number), point, tuple(lift), fontsize=7.5, zorder=6, **where)
+        if not (np.abs(places - place) < size).all(axis=1).any():
+            places = np.vstack((places, place))
+            where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
+            ax.annotate(str(number), point, tuple(lift), fontsize=7.5, zorder=6, **where)
 
 
 def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
