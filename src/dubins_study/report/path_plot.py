@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 import pandas as pd
@@ -87,7 +87,7 @@ def plot_path(
             figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
-            figure = ax.get_figure(root=True)
+            figure = cast("Figure", ax.get_figure(root=True))
             _plot(ax, named_paths, scenario)
         if place is not None:
             image = figure_bytes(figure, place.suffix.removeprefix("."))

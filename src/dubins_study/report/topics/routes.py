@@ -286,8 +286,8 @@ def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
 
 
 _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
-_MOST_CIRCLES = 40  # legs; the circles of more would hide the path
-_MOST_NUMBERS = 40
+_MOST_CIRCLES = 100  # legs; the circles of more would hide the path
+_MOST_NUMBERS = 60
 _DIGIT = 4.8  # pt; the width of a digit of a number
 _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
 _THINNEST_LINE, _SMALLEST_DOT = 0.5, 0.2  # shares of the full size
@@ -326,7 +326,7 @@ def _number(ax: Axes, points: FloatArray, unit: float) -> None:
     `unit` is the size of a length unit (pt).
     """
     last = len(points) - 1
-    step = 10 ** max(math.ceil(math.log10((last - 1) / _MOST_NUMBERS)), 0)
+    step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
     size = _DIGIT * len(str(last)) + 2, 9.0  # of a number, pt
     places = unit * points[[0, -1]]
     for number in range(step, last, step):
