@@ -3,10 +3,13 @@
 import json
 import math
 import re
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from dubins_study import Path, Scenario, plot_path, solve
 from dubins_study.cli.solve import _GEOJSON, answer_geojson
@@ -155,7 +158,7 @@ def test_a_drawn_route():
     # the lines are the path: they pass its poses
     drawn = np.vstack([line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 1])
     for x, y, _ in answer.path.poses:
-        assert np.hypot(*(drawn - (x, y)).T).min() < 1e-9
+        assert np.nanmin(np.hypot(*(drawn - (x, y)).T)) < 1e-9  # a NaN parts two pieces
 
 
 def test_a_drawn_route_with_a_free_final_heading():
@@ -173,6 +176,48 @@ def test_a_drawn_route_with_a_free_final_heading():
         scenario=scenario, solver="some", path=Path(scenario.start, [0.0], [math.pi])
     )
     assert plot_path(straight).axes[0].get_legend() is not None
+    pose = solve(Scenario(target_x=3, target_y=0, final_heading=1.0))
+    assert len(plot_path(pose).axes[0].texts) == 2  # its arrows
+
+
+def route_through(points):
+    """An answer of straight legs through points, as far as it is drawn."""
+    turns, lengths = [], []
+    chords = np.diff(points, axis=0)
+    headings = np.arctan2(chords[:, 1], chords[:, 0])
+    for turn, chord in zip(np.diff(headings, prepend=headings[0]), chords, strict=True):
+        turns += [math.copysign(1e9, turn), 0.0]  # on the spot
+        lengths += [abs(turn) / 1e9, math.hypot(*chord)]
+    scenario = Scenario(*points[0], headings[0], *points[-1], radius=1, via=points[1:-1])
+    path = Path(scenario.start, turns, lengths)
+    return SimpleNamespace(scenario=scenario, solver="some", path=path)
+
+
+around = np.linspace(0, 2 * np.pi, 201)
+DENSE = {
+    "walk of 30": np.random.default_rng(1).uniform(-5, 5, (31, 2)).cumsum(axis=0),
+    "circle of 200": 5 * np.column_stack((np.cos(around), np.sin(around))),
+    "700 anywhere": np.random.default_rng(1).uniform(0, 60, (701, 2)),
+    "700 in line": np.column_stack((np.arange(701), np.zeros(701))),
+}
+
+
+@pytest.mark.parametrize("points", DENSE.values(), ids=DENSE)
+@pytest.mark.parametrize("inches", [None, 2])
+def test_numbers_of_points_do_not_overlap(points, inches):
+    """Nor do many points get many numbers, or large dots; few points have one each."""
+    ax = inches and Figure((inches, inches)).add_subplot()
+    figure = plot_path(route_through(points), ax=ax)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = [text for text in figure.axes[0].texts if text.get_text()]
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in texts]
+
+    assert 2 <= len(texts) <= 60
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    dots = next(line for line in figure.axes[0].lines if len(line.get_xydata()) == len(points) - 2)
+    step = np.hypot(*np.diff(figure.axes[0].transData.transform(points), axis=0).T)
+    assert dots.get_markersize() * figure.dpi / 72 < max(np.median(step), 1)
 
 
 def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
@@ -185,6 +230,20 @@ def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
     assert len(line_of("word", unbroken).split()) == 13
     assert max(map(len, broken.splitlines())) <= 60
     assert broken.replace("\n" + " " * 12, " ").splitlines()[0] == unbroken.splitlines()[0]
+
+
+def test_a_word_of_many_legs_is_shortened_in_the_text():
+    """The first legs and how many there are; the JSON object has all."""
+    many = [word for i in range(1, 40) for word in ("--via", str(5 * i), "1")]
+    asking = ("solve", "200", "0", *many)
+    shown = line_of("word", asked(*asking).stdout)
+    word = json.loads(asked(*asking, "--json").stdout)["word"]
+
+    assert len(word.split()) == 40
+    begun, count = shown.split(" ... ")
+    assert count == "(40 legs)"
+    assert word.startswith(f"{begun} ")
+    assert 50 < len(begun) <= 60
 
 
 def test_a_jump_of_the_length_is_no_wide_interval():

@@ -74,13 +74,15 @@ WRONG = (
     + "1e20,2,0,0,0,1,,\n"
 )
 MISTAKES = [
-    "line 2: heading: 120 is more than a full turn; write 120deg, or 120rad",
+    "line 2: heading: 120 is more than a full turn; write 120deg, or 120rad, "
+    "counterclockwise from +x (east), so north is 90deg",
     "line 3: x is empty; expected a number",
     "line 3: target_y is nan; expected a finite number",
     "line 3: radius is -2.0; expected a number above 0",
     "line 3: speed is 0.0; expected a number above 0",
     "line 5: y is 'east'; expected a number",
-    "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+    "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
+    "counterclockwise from +x (east), so north is 90deg",
     "line 5: target_x is '1_0'; expected a number",
     "line 5: radius is 1e+200; expected a number from 1e-150 to 1e+150",
     "line 6: radius is 1.0; expected at least 1e+07 beside coordinates of size 1e+20, or the",
@@ -125,7 +127,8 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     frame.to_parquet(tmp_path / "a.parquet")
 
     assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
-        "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad",
+        "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad, "
+        "counterclockwise from +x (east), so north is 90deg",
         "  row 2: radius is 0.0; expected a number above 0",
         "  row 3: radius is empty; expected a number",
     ]
@@ -257,11 +260,13 @@ def test_every_wrong_route_is_named(tmp_path):
         "  line 2: via_x is '4 x'; expected numbers separated by spaces, such as 4 6",
         "  line 3: via_x has 2 numbers and via_y has 1; expected as many",
         "  line 4: via_x is '[4, 6]'; expected numbers separated by spaces, such as 4 6",
-        "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad",
+        "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad, "
+        "counterclockwise from +x (east), so north is 90deg",
         "  line 6: via point 1 is (0.0, 0.0), the same point as the start; expected a point apart "
         "from the points before and after it",
         "  line 7: via_y is nan; expected a finite number",
-        "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+        "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
+        "counterclockwise from +x (east), so north is 90deg",
     ]
 
 

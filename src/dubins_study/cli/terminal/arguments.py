@@ -49,11 +49,13 @@ TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position")]
 _OR_LAST = "target position; default: the last point of --via-file"
 MaybeX = Annotated[float | None, typer.Argument(metavar="X", help=_OR_LAST, show_default=False)]
 MaybeY = Annotated[float | None, typer.Argument(metavar="Y", help=_OR_LAST, show_default=False)]
+_FROM = (
+    "start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad; headings run counterclockwise from +x (east), "
+    "so north is 90deg"
+)
 StartPose = Annotated[
     tuple[str, str, str],
-    typer.Option(
-        "--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad"
-    ),
+    typer.Option("--from", metavar="X Y HEADING", help=_FROM),
 ]
 _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]

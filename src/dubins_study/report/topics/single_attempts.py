@@ -201,7 +201,7 @@ _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
 MOST_ARCS = 3  # paths of more arcs are embedded as points on a grid
 GRID = 4000  # steps along the larger side of their box; a drawing has some 1000 pixels
 _FEWEST_POINTS, _MOST_POINTS = 40, 160  # the most: a leg
-_ANGLE = 0.15  # rad between points of a path that only turns
+_ANGLE = 0.15  # rad between points in a turn
 
 
 def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
@@ -282,7 +282,11 @@ def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
             return None
         wanted = _FEWEST_POINTS + turned / _ANGLE
         most = _MOST_POINTS * (1 + len(numbers_of(VIA[0], row.get(VIA[0])) or ()))
-        points = path.sample(int(min(wanted, most)))[:, :2]
+        share = path.lengths / (path.length or 1.0)
+        parts = np.abs(path.curvatures * path.lengths) / _ANGLE + _FEWEST_POINTS * share
+        marks = np.linspace(0.0, parts.sum(), int(min(wanted, most)))
+        s = np.interp(marks, np.cumsum([0.0, *parts]), np.cumsum([0.0, *path.lengths]))
+        points = path.at(s)[:, :2]
         low, size = points.min(axis=0), float(np.ptp(points, axis=0).max())
         if not math.isfinite(size + float(low.sum())):
             return None
