@@ -183,8 +183,8 @@ def state(interview: Interview) -> Checked:
 
     At least the general questions: they are asked now if no other check has asked them.
     """
-    for place in range(len(questions.GENERAL)):
-        interview.ask(_question(interview, place))
+    for number in range(len(questions.GENERAL)):
+        interview.ask(_question(interview, number))
     seen = interview.seen
     found = []
     changed = Counter(change for one in seen for change in one.observed.changes)
