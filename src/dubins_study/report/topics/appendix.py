@@ -143,14 +143,14 @@ def runs_section(results: Results) -> Section | None:
 def _times_elsewhere(results: Results) -> tuple[Table, ...]:
     """The table of times that were taken on other machines; none without."""
     frames = [
-        in_page_order(solver_times(rows), results).assign(machine=machine)
+        in_page_order(solver_times(rows.assign(answerable=True)), results).assign(machine=machine)
         for machine, rows in results.elsewhere.groupby("machine")
     ]
     if not any(map(len, frames)):
         return ()
     caption = (
-        "Times of other machines than the first folder's, as they were measured there: quartiles "
-        "and medians. They stand here and in the plot of single attempts; nothing ranks them."
+        "Times of cold attempts on other machines than the first folder's, as they were measured "
+        "there. They stand here and in the plot of single attempts; nothing ranks them."
     )
     shown = (*TIMES, *columns(kind="prose", machine="machine"))
     return (Table("times-elsewhere", caption, pd.concat(frames), shown),)
