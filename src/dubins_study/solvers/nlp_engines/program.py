@@ -12,10 +12,13 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
+
+IntArray = NDArray[np.intp]
 
 
 class Stages(NamedTuple):
@@ -55,6 +58,25 @@ class Expressions:
             casadi.Function("compiled", [x, self.p, weights], [curved]),
         ]
 
+    @cached_property
+    def _compiled_entries(self) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+        """The Jacobian's and the Hessian's places, each with a `casadi.Function` of its values."""
+        import casadi
+
+        x, f, g = self.x, self.f, self.g
+        weight = casadi.SX.sym("weight")
+        weights = casadi.SX.sym("weights", g.numel())
+        lagrangian = weight * f + casadi.dot(weights, g)
+        jacobian = casadi.jacobian(g, x)
+        hessian: Any = casadi.tril(casadi.hessian(lagrangian, x)[0])
+        given = [x, self.p]
+        slopes = casadi.Function("slopes", given, [jacobian.nz[:]])
+        curvatures = casadi.Function("curvatures", [*given, weight, weights], [hessian.nz[:]])
+        return (
+            (np.array(jacobian.sparsity().get_triplet()), slopes),
+            (np.array(hessian.sparsity().get_triplet()), curvatures),
+        )
+
     def functions(self, p: FloatArray) -> Functions:
         """The program's functions for parameters p, shape (k,)."""
         f, gradient, g, jacobian, hessian = self._compiled
@@ -64,6 +86,16 @@ class Expressions:
             lambda x: np.asarray(g(x, p).full()).ravel(),
             lambda x: np.asarray(jacobian(x, p).full()),
             lambda x, weights: np.asarray(hessian(x, p, weights).full()),
+        )
+
+    def entries(self, p: FloatArray) -> Entries:
+        """The derivatives' entries for parameters p, shape (k,)."""
+        (jacobian_at, slopes), (hessian_at, curvatures) = self._compiled_entries
+        return Entries(
+            jacobian_at,
+            lambda x: np.asarray(slopes(x, p).full()).ravel(),
+            hessian_at,
+            lambda x, weight, weights: np.asarray(curvatures(x, p, weight, weights).full()).ravel(),
         )
 
 
@@ -84,6 +116,19 @@ class DeferredExpressions(Expressions):
         return vars(self)[name]
 
 
+class Entries(NamedTuple):
+    """The entries of a program's derivatives that may differ from zero.
+
+    `at` holds their rows and columns, shape (2, entries).
+    """
+
+    jacobian_at: IntArray
+    jacobian: Callable[[FloatArray], FloatArray]  # of the equations at x, shape (entries,)
+    hessian_at: IntArray  # of the lower triangle
+    # (x, weight of f, weights of g (m,)) -> shape (entries,)
+    hessian: Callable[[FloatArray, float, FloatArray], FloatArray]
+
+
 class Functions(NamedTuple):
     """A program's functions of x, shape (n,); the Hessian is that of f + weights g."""
 
@@ -92,13 +137,21 @@ class Functions(NamedTuple):
     equations: Callable[[FloatArray], FloatArray]  # shape (m,)
     jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
     hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
+    entries: Entries | None = None  # of written functions whose derivatives have zeros
 
-    def curvature(self, x: FloatArray, objective: float, weights: FloatArray) -> FloatArray:
-        """Second derivative of f times `objective` and g times `weights` (m,); shape (n, n)."""
-        curved = self.hessian(x, weights)
-        if objective == 1.0:
-            return curved
-        return curved + (objective - 1.0) * self.hessian(x, np.zeros(weights.size))
+
+def _all_entries(functions: Functions, n: int, m: int) -> Entries:
+    """Every entry of the derivatives by n variables of m equations."""
+    lower = np.tril_indices(n)
+
+    def hessian(x: FloatArray, weight: float, weights: FloatArray) -> FloatArray:
+        curved = functions.hessian(x, weights)
+        if weight != 1.0:
+            curved = curved + (weight - 1.0) * functions.hessian(x, np.zeros(m))
+        return curved[lower]
+
+    every = np.indices((m, n)).reshape(2, -1)
+    return Entries(every, lambda x: functions.jacobian(x).ravel(), np.array(lower), hessian)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +175,14 @@ class Program:
     def functions(self) -> Functions:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
+
+    @cached_property
+    def entries(self) -> Entries:
+        """The derivatives' entries, for engines that take their places."""
+        if self.written is None:
+            return self.expressions.entries(self.p)
+        equations = self.written.equations(self.lower)
+        return self.written.entries or _all_entries(self.written, self.lower.size, equations.size)
 
     def attainable(self, options: Mapping[str, Any], *names: str) -> dict[str, Any]:
         """Options, no named tolerance on the equations less than what their rounding leaves."""

@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program, needs_watch
+from dubins_study.solvers.nlp_engines.program import (
+    EngineResult,
+    Functions,
+    NlpCall,
+    Program,
+    needs_watch,
+)
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
@@ -29,6 +35,9 @@ _CLAIMS = {
 # they are passed on without a check.
 _LONG_DUAL = 2.0
 _AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
+# Variables up to which trust-constr gets dense matrices: at 10 legs of a route both kinds take it
+# 0.13 s, at 50 legs dense ones 2.9 s and sparse ones 0.4 s, in as many iterations.
+_MOST_DENSE = 60
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
 
@@ -73,9 +82,10 @@ def trust_constr(options: dict[str, Any]) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import NonlinearConstraint
+        from scipy.sparse import csr_array
 
-        functions = program.functions
-        none, zeros = np.zeros(0), np.zeros((guess.size, guess.size))
+        functions = program.functions if guess.size <= _MOST_DENSE else _sparse(program)
+        none, zeros = np.zeros(0), csr_array((guess.size, guess.size))
         constrained = functions.equations(guess).size > 0  # SciPy refuses an empty constraint
         equations = NonlinearConstraint(
             functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
@@ -94,6 +104,26 @@ def trust_constr(options: dict[str, Any]) -> NlpCall:
         return _ended("trust-constr", result, np.asarray(result.v[0]) if constrained else None)
 
     return run
+
+
+def _sparse(program: Program) -> Functions:
+    """The program's functions, their derivatives as sparse matrices."""
+    from scipy.sparse import csr_array
+
+    functions, entries = program.functions, program.entries
+    n, m = program.lower.size, functions.equations(program.lower).size
+    rows, columns = entries.hessian_at
+    below = rows != columns
+    both = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
+
+    def jacobian(x: FloatArray) -> Any:
+        return csr_array((entries.jacobian(x), entries.jacobian_at), shape=(m, n))
+
+    def hessian(x: FloatArray, weights: FloatArray) -> Any:
+        lower = entries.hessian(x, 1.0, weights)
+        return csr_array((np.append(lower, lower[below]), both), shape=(n, n))
+
+    return functions._replace(jacobian=jacobian, hessian=hessian)
 
 
 def _minimized(

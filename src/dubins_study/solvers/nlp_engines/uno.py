@@ -52,23 +52,21 @@ def filtersqp(options: dict[str, Any]) -> NlpCall:
 
 
 def _model(program: Program, guess: FloatArray) -> Any:
-    """The program as Uno takes it: every derivative dense, the Lagrangian f + multipliers g."""
+    """The program as Uno takes it: derivatives by entries, the Lagrangian f + multipliers g."""
     import unopy
 
-    functions = program.functions
+    functions, entries = program.functions, program.entries
     n, m = guess.size, functions.equations(guess).size
-    rows, columns = np.tril_indices(n)
 
     def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:
         def fill(x: Any, values: Any) -> None:
-            values[:] = function(np.asarray(x)).ravel()
+            values[:] = function(np.asarray(x))
 
         return fill
 
     def hessian(x: Any, weight: float, multipliers: Any, values: Any) -> None:
         # the weight is 0 while Uno looks for a feasible point
-        curved = functions.curvature(np.asarray(x), weight, np.asarray(multipliers))
-        values[:] = curved[rows, columns]
+        values[:] = entries.hessian(np.asarray(x), weight, np.asarray(multipliers))
 
     model = unopy.Model("NLP", n, program.lower, program.upper, unopy.ZERO_BASED_INDEXING)
     model.set_objective(
@@ -76,11 +74,12 @@ def _model(program: Program, guess: FloatArray) -> Any:
         lambda x: float(functions.objective(np.asarray(x))),
         filling(functions.gradient),
     )
-    zeros, everywhere = np.zeros(m), np.indices((m, n)).reshape(2, -1).tolist()
-    jacobian = *everywhere, filling(functions.jacobian)
-    model.set_constraints(m, filling(functions.equations), zeros, zeros, m * n, *jacobian)
-    triangle = (rows.tolist(), columns.tolist())
-    model.set_lagrangian_hessian(rows.size, unopy.LOWER_TRIANGLE, *triangle, hessian)
+    zeros = np.zeros(m)
+    rows, columns = entries.jacobian_at.tolist()
+    jacobian = len(rows), rows, columns, filling(entries.jacobian)
+    model.set_constraints(m, filling(functions.equations), zeros, zeros, *jacobian)
+    rows, columns = entries.hessian_at.tolist()
+    model.set_lagrangian_hessian(len(rows), unopy.LOWER_TRIANGLE, rows, columns, hessian)
     model.set_lagrangian_sign_convention(unopy.MULTIPLIER_POSITIVE)
     model.set_initial_primal_iterate(guess)
     return model
