@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.nlp_engines import casadi_nlpsol
 from dubins_study.solvers.nlp_engines.expressions import UnknownOperationError, rebuilt
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
@@ -150,27 +149,6 @@ def test_what_an_engine_says_from_zero(name):
     point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
 
     assert point.claim is FROM_ZERO[name]
-
-
-@pytest.mark.parametrize(
-    ("plugin", "status", "unified", "claim"),
-    [
-        ("ipopt", "Restoration_Failed", "UNKNOWN", Claim.FAILED),
-        ("uno", "Terminated with not optimal point", "LIMITED", Claim.LIMIT),
-        ("uno", "Terminated with unbounded problem", "UNKNOWN", Claim.FAILED),
-        ("fatrop", "0", "SUCCESS", Claim.LOCAL),
-        ("sleqp", "iteration limit", "SUCCESS", Claim.LIMIT),
-        ("sleqp", "optimal", "SUCCESS", Claim.LOCAL),
-        # casadi calls it a success; SLEQP itself calls it an abort
-        ("sleqp", "deadpoint", "SUCCESS", Claim.FAILED),
-        ("sqpmethod", "Maximum_Iterations_Exceeded", "LIMITED", Claim.LIMIT),
-        ("qrsqp", "Search_Direction_Becomes_Too_Small", "UNKNOWN", Claim.FAILED),
-    ],
-)
-def test_statuses_become_claims(plugin, status, unified, claim):
-    stats = {"return_status": status, "unified_return_status": f"SOLVER_RET_{unified}"}
-
-    assert casadi_nlpsol.claim_of(plugin, stats) is claim
 
 
 def test_a_tolerance_is_no_less_than_the_equations_rounding():

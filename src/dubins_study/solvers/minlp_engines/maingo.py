@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -16,14 +17,6 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
 )
 from dubins_study.study.words import Claim
-
-_CLAIMS = {
-    "GLOBALLY_OPTIMAL": Claim.OPTIMAL,
-    "BOUND_TARGETS": Claim.OPTIMAL,
-    "INFEASIBLE": Claim.INFEASIBLE,
-    "FEASIBLE_POINT": Claim.LIMIT,
-    "NO_FEASIBLE_POINT_FOUND": Claim.LIMIT,
-}
 
 
 def maingo(settings: Settings) -> MinlpCall:
@@ -55,7 +48,7 @@ def maingo(settings: Settings) -> MinlpCall:
 
 
 def _result(solver: Any, status: str) -> ProvenResult:
-    claim = _CLAIMS.get(status, Claim.FAILED)
+    claim = claim_of("maingo", status)
     point = None
     if status in ("GLOBALLY_OPTIMAL", "BOUND_TARGETS", "FEASIBLE_POINT"):
         point = np.array(solver.get_solution_point(), dtype=np.float64)

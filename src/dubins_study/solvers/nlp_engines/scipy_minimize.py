@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import (
     EngineResult,
     Functions,
@@ -18,18 +19,6 @@ from dubins_study.solvers.nlp_engines.program import (
 )
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
-
-# Claims by the methods' own exit statuses.
-_CLAIMS = {
-    # (scipy/optimize, slsqp); 4, an infeasible linearisation, is no claim about the problem, 99 a
-    # stop by the callback
-    "SLSQP": {0: Claim.LOCAL, 9: Claim.LIMIT, 99: Claim.LIMIT},
-    # (scipy/_lib/cobyqa/settings.py): the least trust-region radius, a callback's stop, limits. -1
-    # says that the bounds exclude each other, no more.
-    "COBYQA": {0: Claim.LOCAL, 3: Claim.LIMIT, 5: Claim.LIMIT, 6: Claim.LIMIT},
-    # 3 is a stop by the callback and 4 a success that misses its constraints
-    "trust-constr": {0: Claim.LIMIT, 1: Claim.LOCAL, 2: Claim.LOCAL, 3: Claim.LIMIT},
-}
 
 # The duals of two end-point equations whose path ends straight are a unit vector; up to this length
 # they are passed on without a check.
@@ -145,8 +134,8 @@ def _minimized(
 
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
     """SciPy's result as every engine gives it."""
-    claim = _CLAIMS[method].get(int(result.status), Claim.FAILED)
     native = f"{'mode' if method == 'SLSQP' else 'status'} {result.status}"
+    claim = claim_of(method.lower(), native)
     counts, message = (int(result.nit), int(result.nfev)), str(result.message)
     return EngineResult(result.x, claim, duals, *counts, native, message)
 

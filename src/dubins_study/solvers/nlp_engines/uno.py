@@ -7,18 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import Claim
-
-# Uno says how it stopped, and what the point is; the second counts where it ended of itself.
-_SUCCESS = {
-    "FEASIBLE_KKT_POINT": Claim.LOCAL,
-    "FEASIBLE_FJ_POINT": Claim.FEASIBLE,
-    "FEASIBLE_SMALL_STEP": Claim.FEASIBLE,
-    "INFEASIBLE_STATIONARY_POINT": Claim.INFEASIBLE,
-}
-_LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
 
 
 def filtersqp(options: dict[str, Any]) -> NlpCall:
@@ -33,14 +24,13 @@ def filtersqp(options: dict[str, Any]) -> NlpCall:
         for name, value in {**chosen, "time_limit": float(seconds)}.items():
             solver.set_option(name, value)
         result = solver.optimize(_model(program, guess))
-        ending, point = result.optimization_status.name, result.solution_status.name
-        if ending == "SUCCESS":
-            claim, status = _SUCCESS.get(point, Claim.FAILED), point
-        else:
-            claim, status = Claim.LIMIT if ending in _LIMITS else Claim.FAILED, ending
+        # how it stopped, and what the point is, which counts where it ended of itself
+        status = result.optimization_status.name
+        if status == "SUCCESS":
+            status = result.solution_status.name
         return EngineResult(
             np.array(result.primal_solution),
-            claim,
+            claim_of("uno-filtersqp", status),
             np.array(result.constraint_dual_solution),
             int(result.number_iterations),
             int(result.number_constraint_evaluations or result.number_objective_evaluations),
