@@ -211,8 +211,14 @@ STATUSES: dict[str, dict[str, Claim]] = {
         "Primal infeasible": Claim.INFEASIBLE,
         "Maximum number of iterations reached": Claim.LIMIT,
     },
-    # 2 is an optimum with soft constraints, -6 a first working set that depends on itself
-    "daqp": {"1": Claim.OPTIMAL, "-1": Claim.INFEASIBLE, "-4": Claim.LIMIT},
+    # -4 and -7 are limits of iterations and of time; 2 is an optimum with soft constraints, -6 a
+    # first working set that depends on itself
+    "daqp": {
+        "1": Claim.OPTIMAL,
+        "-1": Claim.INFEASIBLE,
+        "-4": Claim.LIMIT,
+        "-7": Claim.LIMIT,
+    },
 }
 
 

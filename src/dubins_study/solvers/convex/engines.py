@@ -79,7 +79,10 @@ ENGINES = {
         {"max_iter": _MANY, "eps_prim_inf": 1e-5, "eps_dual_inf": 1e-5},
     ),
     "ecos": Engine("ECOS", "ecos", ("feastol", "abstol"), others={"reltol": 1e-300}, cones=True),
-    "daqp": Engine("DAQP", "daqp", ("primal_tol", "dual_tol"), others={"eps_prox": -1.0}),
+    # cvxpy does not hand its time limit over
+    "daqp": Engine(
+        *("DAQP", "daqp", ("primal_tol", "dual_tol"), (), "time_limit"), {"eps_prox": -1.0}
+    ),
 }
 
 # the status of what an engine returns, by its own interface or to cvxpy

@@ -32,7 +32,7 @@ def maingo(settings: Settings) -> MinlpCall:
             "epsilonA": settings.gap,
             "deltaEq": settings.feastol,
             "deltaIneq": settings.feastol,
-            "maxTime": max(int(seconds), 1),  # whole seconds: it ends before the limit
+            "maxTime": _whole_seconds(seconds),
             "BAB_verbosity": maingopy.VERB_NONE,
             "LBP_verbosity": maingopy.VERB_NONE,
             "UBP_verbosity": maingopy.VERB_NONE,
@@ -45,6 +45,17 @@ def maingo(settings: Settings) -> MinlpCall:
         return _result(solver, status)
 
     return run
+
+
+def _whole_seconds(seconds: float) -> int:
+    """The time limit in MAiNGO's unit, rounded down, so that it ends before the limit.
+
+    With 0 it ends after its first local searches, where most questions take it 0.1 s in all. So the
+    last part of a second is told as a whole one, and what ends after the limit is no answer.
+    """
+    if 0 < seconds < 1:
+        return 1
+    return max(int(seconds), 0)
 
 
 def _result(solver: Any, status: str) -> ProvenResult:
