@@ -215,6 +215,23 @@ def test_with_numbers_the_walk_is_casadis_evaluation(x):
     assert equations == pytest.approx(functions.equations(np.array(x)), rel=1e-13, abs=1e-14)
 
 
+@pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
+def test_the_objective_has_its_weight_in_the_hessian(weight):
+    """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
+    posed, h = every_operation(), 1e-6
+    functions, entries = posed.functions, posed.entries
+    x, weights = np.array((0.4, 1.1, 2.3)), np.array((0.3, -2.0, 1.5, 0.7))
+    lower = np.zeros((3, 3))
+
+    def slope(x):
+        return weight * functions.gradient(x) + weights @ functions.jacobian(x)
+
+    bend = [(slope(x + step) - slope(x - step)) / (2 * h) for step in h * np.eye(3)]
+    lower[tuple(entries.hessian_at)] = entries.hessian(x, weight, weights)
+
+    np.testing.assert_allclose(lower, np.tril(bend), atol=1e-6)
+
+
 def test_parameters_become_constants():
     """Another value of the parameters gives other equations, from the same expressions."""
     sides = [rebuilt(every_operation(p), [0.4, 1.1, 2.3])[1][0] for p in ((0.7, 1.3), (0.0, 0.0))]
