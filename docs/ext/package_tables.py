@@ -143,10 +143,7 @@ def statuses_table() -> str:
     claims = [Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE, Claim.INFEASIBLE, Claim.LIMIT]
     rows = []
     for engine, statuses in STATUSES.items():
-        texts = [
-            ", ".join(code(status) for status, means in statuses.items() if means is claim) or "–"
-            for claim in claims
-        ]
+        texts = [", ".join(map(code, statuses.get(claim, ()))) or "–" for claim in claims]
         rows.append((code(engine), *texts))
     return table(("statuses of", *map(code, claims)), rows)
 

@@ -18,213 +18,186 @@ from dubins_study.study.words import Claim
 Point = TypeVar("Point")
 Guess = TypeVar("Guess")
 
-_OF_IPOPT = {
-    "Solve_Succeeded": Claim.LOCAL,
-    # its makers' second accuracy, 1e-6: what arriving needs
-    "Solved_To_Acceptable_Level": Claim.LOCAL,
-    "Feasible_Point_Found": Claim.FEASIBLE,
-    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
-    "Maximum_Iterations_Exceeded": Claim.LIMIT,
-    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
-    "Maximum_WallTime_Exceeded": Claim.LIMIT,
-    "User_Requested_Stop": Claim.LIMIT,
-}
-_LIMITS_OF_SCS = ("(inaccurate - reached max_iters)", "(inaccurate - reached time_limit_secs)")
-# What the status of an engine claims, by the engine's name, in the status's own words; the names
-# `casadi`, `cvxpy`, `pyomo` and `ampl` are those of interfaces with statuses of their own.
+# By the names of engines: each claim, and the statuses that make it. The names `casadi`, `cvxpy`,
+# `pyomo` and `ampl` are those of interfaces with statuses of their own.
 #
 # `optimal`, `local`: solved, to the tolerances that were asked for. `feasible`: a point, and no
 # more. `infeasible`: no point exists, of a local engine: near its guess. `limit`: a limit ended the
 # run, whatever the engine says of its point by then. What is not named is `failed`: also a problem
 # that is solved, or proved infeasible, to less than was asked ("almost", "close to"), and one that
 # is called unbounded or dual infeasible, as no problem here is.
-STATUSES: dict[str, dict[str, Claim]] = {
+STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # scipy/optimize, slsqp: 99 is a stop by the callback; 4, an infeasible linearisation, is no
     # claim about the problem
-    "slsqp": {"mode 0": Claim.LOCAL, "mode 9": Claim.LIMIT, "mode 99": Claim.LIMIT},
+    "slsqp": {"local": ("mode 0",), "limit": ("mode 9", "mode 99")},
     # scipy/_lib/cobyqa/settings.py: the least trust-region radius, a callback's stop, limits; -1
     # says that the bounds exclude each other, no more
-    "cobyqa": {
-        "status 0": Claim.LOCAL,
-        "status 3": Claim.LIMIT,
-        "status 5": Claim.LIMIT,
-        "status 6": Claim.LIMIT,
-    },
+    "cobyqa": {"local": ("status 0",), "limit": ("status 3", "status 5", "status 6")},
     # 3 is a stop by the callback; 4 a success that misses its constraints
     "trust-constr": {
-        "status 0": Claim.LIMIT,
-        "status 1": Claim.LOCAL,
-        "status 2": Claim.LOCAL,
-        "status 3": Claim.LIMIT,
+        "local": ("status 1", "status 2"),
+        "limit": ("status 0", "status 3"),
     },
     # casadi's word of an ending, where the engine's own is not named
-    "casadi": {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT},
-    "ipopt": _OF_IPOPT,
-    "sqpmethod": _OF_IPOPT,
-    "qrsqp": _OF_IPOPT,
+    "casadi": {"local": ("SOLVER_RET_SUCCESS",), "limit": ("SOLVER_RET_LIMITED",)},
+    "ipopt": {
+        # the acceptable level is its makers' second accuracy, 1e-6: what arriving needs
+        "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
+        "feasible": ("Feasible_Point_Found",),
+        "infeasible": ("Infeasible_Problem_Detected",),
+        "limit": (
+            *("Maximum_Iterations_Exceeded", "Maximum_CpuTime_Exceeded"),
+            *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
+        ),
+    },
     # says both how it stopped and what the point is
     "uno": {
-        "Converged with feasible KKT point": Claim.LOCAL,
-        "Converged with feasible FJ point": Claim.FEASIBLE,
-        "Terminated with feasible small step": Claim.FEASIBLE,
-        "Converged with infeasible stationary point": Claim.INFEASIBLE,
-        "Terminated with infeasible small step": Claim.FAILED,
+        "local": ("Converged with feasible KKT point",),
+        "feasible": (
+            "Converged with feasible FJ point",
+            "Terminated with feasible small step",
+        ),
+        "infeasible": ("Converged with infeasible stationary point",),
     },
     "uno-filtersqp": {
-        "FEASIBLE_KKT_POINT": Claim.LOCAL,
-        "FEASIBLE_FJ_POINT": Claim.FEASIBLE,
-        "FEASIBLE_SMALL_STEP": Claim.FEASIBLE,
-        "INFEASIBLE_STATIONARY_POINT": Claim.INFEASIBLE,
-        "ITERATION_LIMIT": Claim.LIMIT,
-        "TIME_LIMIT": Claim.LIMIT,
+        "local": ("FEASIBLE_KKT_POINT",),
+        "feasible": ("FEASIBLE_FJ_POINT", "FEASIBLE_SMALL_STEP"),
+        "infeasible": ("INFEASIBLE_STATIONARY_POINT",),
+        "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
     },
-    "fatrop": {"1": Claim.FAILED},  # of every kind; 0 is a success
+    "fatrop": {"failed": ("1",)},  # of every kind; 0 is a success
     "alpaqa": {},
-    "bonmin": {"INFEASIBLE": Claim.INFEASIBLE, "LIMIT_EXCEEDED": Claim.LIMIT},
+    "bonmin": {"infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
     # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
     "sleqp": {
-        "optimal": Claim.LOCAL,
-        "feasible": Claim.FEASIBLE,
-        "infeasible": Claim.INFEASIBLE,
-        "deadpoint": Claim.FAILED,
-        "unbounded": Claim.FAILED,
-        "iteration limit": Claim.LIMIT,
-        "time limit": Claim.LIMIT,
+        "local": ("optimal",),
+        "feasible": ("feasible",),
+        "infeasible": ("infeasible",),
+        "limit": ("iteration limit", "time limit"),
+        "failed": ("deadpoint", "unbounded"),
     },
     # its last words
     "apopt": {
-        "Successful solution": Claim.LOCAL,
-        "No feasible solution": Claim.INFEASIBLE,
-        "Maximum iterations": Claim.LIMIT,
-        "Requested accuracy unachievable": Claim.FAILED,
-        "time limit": Claim.LIMIT,
+        "local": ("Successful solution",),
+        "infeasible": ("No feasible solution",),
+        "limit": ("Maximum iterations", "time limit"),
+        "failed": ("Requested accuracy unachievable",),
     },
     # of all of NLopt's algorithms; its manual calls positive codes a success, which says that steps
     # have become small, on the equations or off them
     "nlopt": {
-        "SUCCESS": Claim.LOCAL,
-        "FTOL_REACHED": Claim.LOCAL,
-        "XTOL_REACHED": Claim.LOCAL,
-        "MAXEVAL_REACHED": Claim.LIMIT,
-        "MAXTIME_REACHED": Claim.LIMIT,
+        "local": ("SUCCESS", "FTOL_REACHED", "XTOL_REACHED"),
+        "limit": ("MAXEVAL_REACHED", "MAXTIME_REACHED"),
     },
     # termination conditions, pyomo.contrib.solver.common.results
     "pyomo": {
-        "convergenceCriteriaSatisfied": Claim.LOCAL,
-        "provenInfeasible": Claim.INFEASIBLE,
-        "locallyInfeasible": Claim.INFEASIBLE,
-        "infeasibleOrUnbounded": Claim.INFEASIBLE,
-        "maxTimeLimit": Claim.LIMIT,
-        "iterationLimit": Claim.LIMIT,
+        "local": ("convergenceCriteriaSatisfied",),
+        "infeasible": ("provenInfeasible", "locallyInfeasible", "infeasibleOrUnbounded"),
+        "limit": ("maxTimeLimit", "iterationLimit"),
     },
     # solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
     # solved, solved with a warning, infeasible, unbounded, limit, failure
-    "ampl": {"0": Claim.LOCAL, "1": Claim.FEASIBLE, "2": Claim.INFEASIBLE, "4": Claim.LIMIT},
+    "ampl": {
+        "local": ("0",),
+        "feasible": ("1",),
+        "infeasible": ("2",),
+        "limit": ("4",),
+    },
     "scip": {
-        "optimal": Claim.OPTIMAL,
-        "gaplimit": Claim.OPTIMAL,
-        "infeasible": Claim.INFEASIBLE,
-        "inforunbd": Claim.INFEASIBLE,
-        "timelimit": Claim.LIMIT,
-        "memlimit": Claim.LIMIT,
+        "optimal": ("optimal", "gaplimit"),
+        "infeasible": ("infeasible", "inforunbd"),
+        "limit": ("timelimit", "memlimit"),
     },
     # status codes by name (Gurobi Optimizer reference manual, Optimization Status Codes)
     "gurobi": {
-        "optimal": Claim.OPTIMAL,
-        "infeasible": Claim.INFEASIBLE,
-        "inf or unbd": Claim.INFEASIBLE,
-        "time limit": Claim.LIMIT,
-        "mem limit": Claim.LIMIT,
-        "numeric": Claim.FAILED,
-        "suboptimal": Claim.FEASIBLE,
+        "optimal": ("optimal",),
+        "feasible": ("suboptimal",),
+        "infeasible": ("infeasible", "inf or unbd"),
+        "limit": ("time limit", "mem limit"),
+        "failed": ("numeric",),
     },
     # statuses of the solution
     "xpress": {
-        "OPTIMAL": Claim.OPTIMAL,
-        "INFEASIBLE": Claim.INFEASIBLE,
-        "FEASIBLE": Claim.FEASIBLE,
+        "optimal": ("OPTIMAL",),
+        "feasible": ("FEASIBLE",),
+        "infeasible": ("INFEASIBLE",),
     },
     "maingo": {
-        "GLOBALLY_OPTIMAL": Claim.OPTIMAL,
-        "BOUND_TARGETS": Claim.OPTIMAL,
-        "INFEASIBLE": Claim.INFEASIBLE,
-        "FEASIBLE_POINT": Claim.LIMIT,
-        "NO_FEASIBLE_POINT_FOUND": Claim.LIMIT,
+        "optimal": ("GLOBALLY_OPTIMAL", "BOUND_TARGETS"),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("FEASIBLE_POINT", "NO_FEASIBLE_POINT_FOUND"),
     },
     "cvxpy": {
-        "optimal": Claim.OPTIMAL,
-        "infeasible": Claim.INFEASIBLE,
-        "infeasible_or_unbounded": Claim.INFEASIBLE,
-        "user_limit": Claim.LIMIT,
+        "optimal": ("optimal",),
+        "infeasible": ("infeasible", "infeasible_or_unbounded"),
+        "limit": ("user_limit",),
     },
     "piqp": {
-        "PIQP_SOLVED": Claim.OPTIMAL,
-        "PIQP_PRIMAL_INFEASIBLE": Claim.INFEASIBLE,
-        "PIQP_MAX_ITER_REACHED": Claim.LIMIT,
+        "optimal": ("PIQP_SOLVED",),
+        "infeasible": ("PIQP_PRIMAL_INFEASIBLE",),
+        "limit": ("PIQP_MAX_ITER_REACHED",),
     },
     "clarabel": {
-        "Solved": Claim.OPTIMAL,
-        "PrimalInfeasible": Claim.INFEASIBLE,
-        "MaxIterations": Claim.LIMIT,
-        "MaxTime": Claim.LIMIT,
+        "optimal": ("Solved",),
+        "infeasible": ("PrimalInfeasible",),
+        "limit": ("MaxIterations", "MaxTime"),
     },
     # "inaccurate": a limit was reached, and ten times the tolerance is kept (its `status_values`)
     "osqp": {
-        "solved": Claim.OPTIMAL,
-        "primal infeasible": Claim.INFEASIBLE,
-        "maximum iterations reached": Claim.LIMIT,
-        "run time limit reached": Claim.LIMIT,
-        "solved inaccurate": Claim.LIMIT,
-        "primal infeasible inaccurate": Claim.LIMIT,
-        "dual infeasible inaccurate": Claim.LIMIT,
+        "optimal": ("solved",),
+        "infeasible": ("primal infeasible",),
+        "limit": (
+            *("maximum iterations reached", "run time limit reached", "solved inaccurate"),
+            *("primal infeasible inaccurate", "dual infeasible inaccurate"),
+        ),
     },
     "scs": {
-        "solved": Claim.OPTIMAL,
-        "infeasible": Claim.INFEASIBLE,
-        **{f"solved {reached}": Claim.LIMIT for reached in _LIMITS_OF_SCS},
-        **{f"infeasible {reached}": Claim.LIMIT for reached in _LIMITS_OF_SCS},
-        **{f"unbounded {reached}": Claim.LIMIT for reached in _LIMITS_OF_SCS},
+        "optimal": ("solved",),
+        "infeasible": ("infeasible",),
+        "limit": (
+            "solved (inaccurate - reached max_iters)",
+            "solved (inaccurate - reached time_limit_secs)",
+            "infeasible (inaccurate - reached max_iters)",
+            "infeasible (inaccurate - reached time_limit_secs)",
+            "unbounded (inaccurate - reached max_iters)",
+            "unbounded (inaccurate - reached time_limit_secs)",
+        ),
     },
     "highs": {
-        "kOptimal": Claim.OPTIMAL,
-        "kInfeasible": Claim.INFEASIBLE,
-        "kUnboundedOrInfeasible": Claim.INFEASIBLE,
-        "kTimeLimit": Claim.LIMIT,
-        "kIterationLimit": Claim.LIMIT,
-        "kMemoryLimit": Claim.LIMIT,
+        "optimal": ("kOptimal",),
+        "infeasible": ("kInfeasible", "kUnboundedOrInfeasible"),
+        "limit": ("kTimeLimit", "kIterationLimit", "kMemoryLimit"),
     },
     # of a problem that it calls infeasible it may give the point that is nearest to feasible
     "proxqp": {
-        "PROXQP_SOLVED": Claim.OPTIMAL,
-        "PROXQP_PRIMAL_INFEASIBLE": Claim.INFEASIBLE,
-        "PROXQP_SOLVED_CLOSEST_PRIMAL_FEASIBLE": Claim.INFEASIBLE,
-        "PROXQP_MAX_ITER_REACHED": Claim.LIMIT,
+        "optimal": ("PROXQP_SOLVED",),
+        "infeasible": ("PROXQP_PRIMAL_INFEASIBLE", "PROXQP_SOLVED_CLOSEST_PRIMAL_FEASIBLE"),
+        "limit": ("PROXQP_MAX_ITER_REACHED",),
     },
     "qpalm": {
-        "solved": Claim.OPTIMAL,
-        "primal infeasible": Claim.INFEASIBLE,
-        "maximum iterations reached": Claim.LIMIT,
-        "time limit exceeded": Claim.LIMIT,
+        "optimal": ("solved",),
+        "infeasible": ("primal infeasible",),
+        "limit": ("maximum iterations reached", "time limit exceeded"),
     },
     "ecos": {
-        "Optimal solution found": Claim.OPTIMAL,
-        "Primal infeasible": Claim.INFEASIBLE,
-        "Maximum number of iterations reached": Claim.LIMIT,
+        "optimal": ("Optimal solution found",),
+        "infeasible": ("Primal infeasible",),
+        "limit": ("Maximum number of iterations reached",),
     },
     # -4 and -7 are limits of iterations and of time; 2 is an optimum with soft constraints, -6 a
     # first working set that depends on itself
-    "daqp": {
-        "1": Claim.OPTIMAL,
-        "-1": Claim.INFEASIBLE,
-        "-4": Claim.LIMIT,
-        "-7": Claim.LIMIT,
-    },
+    "daqp": {"optimal": ("1",), "infeasible": ("-1",), "limit": ("-4", "-7")},
 }
+# casadi's own methods end with Ipopt's words
+STATUSES |= dict.fromkeys(("sqpmethod", "qrsqp"), STATUSES["ipopt"])
 
 
 def claim_of(engine: str, status: str, unnamed: Claim = Claim.FAILED) -> Claim:
     """The claim of an engine's status, by the engine's name in `STATUSES`."""
-    return STATUSES[engine].get(status, unnamed)
+    for claim, statuses in STATUSES[engine].items():
+        if status in statuses:
+            return Claim(claim)
+    return unnamed
 
 
 class Run(NamedTuple, Generic[Point]):

@@ -193,12 +193,12 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
         "optimal": ("solved",),
         "infeasible": ("infeasible",),
         "limit": (
-            *("solved (inaccurate - reached max_iters)",),
-            *("solved (inaccurate - reached time_limit_secs)",),
-            *("infeasible (inaccurate - reached max_iters)",),
-            *("infeasible (inaccurate - reached time_limit_secs)",),
-            *("unbounded (inaccurate - reached max_iters)",),
-            *("unbounded (inaccurate - reached time_limit_secs)",),
+            "solved (inaccurate - reached max_iters)",
+            "solved (inaccurate - reached time_limit_secs)",
+            "infeasible (inaccurate - reached max_iters)",
+            "infeasible (inaccurate - reached time_limit_secs)",
+            "unbounded (inaccurate - reached max_iters)",
+            "unbounded (inaccurate - reached time_limit_secs)",
         ),
         "failed": ("unbounded", "infeasible (inaccurate)", "interrupted", "indeterminate"),
     },
@@ -267,7 +267,8 @@ def test_every_engine_and_every_status_of_the_table_is_named():
     named = {(engine, status) for engine, status, _ in NAMED}
 
     assert MEANS.keys() == STATUSES.keys()
-    assert {(e, status) for e, statuses in STATUSES.items() for status in statuses} <= named
+    for engine, claims in STATUSES.items():
+        assert {(engine, status) for statuses in claims.values() for status in statuses} <= named
     plain = {name for name in NLP_ENGINES if not name.startswith("nlopt")}
     assert plain | {*MINLP_ENGINES, *CONVEX} <= STATUSES.keys()
 
@@ -304,6 +305,7 @@ def test_no_status_of_uno_clarabel_and_gurobi_is_forgotten():
     [
         # casadi's word counts where the engine's is not known
         ("uno", "Terminated with not optimal point", "LIMITED", Claim.LIMIT),
+        ("uno", "Terminated with infeasible small step", "INFEASIBLE", Claim.FAILED),
         ("fatrop", "0", "SUCCESS", Claim.LOCAL),
         ("alpaqa", None, "LIMITED", Claim.LIMIT),
         ("bonmin", "SUCCESS", "SUCCESS", Claim.LOCAL),

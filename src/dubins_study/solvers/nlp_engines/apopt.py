@@ -14,6 +14,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -43,8 +44,9 @@ def apopt(options: dict[str, Any]) -> NlpCall:
         if log is None:
             status = "time limit"
             return EngineResult(x, claim_of("apopt", status), None, None, None, status, "stopped")
-        known = (line for line in STATUSES["apopt"] if line in log)
-        status = next(known, log.strip()[-200:] or "no words")
+        known = chain.from_iterable(STATUSES["apopt"].values())
+        said = (line for line in known if line in log)
+        status = next(said, log.strip()[-200:] or "no words")
         claim = claim_of("apopt", status)
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim, status = Claim.FAILED, "no results.json"

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import STATUSES, claim_of
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import (
     EngineResult,
     Expressions,
@@ -197,10 +197,8 @@ def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
 
 def claim(plugin: str, stats: dict[str, Any]) -> Claim:
     """The claim in the statistics of a run; casadi's own where the plug-in's word is not known."""
-    status = str(stats.get("return_status"))
-    if status in STATUSES[plugin]:
-        return claim_of(plugin, status)
-    return claim_of("casadi", str(stats["unified_return_status"]))
+    unnamed = claim_of("casadi", str(stats["unified_return_status"]))
+    return claim_of(plugin, str(stats.get("return_status")), unnamed)
 
 
 def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:

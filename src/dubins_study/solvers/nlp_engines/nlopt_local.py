@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.answers import STATUSES, claim_of
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
 # the names of all its return codes
 _STATUSES = (
-    *STATUSES["nlopt"],
+    *("SUCCESS", "FTOL_REACHED", "XTOL_REACHED", "MAXEVAL_REACHED", "MAXTIME_REACHED"),
     *("STOPVAL_REACHED", "FAILURE", "INVALID_ARGS", "OUT_OF_MEMORY", "ROUNDOFF_LIMITED"),
     "FORCED_STOP",
 )
