@@ -138,6 +138,7 @@ BEFORE = [
 ]
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(("what", "where"), BEFORE)
 def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
     """Refused with one message, or a row of each cell; never a run that dies or hangs."""

@@ -233,6 +233,7 @@ class Raising(Slsqp):
 """
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, jobs):
     plugin = tmp_path / "misfits.py"

@@ -140,6 +140,7 @@ POSED = [
 ]
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize(("kind", "settings_", "programs"), POSED)
 @pytest.mark.parametrize("target", [(3.0, 2.0), (-1.0, 2.5), (0.4, -1.9)])

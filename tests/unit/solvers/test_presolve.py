@@ -91,6 +91,7 @@ def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
         assert not answer.false_claim or name == "multiple-shooting"
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("target", [(0.3, 0.8), pytest.param((-3, 0.5), marks=pytest.mark.slow)])
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):

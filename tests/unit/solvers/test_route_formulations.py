@@ -57,7 +57,8 @@ GAPS |= {"turn-rate-qp[initial_guess=random,count=3]": 1e-5}
 ALONE = ("sleqp",)
 EVERY_ENGINE = [
     *(f"multiple-shooting[engine={name}]" for name in NLP_ENGINES if name not in ALONE),
-    *(f"collocation[engine={name},n=3]" for name in ("slsqp", "uno", "fatrop")),
+    *(f"collocation[engine={name},n=3]" for name in ("slsqp", "uno")),
+    "collocation[engine=fatrop,n=3,max_iter=30]",  # as one dense stage: 0.15 s an iteration
     *(f"turn-rates[engine={name},n=12]" for name in ("slsqp", "uno", "nlopt-slsqp")),
     *(f"turn-rate-qp[engine={name},n=20]" for name in names(QP)),
     *(f"route-nlp[engine={name},model=words]" for name in NLP_ENGINES if name not in ALONE),
@@ -100,6 +101,7 @@ def test_one_leg_with_a_final_heading_is_a_route_too(spec):
     assert abs(answer.gap) < 1e-6
 
 
+@pytest.mark.many(6)
 @pytest.mark.parametrize(("spec", "scenario"), ASKED)
 def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
     """A path that arrives where it claims one; of headings there is one.
@@ -425,6 +427,7 @@ def test_its_relaxation_is_integral_and_the_dynamic_programs(scenario):
     assert relaxed.fun == pytest.approx(segments.sum(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_gap_falls_with_the_square_of_the_headings():
     """Eight times the headings; a grid that happens to hold the best headings is averaged out."""
     gaps = [
@@ -465,6 +468,7 @@ TRACED_ROUTE = Scenario(heading=0.5, target_x=10, target_y=5, via=[(4, 1), (6, -
 TRACED = ("nelder-mead", "differential-evolution", "cma-es", "slsqp", "nlopt-cobyla")
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("engine", TRACED)
 def test_a_trace_gets_better_until_the_answer(engine):
     """Evaluations grow, lengths fall, the last is the answer's, and tracing changes no answer."""

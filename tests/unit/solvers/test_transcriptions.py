@@ -29,6 +29,7 @@ TRANSCRIPTIONS = ("collocation", "multiple-shooting", "turn-rates[n=20]")
 PLACE = EDGES["many turns of heading"]
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_efforts_add_up(spec):
     """All words are named; the runs' evaluations sum to the whole; one of them is the answer's."""
@@ -41,6 +42,7 @@ def test_efforts_add_up(spec):
     assert 0 < answer.best_run_s <= sum(answer.subproblem_s) <= answer.solve_s
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_a_warm_path_is_a_subproblem_of_its_own(spec):
     """It goes first, and the row says warm; from its own answer an engine has little left to do."""
