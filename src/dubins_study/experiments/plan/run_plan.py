@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections import defaultdict
+from collections.abc import Iterable
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from dubins_study.experiments.definition.scenario_block import ListedBlock, tabl
 from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
+from dubins_study.solvers.registry import SolverError, load, ours, unavailable
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.values import did_you_mean
 
@@ -164,8 +166,21 @@ def plan_run(request: Request) -> RunPlan:
     cell_chains = chains(file.experiment, problems)
     if problems:
         raise ExperimentError(refusal(file.path, problems, file.text))
+    if request.executor == "local":
+        _refuse_unavailable(request.solvers or (), file.experiment.profile)
     folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
     return RunPlan(file, folder, cell_chains)
+
+
+def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
+    """Refuse a spec none of whose solvers of ours can run here; a file's specs are recorded so."""
+    for spec in specs:
+        if spec == "*":
+            continue
+        named = expand_solvers([spec], profile)
+        reasons = [unavailable(load(each, profile)) if ours(each) else None for each in named]
+        if all(reasons):
+            raise SolverError(f"solver {spec!r} is unavailable: {reasons[0]}")
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
