@@ -48,6 +48,7 @@ def test_the_witness_would_see_it(name):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+@pytest.mark.slow
 def test_every_row_is_there(tainted):
     ended, found = tainted
 
@@ -188,6 +189,7 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
     refused(tmp_path, file, clean)
 
 
+@pytest.mark.slow
 def test_state_of_the_caller_is_left_alone(tmp_path):
     """A run from Python changes nothing of the process that asks for it."""
     from dubins_study import run

@@ -81,6 +81,7 @@ def test_what_loads_nothing_heavy(program, heavy):
     assert not loaded_by(program) & heavy
 
 
+@pytest.mark.slow
 def test_every_public_name_is_there_when_asked_for():
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
 
@@ -118,7 +119,7 @@ def test_an_engine_loads_no_other_engines_package(name):
     assert loaded & packages == set(ENGINES[name].packages)
 
 
-@pytest.mark.many(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_an_engine_in_a_process_of_its_own(name):
     """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""

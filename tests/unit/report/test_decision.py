@@ -283,6 +283,7 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
     assert "over 30 questions has" in comparison_section(enough).text
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(("title", "heading"), [("My trial", "My trial"), ("", "trial")])
 def test_the_heading_is_the_experiments(results, tmp_path, title, heading):
     """Title and question of one experiment; of several the report's."""

@@ -95,6 +95,7 @@ def curves(ax):
     return [line for line in lines if line.get_color() not in (RULE, INK)]
 
 
+@pytest.mark.slow
 def test_the_page_has_figures_of_many_topics(pictures):
     assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
     assert "convergence-outside" in pictures

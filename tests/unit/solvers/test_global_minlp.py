@@ -261,6 +261,7 @@ def test_no_claim_is_false(scenario):
         assert answer.claim is Claim.OPTIMAL
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("final", [-2.0, 1.0, 3.0])
 @pytest.mark.parametrize("target", [(5, 1), (1.5, -0.5), (0.2, 0.3)])
 def test_a_final_heading_is_proven(target, final):

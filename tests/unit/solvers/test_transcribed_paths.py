@@ -41,6 +41,7 @@ SLOW_COLLOCATION = ["multiple-shooting", pytest.param("collocation", marks=pytes
 LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
 
 
+@pytest.mark.many(8)
 @pytest.mark.parametrize("spec", TINY)
 @pytest.mark.parametrize("branch", RATES)
 @pytest.mark.parametrize("edge", EDGES)
@@ -102,6 +103,7 @@ def test_the_gap_falls_with_the_square_of_the_step(spec, steps, factor, place):
     assert 0 < fine < coarse / factor
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("spec", ["turn-rates", "turn-rate-qp"])
 @pytest.mark.parametrize("mesh", ["equal", "graded"])
 def test_far_targets_need_a_graded_mesh(spec, mesh):

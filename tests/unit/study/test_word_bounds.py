@@ -382,6 +382,7 @@ DECIDES = {
 }
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("family", DECIDES)
 def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family):
     """With the slopes of the path in it, and of the conditions that end there."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +60,8 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
             "dubins-study: %s: of %d rows %d repeat an earlier one; each scenario is asked once",
             *(plain(str(file)), len(frame), copies),
         )
-    doubts = [doubt for row in frame.to_dict("records") if (doubt := _doubt(row))]
+    records = frame.to_dict("records")
+    doubts = [doubt for record in records if (doubt := _doubt(record))]
     if doubts:
         _LOG.warning(
             "dubins-study: %s: in %d of %d rows %s",
@@ -69,7 +70,7 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     return frame
 
 
-def _doubt(row: dict[str, Any]) -> str | None:
+def _doubt(row: dict[Hashable, Any]) -> str | None:
     """What is odd about the units of a route's row."""
     return doubtful_units(scenario_of(row)) if len(row["via_x"] or ()) else None
 
