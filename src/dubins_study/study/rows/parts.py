@@ -221,10 +221,11 @@ def _read_column(file: FilePath, column: pa.Array[Any], field: pa.Field[Any]) ->
 
 def _current_specs(column: Any) -> Any:
     specs = column.dictionary_encode()
-    current = [None if spec is None else current_spec(spec) for spec in specs.dictionary.to_pylist()]
-    return pa.DictionaryArray.from_arrays(specs.indices, pa.array(current, column.type)).cast(
-        column.type
+    texts = specs.dictionary.to_pylist()
+    current = pa.array(
+        [None if text is None else current_spec(text) for text in texts], column.type
     )
+    return pa.DictionaryArray.from_arrays(specs.indices, current).cast(column.type)
 
 
 def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:
