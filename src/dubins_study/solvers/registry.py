@@ -153,12 +153,19 @@ def settings(solver: Solver) -> dict[str, Any]:
 
 
 def canonical(spec: str, profile: str = "default") -> str:
-    """The spec as rows write it: settings in their order, without those that the profile has."""
+    """The spec as rows write it: settings in their order, without those that the profile has.
+
+    Settings that the class lists in `always_named` are written whatever their values.
+    """
     name, given = _parse(spec)
     kind = _kind(name)
-    values = _convert(name, kind, given)
     defaults = settings(load(name, profile))
-    changed = [f"{k}={values[k]}" for k in defaults if k in values and values[k] != defaults[k]]
+    values = defaults | _convert(name, kind, given)
+    changed = [
+        f"{key}={value}"
+        for key, value in values.items()
+        if value != defaults[key] or key in kind.always_named
+    ]
     return f"{name}[{','.join(changed)}]" if changed else name
 
 

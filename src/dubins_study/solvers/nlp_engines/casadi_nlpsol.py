@@ -57,7 +57,7 @@ _PLAIN = {"print_time": False, "expand": True, "show_eval_warnings": False, "cal
 
 
 def _watch(variables: int, rows: int) -> Any:
-    """The function that casadi calls after every iteration, at a cost of some 0.1 ms.
+    """The function that casadi calls after every iteration, at a cost of some 0.01 ms.
 
     It stops a run at the time `at`, set before; Ipopt's own time limits are fixed once compiled.
     """
@@ -86,8 +86,13 @@ def _watch(variables: int, rows: int) -> Any:
         def get_sparsity_in(self, i: int) -> Any:
             return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(i), 0), 1)
 
-        def eval(self, _: Any) -> list[int]:
-            return [int(perf_counter() > self.at)]
+        def has_eval_buffer(self) -> bool:
+            return True
+
+        def eval_buffer(self, _: Any, results: Any) -> int:
+            """Write whether to stop; `eval` would convert every argument to a matrix first."""
+            np.frombuffer(results[0])[0] = perf_counter() > self.at
+            return 0
 
     return Watch()
 
