@@ -163,7 +163,7 @@ def growth(evidence: Evidence) -> Finding | None:
     if rows.empty:
         return None
     label = rows.groupby("label")["legs"].max().idxmax()
-    rows = rows[(rows["label"] == label) & (rows["legs"] >= _BEND)]
+    rows = rows[(rows["label"] == label) & (rows["legs"] >= _BEND) & ~rows["elsewhere"]]
     solvers = [EXACT, *(s for s in evidence.usual.index if s not in evidence.at_floor)]
     powers: list[tuple[Estimate, str]] = []
     chosen: dict[str, pd.DataFrame] = {}

@@ -49,7 +49,6 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
-from dubins_study.report.topics.failures import time_limits
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.path import RIPPLE, FloatArray, Path, outline
@@ -146,7 +145,8 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         kept = {*drawn, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         solvers = [solver for solver in solvers if solver in kept]
         cells = cells[cells["solver"].isin(solvers)]
-    limit = max(time_limits(results).values(), default=None)
+    longest = results.rows["limit_s"].max()
+    limit = None if pd.isna(longest) else float(longest)
     caption = (
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
         "and as colour the median gap; of each formulation and guess the surest engine. Below, "

@@ -25,9 +25,8 @@ from dubins_study.report.elements.content import General, Section, Topic, Widget
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.report.topics.failures import time_limits
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import METHOD, ROW, names
+from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
 from dubins_study.study.scenario import NUMBERS, VIA, Pose
 from dubins_study.study.scenario_frame import numbers_of
 
@@ -100,8 +99,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     paths: dict[tuple[Any, ...], dict[str, Any] | None] = {}
     while True:
         rows = sample(results, most)
-        more = {"solvers": _solvers(rows["solver"], results), "time_limits": time_limits(results)}
-        content = packed(rows, more, paths)
+        content = packed(rows, {"solvers": _solvers(rows["solver"], results)}, paths)
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
@@ -160,7 +158,9 @@ def sample(results: Results, most: int) -> pd.DataFrame:
         to `WORST`; 0 for others). Sorted by solver and question.
     """
     names = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat"]
-    rows = results.attempts[names].sort_values([*_QUESTION, "repeat"], kind="stable")
+    rows = results.attempts[names].copy()
+    rows.update(results.elsewhere[[name for name in MEASURED_TIMES if name in names]])
+    rows = rows.sort_values([*_QUESTION, "repeat"], kind="stable")
     first = rows[rows["repeat"] == 0]
     strata = first.groupby(["solver", "region", "verdict"], dropna=False)
     spread = strata.head(_largest_share(strata.size().to_numpy(), most)).index
