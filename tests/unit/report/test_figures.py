@@ -95,6 +95,7 @@ def curves(ax):
     return [line for line in lines if line.get_color() not in (RULE, INK)]
 
 
+@pytest.mark.slow
 def test_the_page_has_figures_of_many_topics(pictures):
     assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
     assert "convergence-outside" in pictures
@@ -179,6 +180,7 @@ def of_many(folder):
     return {s.key: s for topic in TOPICS for s in sections_of(topic, results)}
 
 
+@pytest.mark.slow
 def test_no_panel_has_more_than_ten_methods(pictures, of_many):
     """Neither bars with names nor curves; maps alone have a line per engine."""
     for block in (*pictures.values(), *drawn_of(of_many.values())):

@@ -142,7 +142,10 @@ POSED = [
 
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize(("kind", "settings_", "programs"), POSED)
-@pytest.mark.parametrize("target", [(3.0, 2.0), (-1.0, 2.5), (0.4, -1.9)])
+@pytest.mark.parametrize(
+    "target",
+    [(3.0, 2.0), *(pytest.param(t, marks=pytest.mark.slow) for t in ((-1.0, 2.5), (0.4, -1.9)))],
+)
 def test_every_engine_proves_the_optimum(engine, kind, settings_, programs, target, capfd):
     """Outside, behind and inside a disc, in silence: the shortest length, and a bound up to it."""
     # of disjunctions MAiNGO closes no gap near its tolerance
