@@ -51,6 +51,7 @@ def loaded_by(program: str) -> set[str]:
     return set(shown.splitlines()[-1].split())
 
 
+@pytest.mark.smoke
 def test_the_registry_imports_no_backend():
     """Names can be listed without loading one backend or its libraries."""
     loaded = loaded_by("from dubins_study.solvers.registry import registered; assert registered()")

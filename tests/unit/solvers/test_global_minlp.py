@@ -287,6 +287,7 @@ def test_two_legs_are_proven(via):
     assert answer.lower_bound <= answer.reference_high
 
 
+@pytest.mark.slow
 def test_a_route_out_of_time_claims_nothing_and_its_bound_holds():
     via = [(1.5, 0.5), (0.5, 3), (2, 4)]
     answer = attempt(Disjunctive(), Question(Scenario(0, 0, 0, 1, 2, 1, via=via)), 2.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import QUICK_ENGINES, walked
+from cases import QUICK_ENGINES, engine_params, walked
 from scipy.optimize import linprog
 from threadpoolctl import threadpool_limits
 
@@ -375,6 +375,7 @@ def test_its_relaxation_is_integral_and_the_dynamic_programs(scenario):
     assert relaxed.fun == pytest.approx(segments.sum(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_gap_falls_with_the_square_of_the_headings():
     """Eight times the headings; a grid that happens to hold the best headings is averaged out."""
     gaps = [
@@ -415,7 +416,7 @@ TRACED_ROUTE = Scenario(heading=0.5, target_x=10, target_y=5, via=[(4, 1), (6, -
 TRACED = ("nelder-mead", "differential-evolution", "cma-es", "slsqp", "nlopt-cobyla")
 
 
-@pytest.mark.parametrize("engine", TRACED)
+@pytest.mark.parametrize("engine", engine_params(TRACED))
 def test_a_trace_gets_better_until_the_answer(engine):
     """Evaluations grow, lengths fall, the last is the answer's, and tracing changes no answer."""
     spec = f"headings[engine={engine}]"
