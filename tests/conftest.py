@@ -1,4 +1,4 @@
-"""Fast by default; `--slow` runs the rest as well."""
+"""Two minutes by default; `--slow` runs the rest as well."""
 
 import os
 import re
@@ -52,13 +52,25 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("repeatable")
 
 
+# Of these a run without `--slow` asks only what is marked `smoke`, and not `slow` as well.
+SLOW_PLACES = (
+    "tests/adversary",
+    "tests/browser",
+    "tests/docs/test_snippets.py",
+    "tests/faults",
+    "tests/fuzz",
+    "tests/processes",
+)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("--slow"):
         return
     many: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if "slow" in item.keywords:
+        in_slow_place = item.nodeid.startswith(SLOW_PLACES) and "smoke" not in item.keywords
+        if in_slow_place or "slow" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="slow; run with --slow"))
         elif "many" in item.keywords:
             many[item.nodeid.partition("[")[0]].append(item)

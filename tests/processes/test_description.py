@@ -11,6 +11,8 @@ from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.solvers.registry import SolverError, load, registered
 
+pytestmark = pytest.mark.smoke
+
 PLUGIN = """
 import os
 from pathlib import Path

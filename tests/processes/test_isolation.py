@@ -123,6 +123,7 @@ def jobs(tmp_path):
     return ask
 
 
+@pytest.mark.smoke
 def test_one_slow_solve_does_not_end_working_ahead(jobs):
     """Soon after it a solve is expected to be quick again."""
     asked = jobs("slow", *["quick"] * 60)
@@ -133,6 +134,7 @@ def test_one_slow_solve_does_not_end_working_ahead(jobs):
     assert pool._expected_s[asked[0].solver_key] < AHEAD_S
 
 
+@pytest.mark.smoke
 def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
     with WorkerPool(1) as pool:
         for _ in range(5):

@@ -146,6 +146,7 @@ def test_a_worker_answers_alike(name):
     assert (there.outcome, there.message, there.length) == alike
 
 
+@pytest.mark.smoke
 def test_analytic_is_never_isolated():
     assert solve(EASY, isolated=True).length == solve(EASY).length
     assert len(solve_frame(scenario_frame([EASY] * 3), isolated=True)) == 3
@@ -168,12 +169,14 @@ def test_a_plugin_that_hangs_is_stopped_by_default(name):
     assert seconds < 1.5
 
 
+@pytest.mark.smoke
 def test_a_killed_worker_is_an_outcome():
     answer = solve(EASY, plugin("Dies"))
 
     assert (answer.outcome, answer.native_status) == ("crashed", "SIGKILL")
 
 
+@pytest.mark.smoke
 def test_a_plugin_promises_for_itself_only():
     """Its promise counts where its own class makes it; the base class makes none."""
     assert not Solver().keeps_limit
@@ -196,6 +199,7 @@ def test_where_a_plugin_is_asked(name, isolated):
     assert answer.verdict == "optimal"
 
 
+@pytest.mark.smoke
 def test_a_frame_has_one_worker_for_all_rows():
     """Rows in order, under their index; a row that hangs ends its worker and has its own limit."""
     scenarios = [Scenario(target_x=x, target_y=1, label=str(x)) for x in (4, 3, -2, 5, -1, 6)]

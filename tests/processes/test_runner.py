@@ -27,6 +27,8 @@ from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
 
+pytestmark = pytest.mark.smoke
+
 SMALL = """
 title = "small"
 question = "does it run?"

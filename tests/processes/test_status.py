@@ -13,6 +13,8 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.rows.parts import read_part, rows_table
 from dubins_study.study.rows.schema import RUN_ID
 
+pytestmark = pytest.mark.smoke
+
 CELLS = 10
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import PAPER, question_for, scenarios
+from cases import PAPER, engine_params, question_for, scenarios
 from hypothesis import assume, given, settings
 
 from dubins_study.experiments.solve import solve
@@ -68,7 +68,9 @@ def test_every_entry_says_what_it_is():
         if branch in load(name).branches
     ],
 )
-@pytest.mark.parametrize("problem", PAPER)
+@pytest.mark.parametrize(
+    "problem", engine_params(PAPER, ("problem 1", "problem 3", "problem 5, R=25"))
+)
 def test_paper_problems(name, branch, problem):
     answer = solve(PAPER[problem], name, branch)
 

@@ -143,7 +143,10 @@ POSED = [
 @pytest.mark.many(3)
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize(("kind", "settings_", "programs"), POSED)
-@pytest.mark.parametrize("target", [(3.0, 2.0), (-1.0, 2.5), (0.4, -1.9)])
+@pytest.mark.parametrize(
+    "target",
+    [(3.0, 2.0), *(pytest.param(t, marks=pytest.mark.slow) for t in ((-1.0, 2.5), (0.4, -1.9)))],
+)
 def test_every_engine_proves_the_optimum(engine, kind, settings_, programs, target, capfd):
     """Outside, behind and inside a disc, in silence: the shortest length, and a bound up to it."""
     # of disjunctions MAiNGO closes no gap near its tolerance
@@ -286,6 +289,7 @@ def test_two_legs_are_proven(via):
     assert answer.lower_bound <= answer.reference_high
 
 
+@pytest.mark.slow
 def test_a_route_out_of_time_claims_nothing_and_its_bound_holds():
     via = [(1.5, 0.5), (0.5, 3), (2, 4)]
     answer = attempt(Disjunctive(), Question(Scenario(0, 0, 0, 1, 2, 1, via=via)), 2.0)

@@ -10,7 +10,7 @@ from time import process_time
 import numpy as np
 import pytest
 from brute_force import integrated
-from cases import EDGES, placed
+from cases import EDGES, QUICK_ENGINES, placed
 from hard_cases import hard_frame
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -268,10 +268,9 @@ def check_path(scenario: Scenario, solution: Solution, found: Judgement, n: int)
 @pytest.mark.parametrize(
     ("engine", "place"),
     [
-        # OSQP takes a hundred times as long as the others
         pytest.param(
             *(engine, place),
-            marks=pytest.mark.slow if engine == "osqp" and place != "behind" else (),
+            marks=() if engine in QUICK_ENGINES else pytest.mark.slow,
         )
         for engine in ENGINES
         for place in PLACES

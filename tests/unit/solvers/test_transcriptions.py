@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from brute_force import integrated
-from cases import EDGES, PAPER
+from cases import EDGES, PAPER, engine_params
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -200,14 +200,7 @@ MAY_FAIL = {"cobyqa", "nlopt-cobyla", "nlopt-auglag"}
 ENGINE_LIMIT_S = 3.0  # the others take a few hundredths
 
 
-@pytest.mark.parametrize(
-    "engine",
-    [
-        pytest.param(name, marks=pytest.mark.slow if name in MAY_FAIL else ())
-        for name in NLP_ENGINES
-        if name != "sleqp"
-    ],
-)
+@pytest.mark.parametrize("engine", engine_params(name for name in NLP_ENGINES if name != "sleqp"))
 def test_every_engine_of_the_table(engine):
     """A solution of problem 1, or at least no false claim; a missing engine has a reason."""
     solver = MultipleShooting(n=3, engine=engine, max_iter=100)

@@ -352,8 +352,9 @@ def drawn(word, n):
     return boxes, all_least(word, boxes)
 
 
-@pytest.mark.many(2)
-@pytest.mark.parametrize("n", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "n", [40, *(pytest.param(n, marks=pytest.mark.slow) for n in (300, 10_000))]
+)
 @pytest.mark.parametrize(
     ("part", "word"), [(part, word) for part, words in PARTS.items() for word in words]
 )
