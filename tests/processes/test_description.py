@@ -9,7 +9,7 @@ from dubins_study import run
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.plan.solver_description import describe_solver
-from dubins_study.solvers.registry import SolverError, load, registered
+from dubins_study.solvers.registry import SolverError, canonical, load, registered
 
 pytestmark = pytest.mark.smoke
 
