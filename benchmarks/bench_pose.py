@@ -36,12 +36,12 @@ Lengths = Callable[[PoseArrays, FloatArray], None]  # fills the second from the 
 
 
 def measure() -> Iterable[Measurement]:
-    threads = numba.get_num_threads()
-    numba.set_num_threads(1)
+    threads = numba.config.NUMBA_NUM_THREADS
+    numba.config.NUMBA_NUM_THREADS = 1
     try:
         yield from _measure()
     finally:
-        numba.set_num_threads(threads)
+        numba.config.NUMBA_NUM_THREADS = threads
 
 
 def _measure() -> Iterable[Measurement]:

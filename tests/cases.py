@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 from hypothesis import strategies as st
 
 from dubins_study.solvers.registry import load
@@ -28,6 +29,18 @@ PAPER = {
 FROZEN_ROUTE = Scenario(
     via=[(6, 3), (9, -4), (15, -2), (18, 5)], target_x=25, target_y=6, label="qp-50-well"
 )
+
+# one engine of each kind, or way of calling it: what a run without `--slow` asks of all of them
+QUICK_ENGINES = (
+    *("ipopt", "slsqp", "uno-filtersqp", "nlopt-slsqp"),
+    *("scip", "differential-evolution", "powell", "hybr", "piqp"),
+)
+
+
+def engine_params(names: Iterable[str], quick: Iterable[str] = QUICK_ENGINES) -> list[Any]:
+    """Names as parameters of a test, those that are not quick marked as slow."""
+    chosen = frozenset(quick)
+    return [pytest.param(name, marks=() if name in chosen else pytest.mark.slow) for name in names]
 
 
 def question_for(name: str, scenario: Scenario) -> tuple[Scenario, str, str]:

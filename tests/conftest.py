@@ -1,9 +1,10 @@
-"""Fast by default; `--slow` runs the rest as well."""
+"""Two minutes by default; `--slow` runs the rest as well."""
 
 import os
 import re
 import signal
 import sys
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -51,11 +52,34 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("repeatable")
 
 
+# Of these a run without `--slow` asks only what is marked `smoke`, and not `slow` as well.
+SLOW_PLACES = (
+    "tests/adversary",
+    "tests/browser",
+    "tests/docs/test_snippets.py",
+    "tests/faults",
+    "tests/fuzz",
+    "tests/processes",
+)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--slow"):
+        return
+    many: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if "slow" in item.keywords and not config.getoption("--slow"):
+        in_slow_place = item.nodeid.startswith(SLOW_PLACES) and "smoke" not in item.keywords
+        if in_slow_place or "slow" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="slow; run with --slow"))
+        elif "many" in item.keywords:
+            many[item.nodeid.partition("[")[0]].append(item)
+    for alike in many.values():
+        (few,) = alike[0].get_closest_marker("many").args
+        kept = {round(place * len(alike) / few) for place in range(few)}
+        for place, item in enumerate(alike):
+            if place not in kept:
+                item.add_marker(pytest.mark.skip(reason="one of many; run with --slow"))
 
 
 @pytest.hookimpl(optionalhook=True)

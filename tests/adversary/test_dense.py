@@ -44,6 +44,7 @@ def test_dense_tracks_have_sane_routes(seed, limit):
     asked(seed, limit)
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("seed", [5, 7, 15])
 def test_more_effort_makes_no_path_longer(seed):
     """The search does the same work in the same order, and keeps the best route."""
@@ -58,6 +59,7 @@ def test_more_effort_makes_no_path_longer(seed):
     assert [route.low for route in found] == sorted(route.low for route in found)
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(("points", "spacing"), [(200, 0.2), (5000, 0.5)])
 def test_the_first_route_of_a_circle_has_no_loops(points, spacing):
     """Points on a circle of 5R; no effort is spent but for the first route."""

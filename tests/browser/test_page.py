@@ -13,6 +13,7 @@ from tests.unit.report.results_folder import attempt, paper_scenarios, write_fol
 LOST = [(scenario, solver) for scenario in paper_scenarios() for solver in ("slsqp", "ipopt")]
 
 
+@pytest.mark.smoke
 def test_an_error_on_the_page_fails_its_test(chromium, tmp_path: Path):
     """A page that logs an error, asks for something remote or opens a dialog fails its test."""
     file = tmp_path / "page.html"

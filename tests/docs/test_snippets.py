@@ -197,6 +197,7 @@ def run_pages() -> list[object]:
     return [pytest.param(p, marks=[pytest.mark.slow] if p in SLOW else []) for p in pages]
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("page", run_pages())
 def test_what_a_page_shows_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Block by block in one new folder; outputs are compared where the page shows them."""
@@ -207,6 +208,7 @@ def test_what_a_page_shows_runs(page: str, tmp_path: Path, monkeypatch: pytest.M
             runner.run(block)
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(("page", "beginning"), NOT_RUN)
 def test_a_block_that_is_not_run_exists_and_is_parsed(page: str, beginning: str):
     """A reason for a block that has gone is stale; the others are at least of the right form."""
@@ -218,6 +220,7 @@ def test_a_block_that_is_not_run_exists_and_is_parsed(page: str, beginning: str)
     assert all(parsed(block) for block in chosen)
 
 
+@pytest.mark.smoke
 def test_no_block_is_in_a_language_that_nobody_runs():
     """A command in a block of no language, or of text, would never be tried."""
     strange = [f"{page}:{b.line}" for page, parts in PAGES.items() for b in parts if unknown(b)]
@@ -225,6 +228,7 @@ def test_no_block_is_in_a_language_that_nobody_runs():
     assert not strange
 
 
+@pytest.mark.smoke
 def test_a_wrong_page_fails(tmp_path: Path):
     """The runner itself: a command that fails, or prints something else, is seen."""
     runner = Runner(tmp_path)

@@ -32,6 +32,7 @@ def tainted(request, tmp_path_factory):
     return ended, rows(folder / "out")
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("name", STATES)
 def test_the_witness_would_see_it(name):
     """Each change, made in a process of its own, is told apart from its absence."""
@@ -48,6 +49,7 @@ def test_the_witness_would_see_it(name):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+@pytest.mark.slow
 def test_every_row_is_there(tainted):
     ended, found = tainted
 
@@ -138,6 +140,7 @@ BEFORE = [
 ]
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(("what", "where"), BEFORE)
 def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
     """Refused with one message, or a row of each cell; never a run that dies or hangs."""
@@ -187,6 +190,7 @@ def test_plugins_that_go_wrong_only_in_a_worker(tmp_path, clean, what):
     refused(tmp_path, file, clean)
 
 
+@pytest.mark.smoke
 def test_state_of_the_caller_is_left_alone(tmp_path):
     """A run from Python changes nothing of the process that asks for it."""
     from dubins_study import run

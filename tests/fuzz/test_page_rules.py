@@ -11,6 +11,7 @@ from tests.fuzz.page import odd_parts
 MARKUP = [text for text in HOSTILE if MARK in text and "<" in text]
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("text", MARKUP)
 def test_markup_is_seen_and_its_text_is_not(text):
     assert odd_parts(f"<p>{text}</p>")
@@ -34,6 +35,7 @@ WRITTEN_BY_TEMPLATES = (
 )
 
 
+@pytest.mark.smoke
 def test_what_runs_or_loads_is_seen():
     assert [html for html in RUNS_OR_LOADS if not odd_parts(html)] == []
     assert [html for html in WRITTEN_BY_TEMPLATES if odd_parts(html)] == []

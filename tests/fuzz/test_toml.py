@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,6 +46,7 @@ def mutilated(draw: st.DrawFn, originals: list[bytes]) -> bytes:
     return bytes(content)
 
 
+@pytest.mark.smoke
 @settings(LONG_LIVED)
 @given(content=mutilated(PACKAGED))
 def test_a_mutilated_file_is_parsed_or_refused(content):

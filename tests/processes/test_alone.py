@@ -51,6 +51,7 @@ def loaded_by(program: str) -> set[str]:
     return set(shown.splitlines()[-1].split())
 
 
+@pytest.mark.smoke
 def test_the_registry_imports_no_backend():
     """Names can be listed without loading one backend or its libraries."""
     loaded = loaded_by("from dubins_study.solvers.registry import registered; assert registered()")
@@ -81,6 +82,7 @@ def test_what_loads_nothing_heavy(program, heavy):
     assert not loaded_by(program) & heavy
 
 
+@pytest.mark.slow
 def test_every_public_name_is_there_when_asked_for():
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
 
@@ -93,6 +95,7 @@ def test_a_run_without_streams_loads_no_numba(tmp_path):
     assert "numba" not in loaded_by(f"from dubins_study import run; {program}")
 
 
+@pytest.mark.slow
 def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
     """Not even by an import that no source names, on a question without a path."""
     answers = ("dubins_study.study.closed_form", "dubins_study.study.check")
@@ -117,6 +120,7 @@ def test_an_engine_loads_no_other_engines_package(name):
     assert loaded & packages == set(ENGINES[name].packages)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_an_engine_in_a_process_of_its_own(name):
     """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
@@ -163,8 +167,51 @@ def test_files_tell_nothing_of_the_machine(model, format, order, tmp_path):
     assert platform.node() not in text.split()
 
 
+COMPILED = """
+import pandas as pd
+from numba.core import event
+from dubins_study import Scenario, solve, solve_frame
+from dubins_study.solvers.compile_loops import compile_loops
+from dubins_study.study.closed_form.kernel_compile import SMALL
+
+compile_loops()
+compiled = event.install_recorder("numba:compile").__enter__()
+for rows in (3, SMALL + 1):
+    legs = pd.DataFrame({"target_x": [4.0] * rows, "target_y": 1.0, "radius": 1.0})
+    legs = legs.assign(x=0.0, y=0.0, heading=0.0)
+    for frame, word in ((legs, "RS"), (legs.assign(final_heading=1.0), "RSR")):
+        for branch in ("best", word):
+            solve_frame(frame, branch=branch, certified=True)
+solve(Scenario(target_x=9, target_y=1, via=[(1, 2), (3, 0)]))
+print([each.data["dispatcher"].py_func.__qualname__ for _, each in compiled.buffer])
+"""
+
+
+@pytest.mark.smoke
+def test_what_set_up_compiles_is_all():
+    """No frame of few or many rows, and no route, compiles a loop for another kind of array."""
+    assert output(interpreted(COMPILED)).splitlines()[-1] == "[]"
+
+
+SAID = """
+from dubins_study import Scenario, solve
+solve(Scenario(target_x=9, target_y=1, via=[(1, 2)]))
+"""
+
+
+@pytest.mark.slow
+def test_a_call_says_what_it_compiles_and_compiles_no_more(tmp_path):
+    """A route compiles the search alone; asked again, it says nothing."""
+    for expected in (
+        ["compiling the search for routes: about 15 s, once after each installation"],
+        [],
+    ):
+        done = interpreted(SAID, NUMBA_CACHE_DIR=str(tmp_path))
+        assert done.stderr.splitlines() == expected
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_forked_child_can_go_on():
-    """GNU OpenMP ends a child that starts threads after its parent did; ours does not start any."""
+    """A child of a process whose loops ran in threads runs its own in threads."""
     assert subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], check=False).returncode == 0

@@ -104,6 +104,7 @@ def test_a_file_that_does_not_load_is_a_finding_with_its_traceback(tmp_path):
     assert "it does not load" in " ".join(ended.stdout.split())
 
 
+@pytest.mark.smoke
 def test_a_syntax_error_is_shown_where_it_is(tmp_path):
     """File, line and caret, by both commands; what to do names the author's own file."""
     (tmp_path / "mine.py").write_text("class Mine:\n    n = 1 +\n")
@@ -183,6 +184,7 @@ def test_a_module_beside_the_file_is_not_found_and_the_refusal_says_so(tmp_path)
     assert "does not find beside beside it: make them a package" in " ".join(shown.stdout.split())
 
 
+@pytest.mark.smoke
 def test_a_file_that_exists_is_not_overwritten(tmp_path):
     (tmp_path / "mine.py").write_text("x = 1")
 

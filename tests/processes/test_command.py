@@ -28,6 +28,7 @@ def dubins_here(*arguments: str, cwd=None) -> subprocess.CompletedProcess[str]:
 PROBLEM_1 = ("solve", "10", "5", "--from", "0", "0", "120deg", "--radius", "1")
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("solver", ["analytic", "ipopt"])
 def test_solve_json(solver):
     """The JSON object for the paper's first problem."""
@@ -48,6 +49,7 @@ def test_solve_text_tells_the_tie_straight_behind():
     assert "LS  (tied with RS)" in output(dubins_here("solve", "-5", "0"))
 
 
+@pytest.mark.smoke
 def test_solvers():
     listed = json.loads(output(dubins_here("solvers", "--json")))
 
@@ -56,6 +58,7 @@ def test_solvers():
     assert "turn-rate-qp" in output(dubins_here("solvers"))
 
 
+@pytest.mark.smoke
 def test_export(tmp_path):
     """The text of the Python call, to standard output or to a file."""
     pose = ("-6", "3", "--from", "1", "-2", "120deg", "--radius", "2")

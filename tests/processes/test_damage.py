@@ -20,6 +20,8 @@ from dubins_study.report.data.results import load
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part
 from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
 
+pytestmark = pytest.mark.smoke
+
 
 @pytest.fixture
 def folder(original, tmp_path):

@@ -12,6 +12,8 @@ from live_run import wait_for
 from dubins_study.experiments.solve import solve
 from dubins_study.study.words import Claim, Outcome, Verdict
 
+pytestmark = pytest.mark.smoke
+
 # An AMPL solver: reads an NL file, solves it with casadi's Ipopt, writes a .sol.
 STAND_IN = """#!{python}
 import sys

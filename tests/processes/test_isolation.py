@@ -76,6 +76,7 @@ def asked(folder, plugins, name, *others):
     return run(folder / "isolation.toml", folder / "out", solvers=[spec, *others])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Patches", "Slips", "Forgets", "Leaks", "OpensFiles"])
 def test_every_row_is_right(tmp_path, name):
     rows = read_rows(asked(tmp_path, PLUGINS, name, "slsqp")).to_pandas()
@@ -85,6 +86,7 @@ def test_every_row_is_right(tmp_path, name):
     assert set(rows["verdict"]) == {"optimal"}
 
 
+@pytest.mark.slow
 def test_times_that_cannot_be_are_refused(tmp_path):
     """The row is `raised`, and the rows of others can be read and compared."""
     rows = load_results(asked(tmp_path, CLOCKS, "Backwards", "slsqp"))
@@ -121,6 +123,7 @@ def jobs(tmp_path):
     return ask
 
 
+@pytest.mark.smoke
 def test_one_slow_solve_does_not_end_working_ahead(jobs):
     """Soon after it a solve is expected to be quick again."""
     asked = jobs("slow", *["quick"] * 60)
@@ -131,6 +134,7 @@ def test_one_slow_solve_does_not_end_working_ahead(jobs):
     assert pool._expected_s[asked[0].solver_key] < AHEAD_S
 
 
+@pytest.mark.smoke
 def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
     with WorkerPool(1) as pool:
         for _ in range(5):

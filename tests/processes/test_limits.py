@@ -129,6 +129,7 @@ def test_large_settings_promise_nothing(spec):
     assert not load(spec).keeps_limit
 
 
+@pytest.mark.many(4)
 @pytest.mark.parametrize("name", [name for name in available_solvers() if name != "analytic"])
 def test_a_worker_answers_alike(name):
     """Even within a limit shorter than loading the libraries takes."""
@@ -145,6 +146,7 @@ def test_a_worker_answers_alike(name):
     assert (there.outcome, there.message, there.length) == alike
 
 
+@pytest.mark.smoke
 def test_analytic_is_never_isolated():
     assert solve(EASY, isolated=True).length == solve(EASY).length
     assert len(solve_frame(scenario_frame([EASY] * 3), isolated=True)) == 3
@@ -153,6 +155,7 @@ def test_analytic_is_never_isolated():
 # --- plug-ins ------------------------------------------------------------------------------------
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("name", ["Sleeps", "Spins"])
 def test_a_plugin_that_hangs_is_stopped_by_default(name):
     """A tenth of a second after the limit, and at most a second."""
@@ -166,12 +169,14 @@ def test_a_plugin_that_hangs_is_stopped_by_default(name):
     assert seconds < 1.5
 
 
+@pytest.mark.smoke
 def test_a_killed_worker_is_an_outcome():
     answer = solve(EASY, plugin("Dies"))
 
     assert (answer.outcome, answer.native_status) == ("crashed", "SIGKILL")
 
 
+@pytest.mark.smoke
 def test_a_plugin_promises_for_itself_only():
     """Its promise counts where its own class makes it; the base class makes none."""
     assert not Solver().keeps_limit
@@ -194,6 +199,7 @@ def test_where_a_plugin_is_asked(name, isolated):
     assert answer.verdict == "optimal"
 
 
+@pytest.mark.smoke
 def test_a_frame_has_one_worker_for_all_rows():
     """Rows in order, under their index; a row that hangs ends its worker and has its own limit."""
     scenarios = [Scenario(target_x=x, target_y=1, label=str(x)) for x in (4, 3, -2, 5, -1, 6)]
@@ -259,6 +265,7 @@ def test_inside_a_worker():
     assert answer.verdict == "optimal"
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(
     ("spec", "scenario"),
     [

@@ -14,6 +14,8 @@ from live_run import CELLS, finished, manifest, parts, slow_experiment, started,
 from dubins_study import status
 from dubins_study.experiments.store.folder import LOCK, done, is_locked, lock_holder
 
+pytestmark = pytest.mark.smoke
+
 
 def contents(folder):
     """Every file of a folder and its bytes; how long the live run has taken is its own to tell."""

@@ -19,6 +19,8 @@ from dubins_study.report.data.results import load
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError, read_part, rows_table
 from dubins_study.study.rows.schema import KEY, ROW, RUN_ID, names
 
+pytestmark = pytest.mark.smoke
+
 KEYS = names(KEY)
 TOLERANCE = 1e-4
 

@@ -26,6 +26,8 @@ from dubins_study.study.rows.manifest import (
     varied,
 )
 
+pytestmark = pytest.mark.smoke
+
 
 def test_a_clock_that_is_set_back_changes_no_duration():
     """Only `provenance.now` reads the wall clock, which names moments; durations are monotonic."""

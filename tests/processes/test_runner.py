@@ -27,6 +27,8 @@ from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
 
+pytestmark = pytest.mark.smoke
+
 SMALL = """
 title = "small"
 question = "does it run?"
@@ -233,6 +235,7 @@ class Raising(Slsqp):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_plugin_that_breaks_its_promise_spoils_no_other_row(small, tmp_path, jobs):
     plugin = tmp_path / "misfits.py"
@@ -281,6 +284,7 @@ class Warmed(Slsqp):
 """
 
 
+@pytest.mark.slow
 def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
     """After a failure, and across holes: from the last path that was found before."""
     plugin, file = tmp_path / "late.py", tmp_path / "sweep.toml"
@@ -309,6 +313,7 @@ def test_a_resumed_sweep_starts_where_an_unbroken_one_would(tmp_path):
         assert len(again) == 5
 
 
+@pytest.mark.slow
 def test_engines_whose_libraries_clash_share_no_worker(tmp_path):
     """SLEQP loads another HiGHS than highspy's: in one process HiGHS then answers nothing.
 

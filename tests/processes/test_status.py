@@ -13,6 +13,8 @@ from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.study.rows.parts import read_part, rows_table
 from dubins_study.study.rows.schema import RUN_ID
 
+pytestmark = pytest.mark.smoke
+
 CELLS = 10
 
 
@@ -170,6 +172,7 @@ def test_entries_that_no_run_writes(folder, entry, code):
     assert "\x1b" not in said.stdout + said.stderr
 
 
+@pytest.mark.slow
 def test_subsets_and_repeats_keep_count(tmp_path):
     """A run of one solver alone does not make the folder finished, nor forget the others."""
     experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))

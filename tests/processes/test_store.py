@@ -16,6 +16,8 @@ from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.parts import ARROW_SCHEMA, ResultsError
 from dubins_study.study.rows.schema import VERSION
 
+pytestmark = pytest.mark.smoke
+
 
 @pytest.fixture
 def folder(original, tmp_path):

@@ -5,23 +5,20 @@ Numba keeps the machine code beside the modules, in NUMBA_CACHE_DIR or in the us
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 from dubins_study.solvers.frame import solve_frame
-from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.route import search
 
 
 def compile_loops() -> None:
-    """Solve, judge and certify a small and a large frame, which take different loops; a route."""
-    for rows in (1, SMALL):
-        frame = pd.DataFrame({"x": np.zeros(rows), "y": 0.0, "heading": 0.0, "target_x": 3.0})
-        frame = frame.assign(target_y=1.0, radius=1.0)
-        for branch in ("best", "LS"):
-            solve_frame(frame, branch=branch, certified=True)
-        for branch in ("best", "LSL"):
-            solve_frame(frame.assign(final_heading=1.0), branch=branch, certified=True)
+    """Solve, judge and certify one leg of each kind by a frame; then search for a route."""
+    frame = pd.DataFrame({"x": [0.0], "y": 0.0, "heading": 0.0, "target_x": 3.0})
+    frame = frame.assign(target_y=1.0, radius=1.0)
+    for branch in ("best", "LS"):
+        solve_frame(frame, branch=branch, certified=True)
+    for branch in ("best", "LSL"):
+        solve_frame(frame.assign(final_heading=1.0), branch=branch, certified=True)
     search.compile_loops()
 
 

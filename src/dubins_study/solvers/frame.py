@@ -206,11 +206,12 @@ def _missing(kind: str, n: int) -> Any:
 def _controls(paths: Paths) -> tuple[Any, Any]:
     """Curvatures and lengths as list columns over two flat buffers; null where there is no path."""
     from dubins_study.study.closed_form.kernel import flatten
+    from dubins_study.study.closed_form.kernel_compile import loop_input
 
     n = len(paths)
     offsets = np.empty(n + 1, np.int64)
     flat = np.empty((2, paths.lengths.size + 1))
-    flatten(paths.curvatures, paths.lengths, offsets, *flat)
+    flatten(loop_input(paths.curvatures), loop_input(paths.lengths), offsets, *flat)
     missing: Any = None if paths.returned is None else pa.array(~paths.returned)
     bounds: Any = pa.array(offsets)
     curvatures, lengths = (

@@ -258,6 +258,7 @@ class Solver:
         summary: one line for `dubins-study solvers`.
         profiles: by the name of a profile, the settings that it changes.
         variants: specs of this solver that `dubins-study solvers` lists beside it.
+        always_named: settings that rows name even where they have their defaults.
         solve_frame: a method `solve_frame(frame, branch) -> FrameSolution` that answers a whole
             frame of scenarios at once, or None.
         presolve: whether questions are presolved for the solver (`solvers.presolve`); one that
@@ -273,6 +274,7 @@ class Solver:
     summary: ClassVar[str] = ""
     profiles: ClassVar[dict[str, dict[str, Any]]] = {}
     variants: ClassVar[tuple[str, ...]] = ()
+    always_named: ClassVar[tuple[str, ...]] = ()
     solve_frame: Callable[[pd.DataFrame, str], FrameSolution] | None = None
     presolve: bool = False
 

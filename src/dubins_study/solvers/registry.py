@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeGuard
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
-from dubins_study.study.values import did_you_mean
+from dubins_study.study.values import did_you_mean, number_of_text
 from dubins_study.study.words import NEEDS
 
 GROUP = "dubins_study.solvers"
@@ -153,12 +153,19 @@ def settings(solver: Solver) -> dict[str, Any]:
 
 
 def canonical(spec: str, profile: str = "default") -> str:
-    """The spec as rows write it: settings in their order, without those that the profile has."""
+    """The spec as rows write it: settings in their order, without those that the profile has.
+
+    Settings that the class lists in `always_named` are written whatever their values.
+    """
     name, given = _parse(spec)
     kind = _kind(name)
-    values = _convert(name, kind, given)
     defaults = settings(load(name, profile))
-    changed = [f"{k}={values[k]}" for k in defaults if k in values and values[k] != defaults[k]]
+    values = defaults | _convert(name, kind, given)
+    changed = [
+        f"{key}={value}"
+        for key, value in values.items()
+        if value != defaults[key] or key in kind.always_named
+    ]
     return f"{name}[{','.join(changed)}]" if changed else name
 
 
@@ -310,6 +317,8 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
             raise SolverError(f"solver {name!r} has no setting {key!r}; {near}it has: {known}")
         wanted = type(defaults[key])
         try:
+            if wanted in (int, float):
+                number_of_text(text)
             values[key] = _BOOLEANS[text.lower()] if wanted is bool else wanted(text)
         except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(

@@ -125,6 +125,7 @@ def test_a_contradiction_is_exit_code_1(change, named, monkeypatch):
     assert done.stdout == computed
 
 
+@pytest.mark.slow
 def test_published_routes(monkeypatch):
     """The published length that is not the shortest is named; another verdict is exit code 1."""
     done = asked("audit", "kaya")

@@ -269,3 +269,50 @@ def test_the_check_s_shorter_path_can_be_taken(tmp_path):
     assert (answer["verdict"], shortest["verdict"]) == ("longer", "optimal")
     assert answer["length"] > shortest["length"]
     assert line_of("shorter", text).startswith(f"{shortest['length']:.12g}, found by the check")
+
+
+def test_columns_that_are_passed_over_are_named(tmp_path, caplog):
+    """Headings at points are refused, since a path that ignores them would be no answer."""
+    file = tmp_path / "points.csv"
+    file.write_text("x,y,alt,heading,z\n4,1,120,,0\n6,-2,120,,0\n")
+
+    asked("solve", "--via-file", str(file), "--radius", "0.5")
+
+    assert "passed over, since points have no such column: alt, z" in caplog.text
+    file.write_text("x,y,heading\n4,1,90\n6,-2,\n")
+    with pytest.raises(DubinsStudyError, match="line 2: heading is '90': headings at points are"):
+        asked("solve", "--via-file", str(file))
+
+
+@pytest.mark.parametrize(
+    ("points", "radius", "odd"),
+    [
+        ("8.541,47.372\n8.545,47.374\n8.551,47.371\n", 40, True),  # degrees
+        ("0.2,0.1\n0.5,0.3\n1.9,1.1\n", 60, True),  # kilometres, the radius in metres
+        ("200.2,100.1\n200.3,100.1\n", 60, True),  # hardly a path
+        ("10,5\n-80,20\n", 25, False),
+        ("0.1,0\n0.2,0.1\n0.3,0.3\n", 1, False),
+        ("412,96\n430,99\n441,110\n", 40, False),
+    ],
+)
+def test_units_that_do_not_fit_are_said(points, radius, odd, tmp_path, caplog):
+    file = tmp_path / "points.csv"
+    file.write_text(f"x,y\n{points}")
+
+    asked("solve", "--via-file", str(file), "--radius", str(radius), "--time-limit", "1")
+
+    assert ("x, y and radius are taken to be in one unit" in caplog.text) == odd
+
+
+@pytest.mark.parametrize("text", ["1_000", "1_0.5"])
+def test_a_number_has_no_underscores(text, tmp_path):
+    """Python's `float` takes some of these."""
+    file = tmp_path / "points.csv"
+    file.write_text(f"x,y\n{text},2\n")
+
+    with pytest.raises(DubinsStudyError, match=f"line 2: x is '{text}'; expected a number"):
+        asked("solve", "--via-file", str(file))
+    for words in ((text, "2"), ("1", "2", "--radius", text), ("1", "2", "--via", text, "3")):
+        refused = asked("solve", *words)
+        assert refused.exit_code == 2
+        assert repr(text) in refused.stderr

@@ -8,7 +8,7 @@ from dubins_study.experiments.definition.experiment import ExperimentError, pack
 from dubins_study.experiments.plan import cells as cells_module
 from dubins_study.experiments.plan.cells import chains, shuffled
 from dubins_study.experiments.plan.solver_description import expand_solvers
-from dubins_study.solvers.registry import SolverError, load, registered
+from dubins_study.solvers.registry import SolverError, canonical, load, registered
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
@@ -129,7 +129,7 @@ def test_order_is_drawn_from_the_seed():
 
 
 def test_solver_patterns():
-    assert expand_solvers(["*", "slsqp"]) == registered()
+    assert expand_solvers(["*", "slsqp"]) == [canonical(name) for name in registered()]
     assert expand_solvers(["slsqp[model={words,joint}]"]) == ["slsqp", "slsqp[model=joint]"]
     assert expand_solvers(["slsqp[ftol={1e-6,1e-9},count={3,4}]"]) == [
         "slsqp[count=3,ftol=1e-06]",

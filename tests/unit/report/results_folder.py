@@ -100,6 +100,7 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
         **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
         **{"proves": None, "knows": "", "label": "", "via_x": None, "guesses": "one"},
         **{"floor_s": None, "subproblem_runs": None, "late": False, "elsewhere": False},
+        "started": "2026-12-01T00:00:00Z",
         "presolve": "presolve=True" in solver,
         **{"verdict": "optimal", "right": True, "claim": "local", "lower_bound": float("nan")},
         **{"false_claim": False, "false_bound": False, "wrong_basin": False},

@@ -98,6 +98,7 @@ def alike(one, two):
         pd.testing.assert_frame_equal(frame, given[name], check_exact=True)
 
 
+@pytest.mark.slow
 @FEW
 @given(attempts(), st.randoms(use_true_random=False), st.integers(1, 6))
 def test_any_split_in_any_order_is_the_whole(rows, random, parts):
@@ -172,6 +173,7 @@ def of_gaps(gaps):
     return pd.DataFrame({**base, "gap": gaps, "region": "outside", "wall_s": 1.0})
 
 
+@pytest.mark.slow
 def test_the_gap_profile_of_many_gaps_is_right_to_the_last_attempt(tmp_path):
     """Of 20 000 different gaps the share within each end is exact."""
     gaps = np.random.default_rng(0).lognormal(-12, 4, 20_000)

@@ -268,6 +268,7 @@ def test_what_the_bounds_do_not_decide_is_not_decided():
 ROUTES = [s for block in read("kaya").experiment.scenarios for s in scenarios(block, "kaya")]
 
 
+@pytest.mark.slow
 def test_one_published_length_is_not_the_shortest():
     """All others are correct roundings of lengths in intervals of a relative width of 1e-9."""
     records = routes.audit_routes(ROUTES)

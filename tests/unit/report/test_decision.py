@@ -158,6 +158,7 @@ def test_the_command_asks_what_the_run_was_asked(results, command, asked):
     )
 
 
+@pytest.mark.slow
 def test_the_command_on_the_page_of_a_file_of_scenarios_runs(tmp_path):
     """The page's line, with a solver and a folder filled in, asks the file's questions again."""
     file = tmp_path / "my s.csv"
@@ -283,6 +284,7 @@ def test_few_questions_choose_no_winner(load_rows, monkeypatch):
     assert "over 30 questions has" in comparison_section(enough).text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("title", "heading"), [("My trial", "My trial"), ("", "trial")])
 def test_the_heading_is_the_experiments(results, tmp_path, title, heading):
     """Title and question of one experiment; of several the report's."""

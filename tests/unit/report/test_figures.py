@@ -95,12 +95,14 @@ def curves(ax):
     return [line for line in lines if line.get_color() not in (RULE, INK)]
 
 
+@pytest.mark.slow
 def test_the_page_has_figures_of_many_topics(pictures):
     assert {"matrix", "comparison-profiles", "belief-claims", "times"} <= set(pictures)
     assert "convergence-outside" in pictures
     assert len(pictures) > 15
 
 
+@pytest.mark.slow
 def test_every_figure_fits_a_screen_and_says_what_its_axes_are(pictures):
     """A label at each axis or one for all; maps of named cells have names instead.
 
@@ -179,6 +181,7 @@ def of_many(folder):
     return {s.key: s for topic in TOPICS for s in sections_of(topic, results)}
 
 
+@pytest.mark.slow
 def test_no_panel_has_more_than_ten_methods(pictures, of_many):
     """Neither bars with names nor curves; maps alone have a line per engine."""
     for block in (*pictures.values(), *drawn_of(of_many.values())):
@@ -189,6 +192,7 @@ def test_no_panel_has_more_than_ten_methods(pictures, of_many):
             assert named <= MOST_ENGINES or ax.images, block.name
 
 
+@pytest.mark.slow
 def test_every_solver_stays_in_the_tables(of_many):
     summary = of_many["summary"].blocks[0].frame
 

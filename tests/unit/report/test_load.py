@@ -84,6 +84,23 @@ def _much(table):
     return table.set_column(place, "gap", pa.array(["much"] * table.num_rows))
 
 
+@pytest.mark.parametrize(
+    ("earlier", "current"),
+    [
+        ("nlp", "nlp[engine=trust-constr]"),
+        ("nlp[model=joint,tol=1e-06]", "nlp[engine=trust-constr,model=joint,tol=1e-06]"),
+        ("nlp[engine=uno]", "nlp[engine=uno]"),
+        ("route-nlp", "route-nlp"),
+    ],
+)
+def test_an_earlier_spec_asks_what_it_asked(results, earlier, current):
+    """Specs of `nlp` without an engine are of the time when its default was trust-constr."""
+    folder = results("paper", [attempt(paper_scenarios()[0], solver=earlier)])
+
+    assert set(read_manifest(folder).solvers) == {current}
+    assert load([folder]).rows["solver"].tolist() == [current]
+
+
 LATER = ["lower_bound", "subproblems", "evaluations", "presolved", "subproblem_s"]
 
 

@@ -167,6 +167,7 @@ def test_the_same_rows_give_the_same_bytes(results, tmp_path):
         assert (pages[0] / file).read_bytes() == (pages[1] / file).read_bytes(), file
 
 
+@pytest.mark.slow
 def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     """Labels, messages, solvers and manifest are text, in HTML, SVG, Markdown and TeX.
 
@@ -283,6 +284,7 @@ ODD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     "name",

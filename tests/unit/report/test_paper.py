@@ -197,7 +197,7 @@ def warm_rows():
             made.append(attempt(where, "slsqp", initial_guess=start, wall_s=time, iterations=work))
         made += [
             attempt(where, solver, initial_guess=start, iterations=iterations)
-            for solver, counts in (("shooting", (None, None)), ("nlp", (0, 3)))
+            for solver, counts in (("shooting", (None, None)), ("penalty", (0, 3)))
             for start, iterations in zip(("cold", "warm"), counts, strict=True)
         ]
         made.append(attempt(where, "never-warm"))
@@ -212,11 +212,11 @@ def test_ratios_by_hand(load_rows):
     results = load_rows("radius-sweep", warm_rows())
     table = warm_starts(results.rows).set_index("solver")
 
-    assert table.index.tolist() == ["ipopt", "nlp", "shooting", "slsqp"]
+    assert table.index.tolist() == ["ipopt", "penalty", "shooting", "slsqp"]
     assert table.loc["ipopt", ["questions", "ratio", "work"]].tolist() == pytest.approx(
         [5, 0.3, 0.5]
     )
-    assert table.loc[["shooting", "nlp"], "work"].isna().all()
+    assert table.loc[["shooting", "penalty"], "work"].isna().all()
     assert warm_section(results).blocks[0].name == "warm-starts"
     cold = [row for row in warm_rows() if row["initial_guess"] == "cold"]
     assert warm_section(load_rows("cold", cold)) is None

@@ -38,6 +38,7 @@ def test_every_letter_is_printed_or_named(text, printed):
     assert tex(text) == printed
 
 
+@pytest.mark.slow
 def test_letters_of_all_scripts_become_known_commands():
     """Every code point but the halves of pairs; the judge's list was written from TeX's books.
 

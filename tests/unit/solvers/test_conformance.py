@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import PAPER, question_for, scenarios
+from cases import PAPER, engine_params, question_for, scenarios
 from hypothesis import assume, given, settings
 
 from dubins_study.experiments.solve import solve
@@ -55,6 +55,7 @@ def test_every_entry_says_what_it_is():
         assert entry.reason is None or entry.reason.strip()
 
 
+@pytest.mark.many(8)
 @pytest.mark.parametrize(
     ("name", "branch"),
     [
@@ -67,7 +68,9 @@ def test_every_entry_says_what_it_is():
         if branch in load(name).branches
     ],
 )
-@pytest.mark.parametrize("problem", PAPER)
+@pytest.mark.parametrize(
+    "problem", engine_params(PAPER, ("problem 1", "problem 3", "problem 5, R=25"))
+)
 def test_paper_problems(name, branch, problem):
     answer = solve(PAPER[problem], name, branch)
 
@@ -111,6 +114,7 @@ def test_words_are_right_or_said_not_to_be(spec, branch, scenario):
         assert answer.gap < 1e-7 or branch != "best"
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("name", available_solvers())
 def test_a_branch_it_cannot_answer_is_a_row(name):
     for branch in set(BRANCHES) - set(load(name).branches):
@@ -142,6 +146,7 @@ TWO_ARCS = {
 }
 
 
+@pytest.mark.many(4)
 @pytest.mark.parametrize(
     ("scenario", "spec", "error"),
     [

@@ -127,20 +127,26 @@ def test_a_given_start_is_the_only_one():
     assert answer.verdict is Verdict.OPTIMAL
 
 
+# trust-constr takes seconds for a word without a path
+EASY_AND_HARD = ["nlp", pytest.param("nlp[engine=trust-constr]", marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("spec", EASY_AND_HARD)
 @pytest.mark.parametrize("target", [(1, 1), (0, 2), (-1, 1)])
 @pytest.mark.parametrize("branch", ["best", "LS"])
-def test_a_double_root_is_not_taken_for_infeasible(branch, target):
+def test_a_double_root_is_not_taken_for_infeasible(branch, target, spec):
     """On the left circle LS has no straight, and the violation is flat there without a gradient."""
-    answer = solve(Scenario(0, 0, 0, *target, 1), "nlp", branch)
+    answer = solve(Scenario(0, 0, 0, *target, 1), spec, branch)
 
     assert answer.claim is Claim.LOCAL
     assert answer.verdict is Verdict.OPTIMAL
 
 
-def test_a_far_target_is_met():
+@pytest.mark.parametrize("spec", EASY_AND_HARD)
+def test_a_far_target_is_met(spec):
     """A tolerance that grew with the distance would miss these, 10^4 to 10^5 radii away."""
     for x, y, heading in ((13994, -7553, -6.3204), (-28211, -12892, 0.4288), (-7e4, 8e4, 1)):
-        answer = solve(Scenario(0, 0, heading, x, y, 1), "nlp")
+        answer = solve(Scenario(0, 0, heading, x, y, 1), spec)
 
         assert answer.verdict is Verdict.OPTIMAL
         assert answer.miss < 1e-6

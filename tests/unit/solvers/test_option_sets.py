@@ -15,7 +15,7 @@ import casadi
 import numpy as np
 import pytest
 import scipy.optimize
-from cases import PAPER
+from cases import PAPER, engine_params
 
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
@@ -198,8 +198,9 @@ class _Parabola:
         return (free**2).sum(axis=0)
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("options", OPTION_SETS)
-@pytest.mark.parametrize("engine", names(SAMPLING, DERIVATIVE_FREE))
+@pytest.mark.parametrize("engine", engine_params(names(SAMPLING, DERIVATIVE_FREE)))
 def test_every_search_goes_downhill_with_every_set(engine, options):
     if ENGINES[engine].unavailable():
         pytest.skip("not installed")

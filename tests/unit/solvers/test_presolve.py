@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from cases import placed
+from cases import engine_params, placed
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -91,7 +91,7 @@ def test_turning_one_way_into_the_circle_is_not_called_the_word(name):
         assert not answer.false_claim or name == "multiple-shooting"
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", engine_params(ENGINES, ("ipopt", "multiple-shooting", "shooting")))
 @pytest.mark.parametrize("target", [(0.3, 0.8), pytest.param((-3, 0.5), marks=pytest.mark.slow)])
 def test_the_best_path_is_found_without_the_words_that_cannot_exist(name, target):
     """No shortest path is lost with them, and the answer is the engine's own."""

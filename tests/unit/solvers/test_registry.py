@@ -98,10 +98,13 @@ def test_settings_are_read_by_the_type_of_their_default():
         ("ipopt[tol=1e-8]", "accurate", "ipopt[tol=1e-08]"),
         ("ipopt[tol=1e-11]", "accurate", "ipopt"),
         ("slsqp[ftol=1e-5]", "fast", "slsqp[ftol=1e-05]"),
+        # `nlp` names its engine: what a row asked does not change with the default
+        ("nlp", "default", "nlp[engine=ipopt]"),
+        ("nlp[model=joint,engine=ipopt]", "fast", "nlp[engine=ipopt,model=joint]"),
     ],
 )
 def test_canonical_specs(spec, profile, written):
-    """Defaults are left out, and the order is that of the declaration."""
+    """Defaults are left out but for `always_named`, in the order of the declaration."""
     assert canonical(spec, profile) == canonical(written, profile) == written
     assert load(written, profile) == load(spec, profile)
 

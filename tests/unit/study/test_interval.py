@@ -189,7 +189,7 @@ def ends(interval: np.ndarray) -> list[fmpq]:
     return [mid + rad * part for part in (-1, fmpq(1, 3), 1)]
 
 
-@pytest.mark.parametrize("most", [1, 20, 165])
+@pytest.mark.parametrize("most", [*(pytest.param(n, marks=pytest.mark.slow) for n in (1, 20)), 165])
 def test_operations_hold_what_fractions_say(most):
     """Of all combinations of ends: middles from 10^-165 to 10^165, where products underflow."""
     rng, n = np.random.default_rng(most), 20_000

@@ -124,7 +124,9 @@ def test_the_limit_ends_a_search_with_its_interval():
     assert np.abs(leg_ends(route, points)[:, :2] - points[1:]).max() < 1e-6
 
 
-@pytest.mark.parametrize("boxes", [0, 100, 30_000, 60_000])
+@pytest.mark.parametrize(
+    "boxes", [0, 100, *(pytest.param(n, marks=pytest.mark.slow) for n in (30_000, 60_000))]
+)
 def test_so_many_boxes_end_a_search_with_one_interval(boxes):
     """Whatever the machine is doing, and nearer to the length than fewer of them."""
     points = random_route(0, 20, 0.3, 2.0)

@@ -352,7 +352,9 @@ def drawn(word, n):
     return boxes, all_least(word, boxes)
 
 
-@pytest.mark.parametrize("n", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "n", [40, *(pytest.param(n, marks=pytest.mark.slow) for n in (300, 10_000))]
+)
 @pytest.mark.parametrize(
     ("part", "word"), [(part, word) for part, words in PARTS.items() for word in words]
 )
@@ -381,6 +383,7 @@ DECIDES = {
 }
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("family", DECIDES)
 def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family):
     """With the slopes of the path in it, and of the conditions that end there."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import shlex
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,6 +25,7 @@ from dubins_study.experiments.definition.scenario_file import comment_on, read_s
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
+from dubins_study.solvers.registry import SolverError, load, ours, unavailable
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 from dubins_study.study.values import did_you_mean
@@ -174,8 +175,21 @@ def plan_run(request: Request) -> RunPlan:
     cell_chains = chains(file.experiment, problems)
     if problems:
         raise ExperimentError(refusal(file.path, problems, file.text))
+    if request.executor == "local":
+        _refuse_unavailable(request.solvers or (), file.experiment.profile)
     folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
     return RunPlan(file, folder, cell_chains)
+
+
+def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
+    """Refuse a spec none of whose solvers of ours can run here; a file's specs are recorded so."""
+    for spec in specs:
+        if spec == "*":
+            continue
+        named = expand_solvers([spec], profile)
+        reasons = [unavailable(load(each, profile)) if ours(each) else None for each in named]
+        if all(reasons):
+            raise SolverError(f"solver {spec!r} is unavailable: {reasons[0]}")
 
 
 # Keys of a block that say how its scenarios are asked.

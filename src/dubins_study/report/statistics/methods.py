@@ -239,7 +239,7 @@ def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
 
 
 # Columns that no comparison reads: every selection of rows would copy them.
-_UNREAD = [column.name for column in ROW if column.detail]
+_UNREAD = [column.name for column in ROW if column.detail and column.name != "started"]
 
 
 @once

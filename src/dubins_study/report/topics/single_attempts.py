@@ -96,9 +96,10 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
     most = _MOST_ATTEMPTS
+    paths: dict[tuple[Any, ...], dict[str, Any] | None] = {}
     while True:
         rows = sample(results, most)
-        content = packed(rows, {"solvers": _solvers(rows["solver"], results)})
+        content = packed(rows, {"solvers": _solvers(rows["solver"], results)}, paths)
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
@@ -198,19 +199,30 @@ _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *NUMBERS)
 _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
 # what a solver is made of stands once in the header
 _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
+_DRAWN = ["x", "y", "heading", "radius", VIA[0], "curvatures", "lengths"]  # what a drawing reads
 MOST_ARCS = 3  # paths of more arcs are embedded as points on a grid
 GRID = 4000  # steps along the larger side of their box; a drawing has some 1000 pixels
 _FEWEST_POINTS, _MOST_POINTS = 40, 160  # the most: a leg
 _ANGLE = 0.15  # rad between points in a turn
 
 
-def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
+def packed(
+    rows: pd.DataFrame,
+    more: Mapping[str, Any],
+    paths: dict[tuple[Any, ...], dict[str, Any] | None] | None = None,
+) -> bytes:
     """The attempts of `sample` as JSON.
 
     `count`; `texts` (column -> the texts that its numbers stand for, from 1; 0 is null); `columns`
     (column -> a number each row; `scenario` is a place in `scenarios`); `scenarios` (columns, with
     all digits; those of `ROUTE` where they are not empty); `paths` (`drawn`); and `more`.
+    Paths are taken from `paths`, by question and repeat; what is drawn is added there.
     """
+    known = {} if paths is None else paths
+    keys = list(rows[[*_QUESTION, "repeat"]].itertuples(index=False, name=None))
+    for key, row in zip(keys, rows[_DRAWN].to_dict("records"), strict=True):
+        if key not in known:
+            known[key] = drawn(row)
     texts: dict[str, list[str]] = {}
     columns: dict[str, list[Any]] = {}
     for name in _CODED:
@@ -230,7 +242,7 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
         "texts": texts,
         "columns": columns,
         "scenarios": scenarios,
-        "paths": [drawn(row) for row in rows.to_dict("records")],
+        "paths": [known[key] for key in keys],
         **more,
     }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

@@ -193,5 +193,8 @@ def _measure_rows(
             transversality = 0.0
         else:
             x, y, abnormal[i], H, margin = _pose_costates(heading[i], turn1, a, turn2, b, turn3, c)
-        measured[:, i] = x, y, H, margin, transversality, max(H, -margin), cut
+        # one by one: Numba compiles the assignment of a tuple to a column for two seconds
+        values = x, y, H, margin, transversality, max(H, -margin), cut
+        for row in range(len(values)):
+            measured[row, i] = values[row]
     return left

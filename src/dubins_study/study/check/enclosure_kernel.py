@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
@@ -41,7 +40,7 @@ from dubins_study.study.check.interval_kernel import (
     times,
     widened,
 )
-from dubins_study.study.closed_form.kernel import ScenarioArrays, chunk_bounds, chunks
+from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
@@ -81,10 +80,10 @@ def bound_rows(rows: ScenarioArrays | PoseArrays, branch: str = "best") -> Bound
     bounds = Bounds(np.empty(n), np.empty(n), np.empty(n, np.bool_))
     if isinstance(rows, PoseArrays):
         word = _BEST if branch == "best" else WORDS6.index(branch)
-        _bound_poses(n)(PoseArrays(*map(loop_input, rows)), word, bounds)
+        _bound_poses(n, PoseArrays(*map(loop_input, rows)), word, bounds)
     else:
         mirrored, scenarios = branch in ("RS", "LR"), ScenarioArrays(*map(loop_input, rows))
-        _bound_targets(n)(scenarios, _FORMS[branch], mirrored, bounds)
+        _bound_targets(n, scenarios, _FORMS[branch], mirrored, bounds)
     return bounds
 
 
@@ -226,16 +225,21 @@ def _of_form(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Shortest:
 
 
 @threaded
-def _bound_targets(scenarios: ScenarioArrays, form: int, mirrored: bool, bounds: Bounds) -> None:
+def _bound_targets(
+    begin: int,
+    end: int,
+    scenarios: ScenarioArrays,
+    form: int,
+    mirrored: bool,
+    bounds: Bounds,
+) -> None:
     x, y, heading, tx, ty, radius = scenarios
     low, high, left = bounds
-    for chunk in numba.prange(chunks(x.size)):
-        first, end = chunk_bounds(chunk, x.size)
-        for i in range(first, end):
-            X, Y, delta = _targets(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-            length, decided = _of_form(X, Y, form, mirrored)
-            low[i], high[i], useful = _ends_in_units(length, radius[i], delta)
-            left[i] = not (decided & useful & (abs(heading[i]) <= LARGEST_ANGLE))
+    for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
+        X, Y, delta = _targets(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+        length, decided = _of_form(X, Y, form, mirrored)
+        low[i], high[i], useful = _ends_in_units(length, radius[i], delta)
+        left[i] = not (decided & useful & (abs(heading[i]) <= LARGEST_ANGLE))
 
 
 # Legs with a given final heading
@@ -394,17 +398,15 @@ def _of_word(ends: _Ends, word: int) -> _Word:
 
 
 @threaded
-def _bound_poses(legs: PoseArrays, word: int, bounds: Bounds) -> None:
+def _bound_poses(begin: int, end: int, legs: PoseArrays, word: int, bounds: Bounds) -> None:
     x, y, heading, tx, ty, radius, final = legs
     low, high, left = bounds
-    for chunk in numba.prange(chunks(x.size)):
-        begin, end = chunk_bounds(chunk, x.size)
-        for i in range(begin, end):
-            ends = _ends(x[i], y[i], heading[i], tx[i], ty[i], radius[i], final[i])
-            found = _of_word(ends, word)
-            middle = 0.5 * (found.low + found.high)
-            length = Interval(middle, (0.5 * (found.high - found.low)) * GROWTH + TINY)
-            length = Interval(math.inf, 0.0) if found.low == math.inf else length
-            low[i], high[i], useful = _ends_in_units(length, radius[i], ends.delta)
-            sound = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
-            left[i] = not (found.decided & useful & sound)
+    for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
+        ends = _ends(x[i], y[i], heading[i], tx[i], ty[i], radius[i], final[i])
+        found = _of_word(ends, word)
+        middle = 0.5 * (found.low + found.high)
+        length = Interval(middle, (0.5 * (found.high - found.low)) * GROWTH + TINY)
+        length = Interval(math.inf, 0.0) if found.low == math.inf else length
+        low[i], high[i], useful = _ends_in_units(length, radius[i], ends.delta)
+        sound = (abs(heading[i]) <= LARGEST_ANGLE) & (abs(final[i]) <= LARGEST_ANGLE)
+        left[i] = not (found.decided & useful & sound)

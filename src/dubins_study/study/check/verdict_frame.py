@@ -11,7 +11,6 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -21,6 +20,7 @@ from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
 from dubins_study.study.check.verdict import ROUNDED, is_false, judge
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
+    CHUNK,
     NO_PATH,
     RATES,
     CodeArray,
@@ -140,7 +140,7 @@ def judge_frame(
     limits = _Limits(
         *(tolerances.miss, tolerances.curvature, tolerances.gap), _ALLOWED.get(branch, _OF_WORD)
     )
-    _judge_rows(n)(legs, *arcs, free, best, limits, result)
+    _judge_rows(n, legs, *arcs, free, best, limits, result)
     if paths.returned is not None:
         gone = ~paths.returned
         result.verdict[gone] = ODD
@@ -181,12 +181,12 @@ def _shortest(
     if free:
         rows = shortest_rows(*legs[:-1], branch=branch)
         result.reference_word[:] = rows.word
-        _describe(n)(legs, curvature, length, result)
+        _describe(n, legs, curvature, length, result)
         return _Best(rows.word, RATES, rows.length, rows.length, np.zeros(n, np.bool_))
     posed, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
     segments = np.stack([posed.first, posed.middle, posed.last])
     for lengths, words in ((length, result.word), (segments, result.reference_word)):
-        _name_rows(n)(posed.word, loop_input(lengths), legs.radius, words)
+        _name_rows(n, posed.word, loop_input(lengths), legs.radius, words)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
     return _Best(posed.word, SIDES, *bounds)
@@ -254,12 +254,17 @@ def _describe_exactly(
 
 @threaded
 def _describe(
-    legs: PoseArrays, curvature: FloatArray, length: FloatArray, result: FrameJudgement
+    begin: int,
+    end: int,
+    legs: PoseArrays,
+    curvature: FloatArray,
+    length: FloatArray,
+    result: FrameJudgement,
 ) -> None:
     """Write the regions and margins of targets, and the words of paths of two arcs."""
     x, y, heading, tx, ty, radius, _ = legs
     region, margin, word = result.region, result.margin, result.word
-    for chunk in numba.prange(chunks(x.size)):
+    for chunk in range(begin // CHUNK, chunks(end)):
         low, high = chunk_bounds(chunk, x.size)
         near = 0
         for i in range(low, high):
@@ -297,13 +302,18 @@ def _named(word: int, first: float, middle: float, last: float, radius: float) -
 
 
 @threaded
-def _name_rows(word: CodeArray, lengths: FloatArray, radius: FloatArray, names: CodeArray) -> None:
+def _name_rows(
+    begin: int,
+    end: int,
+    word: CodeArray,
+    lengths: FloatArray,
+    radius: FloatArray,
+    names: CodeArray,
+) -> None:
     """Write the names of words of `WORDS6` with segments of shape (3, n)."""
-    for chunk in numba.prange(chunks(radius.size)):
-        low, high = chunk_bounds(chunk, radius.size)
-        for i in range(low, high):
-            code = word[i] if word[i] < len(SIDES) else 0
-            names[i] = _named(code, lengths[0, i], lengths[1, i], lengths[2, i], radius[i])
+    for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
+        code = word[i] if word[i] < len(SIDES) else 0
+        names[i] = _named(code, lengths[0, i], lengths[1, i], lengths[2, i], radius[i])
 
 
 @inlined
@@ -368,6 +378,8 @@ def _judge_chunk(
 
 @threaded
 def _judge_rows(
+    begin: int,
+    end: int,
     legs: PoseArrays,
     curvature: FloatArray,
     lengths: FloatArray,
@@ -376,5 +388,5 @@ def _judge_rows(
     limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    for chunk in numba.prange(chunks(legs.x.size)):
+    for chunk in range(begin // CHUNK, chunks(end)):
         _judge_chunk(chunk, legs, curvature, lengths, free, best, limits, result)

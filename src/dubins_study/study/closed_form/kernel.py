@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -98,7 +97,7 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
     for shape in {array.shape for array in arrays} - {(n,)}:
         raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
     if branch == "best":
-        _best_rows(n)(scenarios, rows)
+        _best_rows(n, scenarios, rows)
     elif branch in BRANCHES:
         word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
@@ -260,8 +259,8 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
 
 
 @threaded
-def _best_rows(scenarios: ScenarioArrays, rows: Rows) -> None:
-    for chunk in numba.prange(chunks(scenarios.x.size)):
+def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> None:
+    for chunk in range(begin // CHUNK, chunks(end)):
         if _best_chunk(chunk, scenarios, rows):
             _finish_chunk(chunk, scenarios, rows)
 

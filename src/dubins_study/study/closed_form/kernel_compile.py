@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import os
+import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -22,48 +23,55 @@ from numpy.typing import ArrayLike
 from dubins_study.study.path import FloatArray
 
 _PACKAGE = __package__.split(".")[0]
-SMALL = 32768  # rows; below, waking a thread costs more than it saves
+SMALL = 32768  # rows; below, starting a thread costs more than it saves
+PIECE = 4096  # rows: a thread gets a multiple of this
+PIECES = 4  # a thread, so that all end at nearly the same time
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Loop = Callable[..., Any]  # over arrays that callers unpack: no checker could count them
 
 
-# What is compiled, by the module of its caller, and how long that takes (s of one core of a
-# server of 2026): only what a call needs, once after each installation.
-_COMPILED = {
-    "route.": "the search of routes: some 15 s",
-    "closed_form.kernel": "the closed form of frames: some 4 s",
-    "closed_form.pose_kernel": "the closed form of frames with final headings: some 6 s",
-    "check.verdict_frame": "the check of frames: some 5 s",
-    "check.": "certificates of frames: some 10 s",
+# What is compiled, by the package or module that it is in, and about how many seconds that takes.
+# It is said on stderr before the first loop that no cache holds: silence looks like a fault.
+_PARTS = {
+    "study.route": ("the search for routes", 15),
+    "study.closed_form.pose_kernel": ("the loops over legs with a final heading", 15),
+    "study": ("the loops over legs with a free final heading", 15),
 }
 
 
 class _Announcement(event.Listener):
-    """Logs a warning before each group of loops that no cache holds is compiled."""
+    """Logs a warning before the loops of a part are compiled."""
 
     def __init__(self) -> None:
         self.announced: set[str] = set()
-        self.depth = 0  # a function's callees are compiled while it is
 
     def on_start(self, compiling: event.Event) -> None:
-        self.depth += 1
         module = compiling.data["dispatcher"].py_func.__module__
-        within = module.removeprefix(f"{_PACKAGE}.study.")
-        text = next((text for start, text in _COMPILED.items() if within.startswith(start)), None)
-        if text is None or text in self.announced or self.depth > 1:
+        part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
+        # the check of rows is compiled with the loops over them, of whichever legs
+        said = self.announced - {"study.route"} if part == "study" else self.announced & {part}
+        if part is None or said:
             return
-        self.announced.add(text)
-        # on stderr where logging is not set up: some seconds of silence look like a fault
-        logging.getLogger(__name__).warning("compiling %s, once after each installation", text)
+        self.announced.add(part)
+        loops, seconds = _PARTS[part]
+        logging.getLogger(__name__).warning(
+            f"compiling {loops}: about {seconds} s, once after each installation"
+        )
 
     def on_end(self, compiled: event.Event) -> None:
-        self.depth -= 1
+        """Nothing is logged when it is done."""
 
 
 event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call]
 
-_FILES = sorted(Path(__file__).parents[1].rglob("*.py"))
+# the sources that a loop can call or take a constant from
+_STUDY = Path(__file__).parents[1]
+_FILES = sorted(
+    file
+    for folder in (_STUDY, _STUDY / "closed_form", _STUDY / "route", _STUDY / "check")
+    for file in folder.glob("*.py")
+)
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 
 
@@ -107,23 +115,10 @@ def separate(function: Function) -> Function:
 
 def compiled(function: Loop) -> Loop:
     """Compiled by Numba for one thread."""
-    return _kept(function, {})
-
-
-def threaded(function: Loop) -> Callable[[int], Loop]:
-    """Compiled by Numba with its `numba.prange` shared out among threads, and for one thread.
-
-    Returns the function that chooses between the two by the number of rows.
-    """
-    threads, alone = _kept(function, {"parallel": True}), _kept(function, {})
-    return lambda n: threads if n >= SMALL and may_use_threads() else alone
-
-
-def _kept(function: Loop, options: dict[str, Any]) -> Loop:
     # Numba's cache is keyed by this name and by the function's own file. What is inlined,
     # and every constant, may come from another: without a digest of them a change would go unseen.
     function.__qualname__ += f"_{_SOURCES}"
-    options |= {"error_model": "numpy", "nogil": True}
+    options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
     function = _with_callees(function)
     try:
         return cast(Loop, numba.njit(cache=True, **options)(function))
@@ -131,23 +126,27 @@ def _kept(function: Loop, options: dict[str, Any]) -> Loop:
         return cast(Loop, numba.njit(**options)(function))
 
 
-class _Threads:
-    ran = False
-    lost = False
+def threaded(function: Loop) -> Loop:
+    """Compiled by Numba for the rows from one to before another, which threads share.
 
-
-def _after_fork() -> None:
-    _Threads.lost = _Threads.ran
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_after_fork)
-
-
-def may_use_threads() -> bool:
-    """Whether loops may run in several threads; to be asked right before running one.
-
-    Not in a child forked from a process whose threads ran: GNU OpenMP ends it on the spot.
+    The function's first arguments are these two rows; the first is a multiple of `PIECE`. Returns
+    the function of the number of rows and the other arguments. Threads of Python's own need no
+    second version of the loop, and a forked child may start them.
     """
-    _Threads.ran = True
-    return not _Threads.lost
+    loop = compiled(function)
+
+    def run(n: int, *arguments: Any) -> None:
+        threads = int(vars(numba.config)["NUMBA_NUM_THREADS"])
+        if n < SMALL or threads == 1:
+            loop(0, n, *arguments)
+            return
+        rows = PIECE * math.ceil(n / (PIECE * PIECES * threads))
+        with ThreadPoolExecutor(threads) as pool:
+            asked = [
+                pool.submit(loop, begin, min(begin + rows, n), *arguments)
+                for begin in range(0, n, rows)
+            ]
+            for piece in asked:
+                piece.result()
+
+    return run

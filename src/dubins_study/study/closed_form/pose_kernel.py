@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -66,7 +65,8 @@ class PoseRows(NamedTuple):
 
     def curvatures(self, radius: FloatArray) -> FloatArray:
         """Curvatures of the three segments (1 / length unit), shape (3, n)."""
-        curved: FloatArray = SIDES.T[:, np.where(self.word == NO_PATH, 0, self.word)] / radius
+        word = np.where(self.word == NO_PATH, 0, self.word)
+        curved: FloatArray = np.ascontiguousarray(SIDES.T)[:, word] / radius
         return curved
 
 
@@ -74,8 +74,7 @@ class PoseRows(NamedTuple):
 SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
-# rows: what a block reads and writes stays in the first-level cache, and a chunk has one scratch
-_BLOCK, _CHUNK = 512, 4096
+_BLOCK = 512  # rows; what a block reads and writes stays in the first-level cache
 Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
 _PI, _TWO_PI = math.pi, 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
@@ -110,7 +109,7 @@ def pose_rows(*columns: ArrayLike, branch: str = "best", out: PoseRows | None = 
     for shape in {array.shape for array in arrays} - {(n,)}:
         raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
     if branch == "best":
-        _best_rows(n)(legs, rows)
+        _best_rows(n, legs, rows)
     elif branch in WORDS6:
         _word_rows(legs, WORDS6.index(branch), rows)
     else:
@@ -357,14 +356,11 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 
 
 @threaded
-def _best_rows(legs: PoseArrays, rows: PoseRows) -> None:
-    n = legs.x.size
-    for chunk in numba.prange((n + _CHUNK - 1) // _CHUNK):
-        scratch, waiting = np.empty((7, _BLOCK)), np.empty(_BLOCK, np.int64)
-        last = min((chunk + 1) * _CHUNK, n)
-        for begin in range(chunk * _CHUNK, last, _BLOCK):
-            end = min(begin + _BLOCK, last)
-            if _best_block(begin, end, legs, rows, scratch, waiting):
-                for i in range(begin, end):
-                    if not rows.length[i] <= _LARGEST:
-                        _exactly(i, -1, legs, rows)
+def _best_rows(begin: int, end: int, legs: PoseArrays, rows: PoseRows) -> None:
+    scratch, waiting = np.empty((7, _BLOCK)), np.empty(_BLOCK, np.int64)
+    for low in range(begin, end, _BLOCK):
+        high = min(low + _BLOCK, end)
+        if _best_block(low, high, legs, rows, scratch, waiting):
+            for i in range(low, high):
+                if not rows.length[i] <= _LARGEST:
+                    _exactly(i, -1, legs, rows)

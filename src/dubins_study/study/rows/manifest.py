@@ -8,9 +8,17 @@ from pathlib import Path as FilePath
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, field_serializer
+from pydantic import (
+    AfterValidator,
+    AliasChoices,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_serializer,
+)
 
-from dubins_study.study.rows.parts import ResultsError, os_errors_as
+from dubins_study.study.rows.parts import ResultsError, current_spec, os_errors_as
 from dubins_study.study.rows.schema import VERSION
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import plain, printable_values
@@ -18,6 +26,7 @@ from dubins_study.study.values import plain, printable_values
 MANIFEST = "manifest.json"
 # Beyond 10^15 a float is no longer exact.
 Count = Annotated[int, Field(ge=0, le=10**15)]
+Spec = Annotated[str, AfterValidator(current_spec)]
 
 
 class _Record(BaseModel):
@@ -61,7 +70,7 @@ class MatrixEntry(_Record):
     formulation: str
     engine: str
     kind: str = ""
-    spec: str | None = None
+    spec: Spec | None = None
     reason: str | None = None
 
 
@@ -160,7 +169,7 @@ class Manifest(_Record):
     gap_tolerance: Annotated[float, Field(gt=0)] = Tolerances().gap
     cells: Count
     matrix: list[MatrixEntry] = []
-    solvers: dict[str, SolverEntry] = {}
+    solvers: dict[Spec, SolverEntry] = {}
     versions: dict[str, Any] = {}
     machine: dict[str, Any] = {}
     git: dict[str, Any] = {}

@@ -64,6 +64,18 @@ def row_path(row: Mapping[str, Any]) -> Path | None:
     return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
 
 
+# The default engine of `nlp` as long as specs of it did not name their engine, until 1.0.0.
+_EARLIER_ENGINE = "engine=trust-constr"
+
+
+def current_spec(spec: str) -> str:
+    """The spec that asks today what a spec in an old folder asked."""
+    name, bracket, settings = spec.partition("[")
+    if name != "nlp" or settings.startswith("engine="):
+        return spec
+    return f"{name}[{_EARLIER_ENGINE},{settings}" if bracket else f"{name}[{_EARLIER_ENGINE}]"
+
+
 PARTS = "parts"
 BATCH_ROWS = 2**17
 # Threads take longer to start than such a part takes to read.
@@ -126,7 +138,7 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
         while (batch := _next(file, batches)) is not None:
             rows += len(batch)
             arrays = [
-                _cast(file, batch.column(name), ARROW_SCHEMA.field(name))
+                _read_column(file, batch.column(name), ARROW_SCHEMA.field(name))
                 if name in stored
                 else pa.nulls(len(batch), ARROW_SCHEMA.field(name).type)
                 for name in wanted
@@ -196,14 +208,24 @@ def _column_problem(columns: Sequence[str]) -> str | None:
     return None if len(columns) == len(set(columns)) else "it has a column twice"
 
 
-def _cast(file: FilePath, column: pa.Array[Any], field: pa.Field[Any]) -> pa.Array[Any]:
+def _read_column(file: FilePath, column: pa.Array[Any], field: pa.Field[Any]) -> pa.Array[Any]:
     try:
-        return column.cast(field.type)
+        values = column.cast(field.type)
+        return _current_specs(values) if field.name == "solver" else values
     except pa.ArrowException:
         raise ResultsError(
             f"{file} cannot be read: column {field.name!r} holds {column.type}; expected "
             f"{field.type}"
         ) from None
+
+
+def _current_specs(column: Any) -> Any:
+    specs = column.dictionary_encode()
+    texts = specs.dictionary.to_pylist()
+    current = pa.array(
+        [None if text is None else current_spec(text) for text in texts], column.type
+    )
+    return pa.DictionaryArray.from_arrays(specs.indices, current).cast(column.type)
 
 
 def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:

@@ -1,0 +1,23 @@
+"""Unit tests start no process: they ask our own solvers in their own."""
+
+import pytest
+
+from dubins_study.experiments import solve as asking
+from dubins_study.solvers.registry import ours
+
+
+@pytest.fixture(autouse=True, scope="package")
+def _asked_here():
+    """A worker would load a solver's libraries anew for each question: a second for cvxpy.
+
+    `tests/processes` has the tests of workers and of limits.
+    """
+    in_worker = asking._in_worker
+
+    def here(spec, profile, isolated, *, frames=False):
+        chosen = False if isolated is None and ours(spec) else isolated
+        return in_worker(spec, profile, chosen, frames=frames)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(asking, "_in_worker", here)
+        yield
