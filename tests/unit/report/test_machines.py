@@ -37,7 +37,7 @@ def folders(tmp_path):
     return [
         folder_of(tmp_path, "benchmark", "slsqp", OURS, SLOW_S),
         folder_of(tmp_path, "benchmark", "ipopt", OURS, RIVAL_S),
-        folder_of(tmp_path, "benchmark", "nlp", THEIRS, QUICK_S),
+        folder_of(tmp_path, "benchmark", "shooting", THEIRS, QUICK_S),
     ]
 
 
@@ -50,13 +50,13 @@ def test_times_of_another_machine_rank_nothing(folders):
     evidence = Evidence(attempts)
 
     assert medians[["slsqp", "ipopt"]].tolist() == [SLOW_S, RIVAL_S]
-    assert pd.isna(medians["nlp"])
+    assert pd.isna(medians["shooting"])
     assert surest(attempts.rows)["solver"].tolist() == ["slsqp"]
     assert best_methods(summary, ["formulation"])["solver"].tolist() == ["slsqp"]
     assert set(times(attempts).columns) == {"slsqp", "ipopt"}
-    assert set(evaluations(attempts).columns) == {"slsqp", "ipopt", "nlp"}
+    assert set(evaluations(attempts).columns) == {"slsqp", "ipopt", "shooting"}
     assert evidence.time_ratio("ipopt", "slsqp").value == pytest.approx(RIVAL_S / SLOW_S)
-    assert evidence.time_ratio("nlp", "slsqp") is None
+    assert evidence.time_ratio("shooting", "slsqp") is None
     assert summary.set_index("solver")["right"].eq(len(QUESTIONS)).all()
 
 
@@ -67,9 +67,9 @@ def test_times_of_another_machine_are_shown(folders):
     (line,) = table.frame.to_dict("records")
     shown = sample(results, most=1000).groupby("solver")["wall_s"].median()
 
-    assert (line["solver"], line["machine"]) == ("nlp", THEIRS)
+    assert (line["solver"], line["machine"]) == ("shooting", THEIRS)
     assert (line["timed"], line["wall_s"]) == (len(QUESTIONS), QUICK_S)
-    assert shown.to_dict() == {"slsqp": SLOW_S, "ipopt": RIVAL_S, "nlp": QUICK_S}
+    assert shown.to_dict() == {"slsqp": SLOW_S, "ipopt": RIVAL_S, "shooting": QUICK_S}
 
 
 def test_the_first_folder_says_which_machine_is_ours(folders):
@@ -77,7 +77,7 @@ def test_the_first_folder_says_which_machine_is_ours(folders):
     turned, alone = load(folders[::-1]), load(folders[2:])
 
     assert set(turned.elsewhere["solver"]) == {"slsqp", "ipopt"}
-    assert turned.rows.groupby("solver")["wall_s"].median()["nlp"] == QUICK_S
+    assert turned.rows.groupby("solver")["wall_s"].median()["shooting"] == QUICK_S
     assert len(alone.elsewhere) == 0
     assert len(runs_section(alone).blocks) == 1
 
