@@ -165,6 +165,11 @@ NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
     ("docs/submit.md", "dubins-study run"): "two suites take an hour; of a solver of the reader's",
     ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
+    ("docs/plugins.md", "from dubins_study import load_results"): "reads the committed rows",
+    (
+        "docs/plugins.md",
+        "dubins-study run benchmark-route",
+    ): "tests/unit/experiments/test_scenario_file.py plans a sample of this suite",
     ("docs/tutorial.md", "pip install ."): "installs; tests/processes/test_wheel.py does the same",
     ("docs/scaling.md", "dask ssh "): "needs several hosts",
     ("docs/scaling.md", "from distributed import SSHCluster"): "needs several hosts",
