@@ -82,6 +82,15 @@ def test_the_first_folder_says_which_machine_is_ours(folders):
     assert len(runs_section(alone).blocks) == 1
 
 
+def test_failures_of_another_machine_are_no_times(tmp_path, folders):
+    """They count as failures in shares; in a table of times they would cost our limit."""
+    gone = [lost(question, "disjunctive", machine=THEIRS, guesses="one") for question in QUESTIONS]
+    attempts = compared(load([*folders, write_folder(tmp_path / "gone", "benchmark", gone)]))
+
+    assert set(times(attempts).columns) == {"slsqp", "ipopt"}
+    assert attempts.rows.query("solver == 'disjunctive'")["right"].eq(False).all()
+
+
 def test_a_late_answer_of_another_machine_is_late(tmp_path, folders):
     """Its own clock and its own limit decide, and its time is still not ours."""
     late = folder_of(tmp_path, "benchmark", "trust-constr", THEIRS, 3.0, time_limit_s=2.0)
