@@ -9,7 +9,7 @@ from dubins_study import run
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.plan.solver_description import describe_solver
-from dubins_study.solvers.registry import SolverError, load, registered
+from dubins_study.solvers.registry import SolverError, canonical, load, registered
 
 pytestmark = pytest.mark.smoke
 
@@ -27,7 +27,7 @@ class Plain(Slsqp):
 def test_our_own_are_described_as_they_are(spec):
     found, solver = describe_solver(spec), load(spec)
 
-    assert found.spec == spec
+    assert found.spec == canonical(spec)
     assert found.code_digest == code_digest(spec)
     assert found.warm == solver.warm
     assert found.packages == solver.packages

@@ -87,6 +87,7 @@ def test_equal_elements_gain_with_their_number(spec):
     assert TINY[spec] < fine < coarse / 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(5, 1, 0.7), (-3, 0, 0), (-0.2, 0.6, 0)])
 @pytest.mark.parametrize(
     ("spec", "steps", "factor"),
@@ -125,6 +126,7 @@ def test_a_useless_warm_start_does_no_harm(spec, curvature, length):
     assert answer.verdict is Verdict.OPTIMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spec", "limit"),
     [
@@ -159,7 +161,7 @@ def one_sided(X, Y):
 
 
 @pytest.mark.parametrize(("X", "Y"), INSIDE)
-@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("side", [1, pytest.param(-1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["turn-rates", "collocation", "multiple-shooting", "turn-rate-qp"])
 def test_no_claim_about_the_word(name, side, X, Y):
     """With rates on one side a path exists, so whoever calls that infeasible has failed.
