@@ -11,7 +11,7 @@ from functools import cache
 import numba
 import numpy as np
 import pytest
-from cases import driven, engine_params
+from cases import driven
 
 from dubins_study.study.closed_form.pose_kernel import pose_rows
 from dubins_study.study.route import csc_bound as csc
@@ -352,6 +352,7 @@ def drawn(word, n):
     return boxes, all_least(word, boxes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "n", [40, *(pytest.param(n, marks=pytest.mark.slow) for n in (300, 10_000))]
 )
@@ -383,7 +384,8 @@ DECIDES = {
 }
 
 
-@pytest.mark.parametrize("family", engine_params(DECIDES, ("LSL", "LRL")))
+@pytest.mark.slow
+@pytest.mark.parametrize("family", DECIDES)
 def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family):
     """With the slopes of the path in it, and of the conditions that end there."""
     n = 600  # two quantiles need no more

@@ -136,7 +136,7 @@ def threaded(function: Loop) -> Loop:
     loop = compiled(function)
 
     def run(n: int, *arguments: Any) -> None:
-        threads = numba.config.NUMBA_NUM_THREADS
+        threads: int = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
         if n < SMALL or threads == 1:
             loop(0, n, *arguments)
             return
