@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import sys
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -66,10 +67,19 @@ SLOW_PLACES = (
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("--slow"):
         return
+    many: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
         in_slow_place = item.nodeid.startswith(SLOW_PLACES) and "smoke" not in item.keywords
         if in_slow_place or "slow" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="slow; run with --slow"))
+        elif "many" in item.keywords:
+            many[item.nodeid.partition("[")[0]].append(item)
+    for alike in many.values():
+        (few,) = alike[0].get_closest_marker("many").args
+        kept = {round(place * len(alike) / few) for place in range(few)}
+        for place, item in enumerate(alike):
+            if place not in kept:
+                item.add_marker(pytest.mark.skip(reason="one of many; run with --slow"))
 
 
 @pytest.hookimpl(optionalhook=True)

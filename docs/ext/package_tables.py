@@ -10,12 +10,13 @@ from markdown_text import code, prose, table
 
 from dubins_study.conformance.checks import TITLES
 from dubins_study.experiments.definition.experiment import packaged, read
+from dubins_study.solvers.answers import STATUSES
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
 from dubins_study.study.rows import schema
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import DERIVATIVE_FREE, QP, SAMPLING
+from dubins_study.study.words import DERIVATIVE_FREE, QP, SAMPLING, Claim
 
 # An item of `Args:` in a docstring: names, a colon, and what they mean.
 _ITEM = re.compile(r"^ {4}([a-z_0-9]+(?:, [a-z_0-9]+)*): (.*(?:\n {8}.*)*)", re.M)
@@ -137,6 +138,16 @@ def options_table(kind: str) -> str:
     return table(("`engine=`", "set", "options", "why"), rows)
 
 
+def statuses_table() -> str:
+    """What each engine's own statuses claim; all others are `failed`."""
+    claims = [Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE, Claim.INFEASIBLE, Claim.LIMIT]
+    rows = []
+    for engine, statuses in STATUSES.items():
+        texts = [", ".join(map(code, statuses.get(claim, ()))) or "–" for claim in claims]
+        rows.append((code(engine), *texts))
+    return table(("statuses of", *map(code, claims)), rows)
+
+
 def checks_table() -> str:
     """What the conformance kit checks."""
     return table(
@@ -153,4 +164,5 @@ SOURCES: dict[str, Callable[..., str]] = {
     "checks": checks_table,
     "engine-names": engine_names,
     "engine-options": options_table,
+    "statuses": statuses_table,
 }

@@ -122,6 +122,7 @@ def _swapped(judged: Any) -> Any:
 
 
 @pytest.mark.smoke
+@pytest.mark.many(4)
 @pytest.mark.parametrize("check", SPOILT)
 def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A result altered by little, or by one flag, is a counterexample of its check."""

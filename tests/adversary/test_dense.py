@@ -44,6 +44,7 @@ def test_dense_tracks_have_sane_routes(seed, limit):
     asked(seed, limit)
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("seed", [5, 7, 15])
 def test_more_effort_makes_no_path_longer(seed):
     """The search does the same work in the same order, and keeps the best route."""

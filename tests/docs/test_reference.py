@@ -19,10 +19,11 @@ from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.report.page.glossary import GLOSSARY, WORDS
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.report.topics.findings import FINDINGS
-from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.convex.engines import ENGINES as CONVEX
+from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.registry import load, settings
 from dubins_study.study.rows.manifest import read_manifest
-from dubins_study.study.words import Claim, Outcome, Proof, Verdict
+from dubins_study.study.words import NLP, PROVEN, QP, ROOTS, Claim, Outcome, Proof, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
 ROOT = DOCS.parent
@@ -239,6 +240,17 @@ def test_the_page_of_engines_lists_the_options_that_solvers_use(generator, kind)
         for chosen in ("default", "equal", "tuned"):
             page_says = every | shown[name].get(chosen, {})
             assert page_says == {key: str(value) for key, value in options.of(chosen).items()}
+
+
+def test_the_page_of_engines_says_what_each_is_given(generator):
+    """A line for every engine but searches, which have one together; and every status's claim."""
+    page = (DOCS / "engines.md").read_text(encoding="utf-8")
+    section = page.split("(what-an-engine-is-given)=")[1].split("(what-a-status-claims)=")[0]
+    engines = {*names(NLP, PROVEN, QP, ROOTS), *CONVEX}
+
+    assert {name for name in engines if f"`{name}`" not in section} == set()
+    table = generator("package_tables").statuses_table()
+    assert all(f"`{status}`" in table for status in ("Solved", "kTimeLimit", "INFEASIBLE"))
 
 
 TEXT = (DOCS / "architecture.md").read_text(encoding="utf-8")

@@ -197,6 +197,7 @@ def run_pages() -> list[object]:
     return [pytest.param(p, marks=[pytest.mark.slow] if p in SLOW else []) for p in pages]
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("page", run_pages())
 def test_what_a_page_shows_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Block by block in one new folder; outputs are compared where the page shows them."""

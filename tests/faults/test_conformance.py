@@ -19,6 +19,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("name", HOSTILE)
 def test_whatever_a_plugin_does_is_a_finding(name):
     check, words = HOSTILE[name]

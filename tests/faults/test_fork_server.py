@@ -56,6 +56,7 @@ def call(folder, solver, before, pause="pass"):
     return json.loads(ended.stdout.splitlines()[-1]), left_behind(mark)
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("before", [False, True])
 def test_the_callers_own_processes_end_at_sigterm(tmp_path, before):
     """Whether their fork server was started before the run or after it."""
@@ -79,6 +80,7 @@ class Noted(Daemon):
 """
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("before", [False, True])
 def test_orphans_end_with_the_run(tmp_path, before):
     """Not only when the caller ends: it says itself which of the noted processes still run."""

@@ -13,8 +13,8 @@ from tests.faults.launch import lasting, study
 RUNS = [
     pytest.param((kind, jobs), marks=[pytest.mark.slow] * slow, id=f"{kind}, {jobs} jobs")
     for kind, jobs, slow in (
-        *(("quick", 2, False), ("quick", 1, True), ("endless", 2, False)),
-        *(("greedy", 2, False), ("stuck", 2, True)),
+        *(("quick", 2, False), ("quick", 1, True), ("endless", 2, True)),
+        *(("greedy", 2, True), ("stuck", 2, True)),
     )
 ]
 EACH = [

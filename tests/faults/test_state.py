@@ -49,6 +49,7 @@ def test_the_witness_would_see_it(name):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+@pytest.mark.slow
 def test_every_row_is_there(tainted):
     ended, found = tainted
 
@@ -139,6 +140,7 @@ BEFORE = [
 ]
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(("what", "where"), BEFORE)
 def test_plugins_that_go_wrong_before_they_are_asked(tmp_path, clean, what, where):
     """Refused with one message, or a row of each cell; never a run that dies or hangs."""

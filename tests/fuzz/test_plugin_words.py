@@ -59,6 +59,7 @@ def test_words_of_rows_are_shown_as_text(made, name, tmp_path_factory):
     check_report(folder / "report")
 
 
+@pytest.mark.slow
 def test_a_rude_plugin_is_quoted(tmp_path):
     """It is asked for real, once; its words come through escaped, and JSON stays JSON."""
     text = "".join(word for word in HOSTILE if MARK in word)

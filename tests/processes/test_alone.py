@@ -82,6 +82,7 @@ def test_what_loads_nothing_heavy(program, heavy):
     assert not loaded_by(program) & heavy
 
 
+@pytest.mark.slow
 def test_every_public_name_is_there_when_asked_for():
     loaded_by("import dubins_study as d; [getattr(d, name) for name in d.__all__]")
 
@@ -94,6 +95,7 @@ def test_a_run_without_streams_loads_no_numba(tmp_path):
     assert "numba" not in loaded_by(f"from dubins_study import run; {program}")
 
 
+@pytest.mark.slow
 def test_no_solver_but_the_closed_form_loads_the_answer_or_the_check():
     """Not even by an import that no source names, on a question without a path."""
     answers = ("dubins_study.study.closed_form", "dubins_study.study.check")
@@ -118,6 +120,7 @@ def test_an_engine_loads_no_other_engines_package(name):
     assert loaded & packages == set(ENGINES[name].packages)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_an_engine_in_a_process_of_its_own(name):
     """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""

@@ -64,6 +64,7 @@ def test_every_row_names_its_formulation_engine_and_guess(table):
     assert not set(table["engine"]) & LICENSED
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("share", [0.03, pytest.param(1, marks=pytest.mark.slow)])
 def test_its_verdicts_are_what_the_check_says_today(table, share):
     """A share of the first repeats, judged and certified again from the stored controls."""

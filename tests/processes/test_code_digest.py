@@ -131,6 +131,7 @@ class Mine(Slsqp):
 """
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize(
     ("text", "same"),
     [

@@ -65,6 +65,7 @@ def test_a_plugin_that_breaks_where_it_is_loaded_is_a_message(tmp_path, text, me
         describe_solver(f"{file}:X")
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize(
     ("where", "spec"),
     [

@@ -56,6 +56,7 @@ def test_one_within_another_knows_what_was_asked_before():
     assert seen == [True]
 
 
+@pytest.mark.slow
 def test_other_threads_are_left_alone(experiment, tmp_path):
     """Python handles no signals there; a run must not try."""
     before, folders = signal.getsignal(signal.SIGINT), []
@@ -67,6 +68,7 @@ def test_other_threads_are_left_alone(experiment, tmp_path):
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.slow
 def test_a_run_interrupted_after_its_last_cell_is_finished_by_the_next(experiment, tmp_path):
     def last(cells, total):
         if cells == total:

@@ -76,6 +76,7 @@ def asked(folder, plugins, name, *others):
     return run(folder / "isolation.toml", folder / "out", solvers=[spec, *others])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Patches", "Slips", "Forgets", "Leaks", "OpensFiles"])
 def test_every_row_is_right(tmp_path, name):
     rows = read_rows(asked(tmp_path, PLUGINS, name, "slsqp")).to_pandas()
@@ -85,6 +86,7 @@ def test_every_row_is_right(tmp_path, name):
     assert set(rows["verdict"]) == {"optimal"}
 
 
+@pytest.mark.slow
 def test_times_that_cannot_be_are_refused(tmp_path):
     """The row is `raised`, and the rows of others can be read and compared."""
     rows = load_results(asked(tmp_path, CLOCKS, "Backwards", "slsqp"))

@@ -129,6 +129,7 @@ def test_large_settings_promise_nothing(spec):
     assert not load(spec).keeps_limit
 
 
+@pytest.mark.many(4)
 @pytest.mark.parametrize("name", [name for name in available_solvers() if name != "analytic"])
 def test_a_worker_answers_alike(name):
     """Even within a limit shorter than loading the libraries takes."""
@@ -154,6 +155,7 @@ def test_analytic_is_never_isolated():
 # --- plug-ins ------------------------------------------------------------------------------------
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("name", ["Sleeps", "Spins"])
 def test_a_plugin_that_hangs_is_stopped_by_default(name):
     """A tenth of a second after the limit, and at most a second."""
@@ -263,6 +265,7 @@ def test_inside_a_worker():
     assert answer.verdict == "optimal"
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize(
     ("spec", "scenario"),
     [

@@ -44,6 +44,7 @@ def rows(tmp_path_factory):
         return load_results(run("measured.toml", trust_plugins=True))
 
 
+@pytest.mark.slow
 def test_every_engine_has_a_floor(rows):
     """A formula and a plug-in of no engine of ours have none."""
     without = rows["solver"].isin(["analytic", "heavy.py:Heavy"])

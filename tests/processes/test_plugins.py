@@ -42,6 +42,16 @@ LIES = {
     "radius times speed": ("claims", "3 times as wide"),
     "no start": ("controls", "starts at .0, 0. with heading 0: is question.scenario.start used"),
     "any word": ("branches", "asked for LS, and its path is RS"),
+    "skips the last via point": (
+        "routes",
+        "R from a via point.*leaves out 1 of the 1 points.*never passes .4, 7.*Leave `via points`",
+    ),
+    "sorts the via points": ("routes", "passes the via points in another order"),
+    "any final heading": (
+        "poses",
+        "claims optimal, but the path ends .* rad from the final heading.*leaves it free",
+    ),
+    "denies routes": ("routes", "claims infeasible, that no path exists; there is one, RSR RS, of"),
     "always optimal": ("discs", "claims optimal, but its path is 27.4 % longer.*claim LOCAL"),
     "needless turns": ("claims", "172 % longer.*turns by more than a full turn"),
     "infeasible": ("discs", "there is one, RL.*A path exists for every target"),
@@ -65,6 +75,10 @@ HABITS = {
     "Late": ("limits", "does not return within.*look at `limit`.*do not promise keeps_limit"),
     "Remembers": ("determinism", "keep nothing between questions"),
     "Keeps": ("symmetries", "its answer to an earlier question, all at once: does it keep answers"),
+    "KeepsSets": (
+        "routes",
+        "its answer to an earlier question, 3 legs of 2 R to 4 R: does it keep.*order of via",
+    ),
     "Gambles": ("determinism", "its answer differs by .*a generator of the solver's own"),
     "Unsure": ("loading", r"no licence server.*unavailable\(\) does not raise"),
     "Breaks": ("loading", "branches names 'LSLS'.*expected some of: best, LS"),

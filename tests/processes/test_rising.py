@@ -1,5 +1,7 @@
 """Rising experiments: a solver that fails on all routes of a size is not asked the longer ones."""
 
+import pytest
+
 from dubins_study import load_results, run
 
 # `late` answers one leg by a straight line that misses, so it fails on the smallest size.
@@ -75,6 +77,7 @@ def test_a_solver_that_fails_on_a_size_is_not_asked_larger_ones(tmp_path, monkey
     assert asked == {"1"}
 
 
+@pytest.mark.slow
 def test_a_block_has_a_time_limit_of_its_own(tmp_path, monkeypatch):
     """Each row says its limit; a limit that is asked for replaces all of them."""
     monkeypatch.chdir(tmp_path)

@@ -172,6 +172,7 @@ def test_entries_that_no_run_writes(folder, entry, code):
     assert "\x1b" not in said.stdout + said.stderr
 
 
+@pytest.mark.slow
 def test_subsets_and_repeats_keep_count(tmp_path):
     """A run of one solver alone does not make the folder finished, nor forget the others."""
     experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))

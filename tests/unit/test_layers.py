@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 75_400,
-    "solvers": 74_200,
-    "experiments": 35_700,
-    "conformance": 11_600,
-    "report": 94_200,
-    "cli": 12_000,
-    "package": 303_000,
-    "tests": 237_000,
+    "study": 78_000,
+    "solvers": 75_400,
+    "experiments": 36_600,
+    "conformance": 12_600,
+    "report": 95_800,
+    "cli": 13_100,
+    "package": 311_500,
+    "tests": 248_000,
 }
 
 _LEAVES = (

@@ -2,10 +2,13 @@
 
 import importlib
 import inspect
+import math
 import pkgutil
 from xml.etree.ElementTree import fromstring
 
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import dubins_study
 from dubins_study import (
@@ -47,7 +50,7 @@ def test_the_names():
 def test_every_refusal_has_one_base_class():
     """A public error class of the package that is no `DubinsStudyError` is an internal one."""
     internal = {"EngineError", "UndecidedError"}
-    internal |= {"SearchEndError"}  # it ends a search
+    internal |= {"SearchEndError", "SpentError"}  # they end a search
     errors = set()
     for module in pkgutil.walk_packages(dubins_study.__path__, "dubins_study."):
         if module.name.endswith("__main__"):
@@ -86,13 +89,28 @@ def test_an_answer_prints_in_ten_lines():
         assert str(answer.verdict) in repr(answer)
 
 
+def test_an_answer_of_many_legs_prints_its_length():
+    """And its time, then as much of the word as fits; so does the caption of its drawing."""
+    via = [(5 * i, i % 2) for i in range(1, 30)]
+    answer = solve(Scenario(target_x=150, target_y=0, via=via, speed=3))
+    numbers = f"length {answer.length}, travel time {answer.travel_time}, word "
+
+    assert len(answer.word.split()) == 30
+    assert f"\n  {numbers}{answer.word[:7]}" in repr(answer)
+    assert " ... (30 legs)\n" in repr(answer)
+    for drawing in (answer._repr_svg_(), answer.path._repr_svg_()):
+        caption = fromstring(drawing)[3].text
+        assert f"length {answer.length:.6g}" in caption
+        assert len(caption) < 90
+
+
 def test_a_notebook_shows_an_answer():
     """The drawing of its path, below it what the check says; nothing where there is no path."""
     answer = solve(Scenario(heading="120deg", target_x=10, target_y=5))
     drawing, caption = fromstring(answer._repr_svg_()), "optimal, length 11.8681, proof proved, RS"
 
     assert (drawing[0].text, drawing[3].text) == (caption, caption)
-    assert drawing[1].get("points") == fromstring(answer.path._repr_svg_())[1].get("points")
+    assert drawing[1].get("d") == fromstring(answer.path._repr_svg_())[1].get("d")
     assert solve(Scenario(target_x=0, target_y=1), branch="LS")._repr_svg_() is None
 
 
@@ -103,6 +121,43 @@ def test_plot_path(tmp_path):
     for suffix in ("svg", "pdf", "png"):
         plot_path(answer.path, tmp_path / f"path.{suffix}")
         assert (tmp_path / f"path.{suffix}").stat().st_size > 1000
+
+
+def test_plot_path_on_axes_of_ones_own(tmp_path):
+    """The other axes, the figure's size and its layout stay as they are."""
+    figure = Figure((7, 3))
+    left, right = figure.subplots(1, 2)
+    answers = (
+        solve(Scenario(heading=1, target_x=3, target_y=-2)),
+        solve(Scenario(target_x=9, target_y=0, via=[(4, 1)])),
+    )
+    for answer in answers:
+        assert plot_path(answer, tmp_path / "both.png", ax=right) is figure
+
+    assert not left.lines
+    assert len(right.lines) > 4
+    assert figure.get_size_inches().tolist() == [7, 3]
+    assert (tmp_path / "both.png").stat().st_size > 1000
+    with pytest.raises(DubinsStudyError, match="ax is 3; expected axes of matplotlib"):
+        plot_path(answers[0], ax=3)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "length"), [(math.nan, 1.0), (0.0, math.inf), (1e200, 1e200)]
+)
+def test_a_path_that_is_not_finite_is_not_drawn(curvature, length):
+    with pytest.raises(DubinsStudyError, match="the path is not finite"):
+        plot_path(Path((0, 0, 0), [curvature], [length]))
+
+
+def test_a_long_path_is_drawn_by_its_arcs():
+    """No corner of the line turns by more than 3 degrees, of 60 turns on 2000 length units."""
+    path = Path((0, 0, 0), [1.0, 0.0, -1.0, 0.0] * 30, [1.0, 30.0, 2.0, 30.0] * 30)
+    line = max(plot_path(path).axes[0].lines, key=lambda line: len(line.get_xydata()))
+    chords = np.diff(line.get_xydata(), axis=0)
+    turned = np.diff(np.unwrap(np.arctan2(*chords.T[::-1])))
+
+    assert np.abs(turned).max() < math.radians(3)
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ try:
     )
     from dubins_study.cli.terminal.arguments import PAIRS
     from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
+    from dubins_study.cli.terminal.slips import arranged, unreadable
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
 
@@ -90,10 +91,7 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 
 
 class _Command(TyperCommand):
-    """A command with --quiet and --verbose that takes no option for the value of another one.
-
-    Without it, `run paper --out --restart` writes a folder called `--restart`.
-    """
+    """A command with --quiet and --verbose; its refusals name the option that was meant."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -103,18 +101,15 @@ class _Command(TyperCommand):
                 option.nargs = 2
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        rest = super().parse_args(ctx, args)
+        try:
+            rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
+        except typer.BadParameter as error:
+            if reason := unreadable(error):
+                ctx.fail(reason)
+            raise
         shared = {name: ctx.params.pop(name, False) for name in ("quiet", "verbose")}
         if any(shared.values()):  # otherwise what stands before the command's name holds
             _verbosity(**shared)
-        options = [p for p in self.get_params(ctx) if p.param_type_name == "option"]
-        names = {name for option in options for name in (*option.opts, *option.secondary_opts)}
-        for option in options:
-            value = ctx.params.get(str(option.name))
-            for word in value if isinstance(value, list | tuple) else [value]:
-                if str(word) in names and not ctx.resilient_parsing:
-                    message = f"{str(word)!r} is an option of its own; expected a value"
-                    raise typer.BadParameter(message, ctx=ctx, param_hint=f"'{option.opts[0]}'")
         return rest
 
 
@@ -137,11 +132,11 @@ class CommandLine(typer.Typer):
             epilog=_epilog(words),
         )
 
-    def add(self, function: Callable[..., None], **context: Any) -> None:
-        """Add a command, called like its function; `context` are settings of its parser."""
+    def add(self, function: Callable[..., None]) -> None:
+        """Add a command, called like its function."""
         name = function.__name__.replace("_", "-")
         epilog = _epilog(f"{self._words} {name}".strip())
-        add = self.command(name, cls=_Command, epilog=epilog, context_settings=context)
+        add = self.command(name, cls=_Command, epilog=epilog)
         add(function)
 
 
@@ -180,8 +175,7 @@ def _options(
     _verbosity(quiet, verbose)
 
 
-# a target such as -6 3 is no option
-app.add(solve.solve, ignore_unknown_options=True)
+app.add(solve.solve)
 app.add(solvers.solvers)
 app.add(experiments.experiments)
 app.add(run.run)
@@ -190,7 +184,7 @@ app.add(merge.merge)
 app.add(report.report)
 app.add(compare.compare)
 app.add(audit.audit)
-app.add(export.export, ignore_unknown_options=True)
+app.add(export.export)
 app.add(check_solver.check_solver)
 _new = CommandLine("new", "Write a file to begin with.")
 _new.add(new.solver)

@@ -27,7 +27,7 @@ def check_solver(
 ) -> None:
     """Check a solver of your own.
 
-    Asks 40 to 70 questions, by what the solver answers. Exit code 1 if the solver fails a check.
+    Asks 40 to 80 questions, by what the solver answers. Exit code 1 if the solver fails a check.
     """
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked

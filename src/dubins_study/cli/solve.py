@@ -16,7 +16,7 @@ import typer
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
 from dubins_study.cli.terminal.points import read_points
-from dubins_study.study.words import Outcome
+from dubins_study.study.words import Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.solvers.attempt import Answer
@@ -39,6 +39,7 @@ _GEOJSON = (
 )
 
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
+_AFTER_FROM = "; --from takes X Y HEADING"  # two numbers too, and the third is the target's x
 _LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
@@ -139,7 +140,7 @@ def _points(
     if file is None:
         if x is None or y is None:
             missing = "the target is missing" if x is None else "the target is a single number"
-            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file")
+            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file{_AFTER_FROM}")
         return arguments.Point(x, y), via, [""] * (len(via) + 1)
     if via:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
@@ -147,7 +148,8 @@ def _points(
     if x is None:
         return points[-1], points[:-1], names
     if y is None:
-        raise arguments.CommandError("the target is a single number; expected X Y, or neither")
+        message = f"the target is a single number; expected X Y, or neither{_AFTER_FROM}"
+        raise arguments.CommandError(message)
     return arguments.Point(x, y), points, [*names, ""]
 
 
@@ -224,7 +226,7 @@ def answer_text(answer: Answer) -> str:
         tied = f"  (tied with {', '.join(ties)})" if ties else ""
         none = "none" if answer.gap is None else "none: the target is the start"
         lines = [
-            _line("word", f"{answer.word or none}{tied}"),
+            _line("word", f"{short_word(answer.word or none)}{tied}"),
             _line("length", f"{answer.length:.12g}"),
             _line("travel time", f"{answer.travel_time:.12g}"),
             _line("segments", _segments(answer)),

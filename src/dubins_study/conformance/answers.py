@@ -18,7 +18,9 @@ from dubins_study.conformance.questions import command
 from dubins_study.conformance.report import Finding, Kind, Status
 from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee
-from dubins_study.study.check.verdict import judge, miss_reason
+from dubins_study.study.check.reference import reference_of
+from dubins_study.study.check.verdict import judge, miss_reason, words_of
+from dubins_study.study.check.visits import visits
 from dubins_study.study.path import FloatArray, Path, drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
@@ -104,12 +106,13 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
     path, claim, tolerances = answer.path, answer.claim, interview.tolerances
     honest = claim not in _SUCCESS
+    absent = answer.scenario.one_free_leg and answer.reference is None
     if path is None:
         yield from _without_path(answer)
     elif claim is Claim.INFEASIBLE:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
         yield Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
-    elif answer.verdict is Verdict.MISSES and not (honest and answer.reference is None):
+    elif answer.verdict is Verdict.MISSES and not (honest and absent):
         reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
         if honest:
             observed = f"it returns a path that misses, and says so ({claim}): {reason}"
@@ -127,10 +130,15 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         advice = "return the path with the claim; without one, claim FAILED"
         yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
         return
-    if answer.verdict is Verdict.NONE_EXISTS or answer.reference is None:
+    length, word = answer.reference, answer.reference_word
+    if not answer.scenario.one_free_leg:  # no judgement without a path has its reference
+        best = reference_of(answer.scenario, answer.branch)
+        if best.path is not None:
+            length = best.path.length
+            word = words_of(best.path, best.at, answer.scenario.radius)
+    if answer.verdict is Verdict.NONE_EXISTS or length is None:
         return
-    word = answer.reference_word or "of length 0"
-    there = f"there is one, {word}, of length {answer.reference:.6g}"
+    there = f"there is one, {word or 'of length 0'}, of length {length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
@@ -159,10 +167,13 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
             name = earlier.question.scenario.label
             return (
                 f"this is its answer to an earlier question, {name}: does it keep answers, by the "
-                "target alone for instance? Start, heading and radius belong to the question"
+                "target alone for instance? Start, heading, radius and the order of via points "
+                "belong to the question"
             )
     if path.start != scenario.start:
         return "give question.scenario.start as it is, its heading to the last bit"
+    if cause := visit_cause(scenario, path):
+        return cause
     assert answer.miss is not None  # the path can be driven
     if answer.miss > _NEAR * scenario.radius and (cause := cause_of(scenario, path)):
         return cause
@@ -176,9 +187,12 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
     if excess > tolerances.curvature and (branch == "best" or excess < _FIT):
         return "keep the curvature between -1 / radius and 1 / radius: clip it where it is rounded"
     if answer.miss <= _NEAR * scenario.radius:
-        return "tighten the tolerance of the end point, or claim FAILED"
+        return (
+            "tighten the tolerance of the points and headings that a path has to meet, or claim "
+            "FAILED"
+        )
     X, Y = scenario.local()
-    if branch == "best" and math.hypot(X, abs(Y) - 1) < 1:
+    if branch == "best" and scenario.one_free_leg and math.hypot(X, abs(Y) - 1) < 1:
         return (
             "inside a turning disc no turn towards the target leads to it: a turn away comes "
             "first (RL or LR), or nearly a full turn (RS or LS); else claim FAILED"
@@ -287,6 +301,35 @@ def cause_of(scenario: Scenario, path: Path) -> str:
         for advice, other, *controls in mix_ups(scenario, path):
             if _fits(other, Path(other.start, *controls)):
                 return advice
+    return ""
+
+
+def visit_cause(scenario: Scenario, path: Path) -> str:
+    """What a path leaves out on its way to the target; empty if it ends elsewhere."""
+    end, radius, allowed = path.end, scenario.radius, _FIT * scenario.radius
+    if math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) > allowed:
+        return ""
+    alone = [visits(path, [point], radius, allowed).miss for point in scenario.via]
+    skipped = [point for point, miss in zip(scenario.via, alone, strict=True) if miss > allowed]
+    if skipped:
+        x, y = skipped[0]
+        several = f"{len(skipped)} of the {len(scenario.via)} points of question.scenario.via"
+        return (
+            f"it leaves out {several}: it never passes ({x:g}, {y:g}). Leave `via points` out of "
+            "`takes` if the method has none"
+        )
+    if visits(path, scenario.via, radius, allowed).miss > allowed:
+        return (
+            "it passes the via points in another order: the order of question.scenario.via is part "
+            "of the question"
+        )
+    final = scenario.final_heading
+    if final is not None and abs(math.remainder(end.heading - final, 2 * math.pi)) > _FIT:
+        return (
+            f"it ends with the heading {end.heading:.4g}; question.scenario.final_heading is "
+            f"{final:.4g} (rad, counter-clockwise from +x). Leave `final heading` out of `takes` "
+            "if the method leaves it free"
+        )
     return ""
 
 

@@ -20,7 +20,7 @@ from dubins_study.conformance.observer import TEMPORARY
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.words import BRANCHES, FROZEN, Outcome
+from dubins_study.study.words import FROZEN, Outcome
 
 Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
@@ -47,14 +47,21 @@ def loading(interview: Interview) -> Checked:
     return found, f"{declared['name']}: {formulation}, {engine}"
 
 
-def _question(interview: Interview, name: str) -> Question:
-    """A general question of a branch that the solver answers; else a frozen problem."""
-    branches = [branch for branch in BRANCHES if interview.answers(branch)]
-    if not branches and interview.answers(FROZEN):
-        return Question(questions.ROUTES["qp-50-well"], FROZEN)
-    return Question(questions.GENERAL[name], branches[0] if branches else "best")
+def _question(interview: Interview, place: int) -> Question:
+    """A question that the solver takes, of the simplest kind; else a frozen problem."""
+    for table in (questions.GENERAL, questions.POSES, questions.ROUTES):
+        scenarios = [*interview.taken(table).values()]
+        if not scenarios:
+            continue
+        scenario = scenarios[place % len(scenarios)]
+        branches = [each for each in scenario.branches if interview.answers(each)]
+        if branches and branches[0] != FROZEN:
+            return Question(scenario, branches[0])
+    return Question(questions.FROZEN_PROBLEMS["qp-50-well"], FROZEN)
 
 
+# place of a question in general position, of every table
+_ALL_AT_ONCE = -2
 # Seconds of a limit that a solver is given to be cut off by, and that it may take beyond a limit
 # if it promises to keep it (`Solver.keeps_limit`).
 _SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
@@ -63,7 +70,7 @@ _SHORT_LIMIT_S, _BEYOND_S = 0.05, 1.0
 def limits(interview: Interview) -> Checked:
     """A question with a limit of a twentieth of a second."""
     promised = interview.declared["keeps_limit"]
-    question = _question(interview, "all at once")
+    question = _question(interview, _ALL_AT_ONCE)
     interview.ask(question)  # the libraries are loaded by now
     seen = interview.ask(question, again=True, limit=_SHORT_LIMIT_S)
     timed_out = seen.answer.outcome is Outcome.TIMEOUT
@@ -82,7 +89,7 @@ def limits(interview: Interview) -> Checked:
     status = Status.FAIL if promised else Status.NOTE
     observed = f"with a limit of {_SHORT_LIMIT_S} s {took}"
     shown = questions.command(interview.spec, question, _SHORT_LIMIT_S, interview.profile)
-    return [Finding(status, observed, advice, "all at once", shown)], ""
+    return [Finding(status, observed, advice, question.scenario.label, shown)], ""
 
 
 # relative: answers that differ by less differ in rounding only
@@ -90,10 +97,7 @@ _ROUNDING = 1e-12
 # share of a limit that an engine uses which is cut off: it looks at the clock between its steps
 _WHOLE_LIMIT = 0.9
 # A solver that tosses a coin for each answer passes once in 4^4 times.
-_ASKED_AGAIN = (
-    *("target ahead to the left", "target behind to the right"),
-    *("all at once", "all at once, other side"),
-)
+_ASKED_AGAIN = (0, 1, -2, -1)
 
 
 def determinism(interview: Interview) -> Checked:
@@ -104,9 +108,9 @@ def determinism(interview: Interview) -> Checked:
     interview.source.restart()
     third = [interview.ask(question, again=True) for question in known]
     pairs = [
-        (one, again, when, place)
+        (one, again, when)
         for seen, when in ((second, "after other questions"), (third, "in a new process"))
-        for place, one, again in zip(_ASKED_AGAIN, first, seen, strict=True)
+        for one, again in zip(first, seen, strict=True)
         if not (_is_cut(one) or _is_cut(again))
     ]
     if not pairs:
@@ -125,7 +129,7 @@ def _is_cut(seen: Seen) -> bool:
     return (seen.answer.wall_s or seen.seconds) > _WHOLE_LIMIT * seen.limit
 
 
-def _changed(first: Seen, again: Seen, when: str, place: str) -> Finding:
+def _changed(first: Seen, again: Seen, when: str) -> Finding:
     """What tells the answers to one question apart."""
     difference = _difference(first, again)
     observed = f"asked again {when}, its answer differs by {difference:.2g} of the length"
@@ -140,7 +144,7 @@ def _changed(first: Seen, again: Seen, when: str, place: str) -> Finding:
         "by a setting and question.repeat, and keep nothing between questions"
     )
     status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
-    return Finding(status, observed, advice, place)
+    return Finding(status, observed, advice, first.question.scenario.label)
 
 
 def _difference(first: Seen, second: Seen) -> float:
@@ -179,8 +183,8 @@ def state(interview: Interview) -> Checked:
 
     At least the general questions: they are asked now if no other check has asked them.
     """
-    for other in questions.GENERAL:
-        interview.ask(_question(interview, other))
+    for number in range(len(questions.GENERAL)):
+        interview.ask(_question(interview, number))
     seen = interview.seen
     found = []
     changed = Counter(change for one in seen for change in one.observed.changes)

@@ -50,15 +50,18 @@ def _asked(
 ) -> Callable[[Interview], Checked]:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
 
-    If `frozen`, a solver that answers the frozen problems alone is asked for these.
+    Only scenarios that the solver takes are asked. If `frozen`, a solver that answers the frozen
+    problems alone is asked for these.
     """
 
     def run(interview: Interview) -> Checked:
-        branch, asked = "best", scenarios
+        branch, asked = "best", interview.taken(scenarios)
         if frozen and not interview.answers("best"):
-            branch, asked = FROZEN, questions.ROUTES
+            branch, asked = FROZEN, questions.FROZEN_PROBLEMS
         if not interview.answers(branch):
             raise NotApplicableError("the solver does not answer `best`")
+        if not asked:
+            raise NotApplicableError(_not_taken(interview, scenarios))
         answers = [interview.ask(Question(scenario, branch)) for scenario in asked.values()]
         found = _wrong(interview, answers, kinds)
         if Kind.CONTROLS in kinds and not found and all(one.answer.path is None for one in answers):
@@ -66,6 +69,14 @@ def _asked(
         return found, f"{len(asked)} questions"
 
     return run
+
+
+def _not_taken(interview: Interview, scenarios: Mapping[str, Scenario]) -> str:
+    """What a solver would have to take to be asked about any of some scenarios."""
+    takes = interview.declared["takes"]
+    missing = [[need for need in each.needs if need not in takes] for each in scenarios.values()]
+    named = " and ".join(f"`{need}`" for need in min(missing, key=len))
+    return f"the solver does not take {named}"
 
 
 def _wrong(
@@ -78,8 +89,8 @@ def _wrong(
 def _branches(interview: Interview) -> Checked:
     """Every word that the solver declares, where a path of it exists and where none does."""
     words = [word for word in questions.WORDS if interview.answers(word)]
-    if not words:
-        raise NotApplicableError("the solver declares no word")
+    if not words or not interview.taken(questions.GENERAL):
+        raise NotApplicableError("the solver declares no word of a leg with a free final heading")
     asked = [
         Question(scenario, word)
         for word in words
@@ -92,6 +103,8 @@ def _warm(interview: Interview) -> Checked:
     """Initial guesses that help, mislead and are empty."""
     if not (interview.declared["warm"] and interview.answers("best")):
         raise NotApplicableError("the solver takes no initial guess")
+    if not interview.taken(questions.GENERAL):
+        raise NotApplicableError(_not_taken(interview, questions.GENERAL))
     scenario = questions.REFERENCE
     start, radius = scenario.start, scenario.radius
     guesses = {
@@ -126,6 +139,8 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "circles": ("targets on and near a turning circle", _asked(questions.CIRCLES)),
     "symmetries": ("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
     "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
+    "poses": ("targets with a final heading", _asked(questions.POSES)),
+    "routes": ("via points, in the order in which they are given", _asked(questions.ROUTES)),
     "branches": ("the words that it declares", _branches),
     "warm": ("initial guesses, good and bad", _warm),
     "limits": ("returns by its time limit", behaviour.limits),

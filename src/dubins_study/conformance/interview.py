@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from tempfile import mkdtemp
 from time import monotonic
@@ -16,6 +17,7 @@ from dubins_study.experiments.isolation.worker_process import Allowance, Ended, 
 from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import Outcome, Verdict
 
@@ -159,6 +161,11 @@ class Interview:
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""
         return branch in self.declared["branches"]
+
+    def taken(self, scenarios: Mapping[str, Scenario]) -> dict[str, Scenario]:
+        """Those of the scenarios that need no more than the solver says that it takes."""
+        takes = set(self.declared["takes"])
+        return {name: each for name, each in scenarios.items() if takes.issuperset(each.needs)}
 
     def ask(self, question: Question, *, again: bool = False, limit: float | None = None) -> Seen:
         """The judged answer to a question; the earlier one unless `again`.

@@ -30,7 +30,7 @@ from dubins_study.solvers.registry import SolverError, load, settings, stated_me
 from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import EVERY_BRANCH, Outcome
+from dubins_study.study.words import EVERY_BRANCH, FINAL_HEADING, FREE_FINAL_HEADING, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -119,6 +119,7 @@ def declaration(solver: Solver) -> dict[str, Any]:
         "name": str(kind.name),
         "guarantee": str(kind.guarantee),
         "branches": list(kind.branches),
+        "takes": sorted(kind.takes),
         "warm": bool(kind.warm),
         "method": list(stated_method(solver)),
         "keeps_limit": bool(solver.keeps_limit),
@@ -134,6 +135,9 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     if unknown or not kind.branches:
         observed = f"branches names {unknown[0]!r}" if unknown else "branches is empty"
         yield "fail", observed, f"expected some of: {', '.join(EVERY_BRANCH)}"
+    if not kind.takes & {FREE_FINAL_HEADING, FINAL_HEADING}:
+        observed = f"takes is {sorted(kind.takes)}, and every scenario needs more"
+        yield "fail", observed, f"add {FREE_FINAL_HEADING!r}, {FINAL_HEADING!r} or both"
     if kind.guarantee not in set(Guarantee):
         yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
     if (reason := unavailable(solver)) is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import warnings
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing
 from pathlib import Path as FilePath
 from uuid import uuid4
@@ -135,6 +136,9 @@ def _solve(
     totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
+    if left < plan.rows:
+        for sentence in _other_limits(manifest, settings):
+            _LOG.warning("dubins-study: %s: %s", folder, sentence)
     recorded_as_finished = manifest.finished is not None or not completes
     if recorded_as_finished and not left:
         writer.skip(plan.rows)
@@ -171,6 +175,22 @@ def _solve(
             writer.flush()
         compact(folder, settings.run_id)
         _LOG.info("run %s is done: its rows are one part of %s", settings.run_id, folder)
+
+
+def _other_limits(manifest: Manifest, settings: RunSettings) -> Iterator[str]:
+    """What is said of rows that were made under other limits than those that are asked for."""
+    for name, limit, unit in (
+        ("time_limit_s", "time limit", "s"),
+        ("memory_limit_gib", "memory limit", "GiB"),
+    ):
+        asked = getattr(settings, name)
+        earlier = sorted({getattr(entry, name) for entry in manifest.runs} - {asked})
+        if earlier:
+            made = " and ".join(f"{value:g}" for value in earlier)
+            yield (
+                f"rows are there of a {limit} of {made} {unit}, and stay beside {asked:g} {unit}; "
+                "--restart solves them again"
+            )
 
 
 def _new_manifest(plan: RunPlan, command: str) -> Manifest:

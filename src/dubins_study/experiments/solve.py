@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
@@ -15,10 +16,13 @@ from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import tolerances
+from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import short
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_LOG = logging.getLogger(__name__)
 
 
 def solve(
@@ -39,7 +43,8 @@ def solve(
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`; with a final heading `LSL`, `RSR`,
             `LSR`, `RSL`, `RLR`, `LRL`; of a route only `best`.
         profile: `default`, `fast` or `accurate`.
-        initial_guess: a path to begin the search from; cold if None.
+        initial_guess: a path to begin the search from, of any shape; cold if None. Refused for a
+            solver that does not use one.
         limit: seconds that the solver is asked to keep to, once its libraries are loaded. The
             check's own search for the shortest route ends after as many, or 20.
         isolated: whether the solver is asked in a worker process, which is killed a tenth of a
@@ -63,6 +68,10 @@ def solve(
     if initial_guess is not None and not isinstance(initial_guess, Path):
         raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
     check_branch(scenario, branch)
+    if doubt := doubtful_units(scenario):
+        _LOG.warning("dubins-study: %s", doubt)
+    if initial_guess is not None and not _is_warm(solver, profile):
+        raise QuestionError(f"solver {solver!r} takes no initial_guess; expected None")
     allowed = tolerances(profile, limit)
     question = Question(scenario, branch, initial_guess)
     if _in_worker(solver, profile, isolated):
@@ -131,6 +140,15 @@ def solve_frame(
     questions = frame.questions(checked, branch)
     rows = frame.row_by_row(checked, ask_isolated(solver, profile, questions, limit))
     return frame.with_others(rows, others)
+
+
+def _is_warm(spec: str, profile: str) -> bool:
+    """Whether a solver uses an initial guess."""
+    if ours(spec):
+        return bool(load(spec, profile).warm)
+    from dubins_study.experiments.plan.solver_description import describe_solver
+
+    return describe_solver(spec, profile).warm
 
 
 def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool = False) -> bool:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import short, unwritable
-from dubins_study.study.words import BRANCHES, Verdict
+from dubins_study.study.words import BRANCHES, Verdict, short_word
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +48,9 @@ class Answered(Protocol):
     def solver(self) -> str: ...
 
 
-def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Figure:
+def plot_path(
+    drawn: Answered | Path, file: str | FilePath | None = None, *, ax: Axes | None = None
+) -> Figure:
     """Draw a path with its turning circles, start and target.
 
     An answer that the check finds longer than the shortest path, or to miss the target, is drawn
@@ -59,44 +60,35 @@ def plot_path(drawn: Answered | Path, file: str | FilePath | None = None) -> Fig
         drawn: an answer of `dubins_study.solve`, or a path. For a path, the target is the path's
             end, and the turning radius is that of its sharpest arc.
         file: where to save the figure, with suffix .svg, .pdf or .png; None: do not save it.
+        ax: axes to draw on; None: those of a new figure.
 
     Returns:
-        The figure.
+        The figure: that of the axes, if they are given.
 
     Raises:
-        PlotError: if there is no path, `drawn` is something else, the format is unknown or the
-            file cannot be written.
+        PlotError: if there is no path, a number of it is not finite, `drawn` or `ax` is something
+            else, the format is unknown or the file cannot be written.
     """
     place = None if file is None else check_format(file)
+    if ax is not None and not isinstance(ax, Axes):
+        raise PlotError(f"ax is {short(ax)}; expected axes of matplotlib")
     name, path, scenario = _subject(drawn)
-    if not scenario.one_free_leg:
-        return _figure(partial(plot_route, path=path, scenario=scenario, name=name), place)
     # a long spec is broken between its settings: the legend is as wide as the figure
     lines = textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
     named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}
-    shared = {
-        "target_x": scenario.target_x,
-        "target_y": scenario.target_y,
-        "radius": scenario.radius,
-    }
-    paths = pd.DataFrame(
-        {"branch": p.word(1e-2) or "–", "path": p, "length": p.length, "rank": rank, **shared}
-        for rank, p in enumerate(named_paths.values(), 1)
-    )
-    return _figure(partial(plot_paths, paths=paths, names=tuple(named_paths)), place)
-
-
-def _figure(plot: Callable[[Axes], None], place: FilePath | None) -> Figure:
-    """A figure of one panel as high as what is drawn on it; saved if there is a place."""
     with drawing():
-        figure = new_figure(_WIDTH, _HEIGHT[0])
-        ax = figure.add_subplot()
-        plot(ax)
-        aspect = ax.dataLim.height / ax.dataLim.width
-        figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
-        fix_layout(figure)
+        if ax is None:
+            figure = new_figure(_WIDTH, _HEIGHT[1])
+            axes = figure.add_subplot()
+            _plot(axes, named_paths, scenario)
+            aspect = axes.dataLim.height / axes.dataLim.width
+            figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
+            fix_layout(figure)
+        else:
+            figure = cast("Figure", ax.get_figure(root=True))
+            _plot(ax, named_paths, scenario)
         if place is not None:
             image = figure_bytes(figure, place.suffix.removeprefix("."))
             try:
@@ -104,6 +96,25 @@ def _figure(plot: Callable[[Axes], None], place: FilePath | None) -> Figure:
             except OSError as error:
                 raise PlotError(f"cannot write {place}: {error.strerror}") from None
     return figure
+
+
+def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None:
+    """Draw the paths of a scenario: of one leg with a free final heading two, else one."""
+    if not scenario.one_free_leg:
+        [(name, path)] = named_paths.items()
+        plot_route(ax, path, scenario, name)
+        return
+    shared = {
+        "target_x": scenario.target_x,
+        "target_y": scenario.target_y,
+        "radius": scenario.radius,
+    }
+    rows = [
+        {"branch": short_word(path.word(1e-2), 24) or "–", "path": path, "length": path.length}
+        for path in named_paths.values()
+    ]
+    paths = pd.DataFrame(rows).assign(rank=range(1, len(rows) + 1), **shared)
+    plot_paths(ax, paths, names=tuple(named_paths))
 
 
 def check_format(file: str | FilePath) -> FilePath:
@@ -131,6 +142,10 @@ def _reference(drawn: object) -> Path | None:
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
     """The name in the legend, the path, and the scenario of the path."""
+    path = drawn if isinstance(drawn, Path) else getattr(drawn, "path", None)
+    with np.errstate(all="ignore"):
+        if isinstance(path, Path) and not np.isfinite(path.poses).all():
+            raise PlotError("the path is not finite")
     if isinstance(drawn, Path):
         sharpest = float(np.abs(drawn.curvatures).max(initial=0.0))
         radius = 1 / sharpest if sharpest > 0 else 1.0

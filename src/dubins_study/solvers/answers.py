@@ -1,4 +1,4 @@
-"""Runs of engines, and the answer that several of them give together."""
+"""What engines' statuses claim; runs of engines, and the answer that several give together."""
 
 from __future__ import annotations
 
@@ -17,6 +17,187 @@ from dubins_study.study.words import Claim
 
 Point = TypeVar("Point")
 Guess = TypeVar("Guess")
+
+# By the names of engines: each claim, and the statuses that make it. The names `casadi`, `cvxpy`,
+# `pyomo` and `ampl` are those of interfaces with statuses of their own.
+#
+# `optimal`, `local`: solved, to the tolerances that were asked for. `feasible`: a point, and no
+# more. `infeasible`: no point exists, of a local engine: near its guess. `limit`: a limit ended the
+# run, whatever the engine says of its point by then. What is not named is `failed`: also a problem
+# that is solved, or proved infeasible, to less than was asked ("almost", "close to"), and one that
+# is called unbounded or dual infeasible, as no problem here is.
+STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
+    # scipy/optimize, slsqp: 99 is a stop by the callback; 4, an infeasible linearisation, is no
+    # claim about the problem
+    "slsqp": {"local": ("mode 0",), "limit": ("mode 9", "mode 99")},
+    # scipy/_lib/cobyqa/settings.py: the least trust-region radius, a callback's stop, limits; -1
+    # says that the bounds exclude each other, no more
+    "cobyqa": {"local": ("status 0",), "limit": ("status 3", "status 5", "status 6")},
+    # 3 is a stop by the callback; 4 a success that misses its constraints
+    "trust-constr": {
+        "local": ("status 1", "status 2"),
+        "limit": ("status 0", "status 3"),
+    },
+    # casadi's word of an ending, where the engine's own is not named
+    "casadi": {"local": ("SOLVER_RET_SUCCESS",), "limit": ("SOLVER_RET_LIMITED",)},
+    "ipopt": {
+        # the acceptable level is its makers' second accuracy, 1e-6: what arriving needs
+        "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
+        "feasible": ("Feasible_Point_Found",),
+        "infeasible": ("Infeasible_Problem_Detected",),
+        "limit": (
+            *("Maximum_Iterations_Exceeded", "Maximum_CpuTime_Exceeded"),
+            *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
+        ),
+    },
+    # says both how it stopped and what the point is
+    "uno": {
+        "local": ("Converged with feasible KKT point",),
+        "feasible": (
+            "Converged with feasible FJ point",
+            "Terminated with feasible small step",
+        ),
+        "infeasible": ("Converged with infeasible stationary point",),
+    },
+    "uno-filtersqp": {
+        "local": ("FEASIBLE_KKT_POINT",),
+        "feasible": ("FEASIBLE_FJ_POINT", "FEASIBLE_SMALL_STEP"),
+        "infeasible": ("INFEASIBLE_STATIONARY_POINT",),
+        "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
+    },
+    "fatrop": {"failed": ("1",)},  # of every kind; 0 is a success
+    "alpaqa": {},
+    "bonmin": {"infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
+    # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
+    "sleqp": {
+        "local": ("optimal",),
+        "feasible": ("feasible",),
+        "infeasible": ("infeasible",),
+        "limit": ("iteration limit", "time limit"),
+        "failed": ("deadpoint", "unbounded"),
+    },
+    # its last words
+    "apopt": {
+        "local": ("Successful solution",),
+        "infeasible": ("No feasible solution",),
+        "limit": ("Maximum iterations", "time limit"),
+        "failed": ("Requested accuracy unachievable",),
+    },
+    # of all of NLopt's algorithms; its manual calls positive codes a success, which says that steps
+    # have become small, on the equations or off them
+    "nlopt": {
+        "local": ("SUCCESS", "FTOL_REACHED", "XTOL_REACHED"),
+        "limit": ("MAXEVAL_REACHED", "MAXTIME_REACHED"),
+    },
+    # termination conditions, pyomo.contrib.solver.common.results
+    "pyomo": {
+        "local": ("convergenceCriteriaSatisfied",),
+        "infeasible": ("provenInfeasible", "locallyInfeasible", "infeasibleOrUnbounded"),
+        "limit": ("maxTimeLimit", "iterationLimit"),
+    },
+    # solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
+    # solved, solved with a warning, infeasible, unbounded, limit, failure
+    "ampl": {
+        "local": ("0",),
+        "feasible": ("1",),
+        "infeasible": ("2",),
+        "limit": ("4",),
+    },
+    "scip": {
+        "optimal": ("optimal", "gaplimit"),
+        "infeasible": ("infeasible", "inforunbd"),
+        "limit": ("timelimit", "memlimit"),
+    },
+    # status codes by name (Gurobi Optimizer reference manual, Optimization Status Codes)
+    "gurobi": {
+        "optimal": ("optimal",),
+        "feasible": ("suboptimal",),
+        "infeasible": ("infeasible", "inf or unbd"),
+        "limit": ("time limit", "mem limit"),
+        "failed": ("numeric",),
+    },
+    # statuses of the solution
+    "xpress": {
+        "optimal": ("OPTIMAL",),
+        "feasible": ("FEASIBLE",),
+        "infeasible": ("INFEASIBLE",),
+    },
+    "maingo": {
+        "optimal": ("GLOBALLY_OPTIMAL", "BOUND_TARGETS"),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("FEASIBLE_POINT", "NO_FEASIBLE_POINT_FOUND"),
+    },
+    "cvxpy": {
+        "optimal": ("optimal",),
+        "infeasible": ("infeasible", "infeasible_or_unbounded"),
+        "limit": ("user_limit",),
+    },
+    "piqp": {
+        "optimal": ("PIQP_SOLVED",),
+        "infeasible": ("PIQP_PRIMAL_INFEASIBLE",),
+        "limit": ("PIQP_MAX_ITER_REACHED",),
+    },
+    "clarabel": {
+        "optimal": ("Solved",),
+        "infeasible": ("PrimalInfeasible",),
+        "limit": ("MaxIterations", "MaxTime"),
+    },
+    # "inaccurate": a limit was reached, and ten times the tolerance is kept (its `status_values`)
+    "osqp": {
+        "optimal": ("solved",),
+        "infeasible": ("primal infeasible",),
+        "limit": (
+            *("maximum iterations reached", "run time limit reached", "solved inaccurate"),
+            *("primal infeasible inaccurate", "dual infeasible inaccurate"),
+        ),
+    },
+    "scs": {
+        "optimal": ("solved",),
+        "infeasible": ("infeasible",),
+        "limit": (
+            "solved (inaccurate - reached max_iters)",
+            "solved (inaccurate - reached time_limit_secs)",
+            "infeasible (inaccurate - reached max_iters)",
+            "infeasible (inaccurate - reached time_limit_secs)",
+            "unbounded (inaccurate - reached max_iters)",
+            "unbounded (inaccurate - reached time_limit_secs)",
+        ),
+    },
+    "highs": {
+        "optimal": ("kOptimal",),
+        "infeasible": ("kInfeasible", "kUnboundedOrInfeasible"),
+        "limit": ("kTimeLimit", "kIterationLimit", "kMemoryLimit"),
+    },
+    # of a problem that it calls infeasible it may give the point that is nearest to feasible
+    "proxqp": {
+        "optimal": ("PROXQP_SOLVED",),
+        "infeasible": ("PROXQP_PRIMAL_INFEASIBLE", "PROXQP_SOLVED_CLOSEST_PRIMAL_FEASIBLE"),
+        "limit": ("PROXQP_MAX_ITER_REACHED",),
+    },
+    "qpalm": {
+        "optimal": ("solved",),
+        "infeasible": ("primal infeasible",),
+        "limit": ("maximum iterations reached", "time limit exceeded"),
+    },
+    "ecos": {
+        "optimal": ("Optimal solution found",),
+        "infeasible": ("Primal infeasible",),
+        "limit": ("Maximum number of iterations reached",),
+    },
+    # -4 and -7 are limits of iterations and of time; 2 is an optimum with soft constraints, -6 a
+    # first working set that depends on itself
+    "daqp": {"optimal": ("1",), "infeasible": ("-1",), "limit": ("-4", "-7")},
+}
+# casadi's own methods end with Ipopt's words
+STATUSES |= dict.fromkeys(("sqpmethod", "qrsqp"), STATUSES["ipopt"])
+
+
+def claim_of(engine: str, status: str, unnamed: Claim = Claim.FAILED) -> Claim:
+    """The claim of an engine's status, by the engine's name in `STATUSES`."""
+    for claim, statuses in STATUSES[engine].items():
+        if status in statuses:
+            return Claim(claim)
+    return unnamed
 
 
 class Run(NamedTuple, Generic[Point]):

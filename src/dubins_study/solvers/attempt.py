@@ -40,6 +40,7 @@ from dubins_study.study.words import (
     Outcome,
     Proof,
     Verdict,
+    short_word,
 )
 
 _REPR_CHARS = 96  # of a line of an answer's repr
@@ -72,12 +73,13 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         if scenario.final_heading is not None:
             target += f", {scenario.final_heading:g}"
         via = f" via {scenario.legs - 1} points" if scenario.via else ""
+        word = None if self.word is None else short_word(self.word, 16)
         lines = (
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
             f"from ({pose}){via} to ({target}), radius {scenario.radius:g}, "
             f"speed {scenario.speed:g}",
             f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
-            f"word {self.word}, length {self.length}, travel time {self.travel_time}",
+            f"length {self.length}, travel time {self.travel_time}, word {word}",
             f"gap {self.gap}, miss {self.miss}",
             *([] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]),
             f"build {self.build_s} s, solve {self.solve_s} s",
@@ -89,9 +91,9 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         """The path's drawing for notebooks, with verdict, length and word; None without a path."""
         if self.path is None or self.length is None:
             return None
-        return self.path._drawing(
-            f"{self.verdict}, length {self.length:.6g}, proof {self.proof}, {self.word}"
-        )
+        word = short_word(self.word or "", 24)
+        caption = f"{self.verdict}, length {self.length:.6g}, proof {self.proof}, {word}"
+        return self.path._drawing(caption)
 
     @property
     def tied_words(self) -> tuple[str, ...]:

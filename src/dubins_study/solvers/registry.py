@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeGuard
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
-from dubins_study.study.values import did_you_mean
+from dubins_study.study.values import did_you_mean, number_of_text
 from dubins_study.study.words import NEEDS
 
 GROUP = "dubins_study.solvers"
@@ -317,6 +317,8 @@ def _convert(name: str, kind: type[Solver], given: dict[str, str]) -> dict[str, 
             raise SolverError(f"solver {name!r} has no setting {key!r}; {near}it has: {known}")
         wanted = type(defaults[key])
         try:
+            if wanted in (int, float):
+                number_of_text(text)
             values[key] = _BOOLEANS[text.lower()] if wanted is bool else wanted(text)
         except (KeyError, TypeError, ValueError):  # no type of a number or text takes the text
             raise SolverError(

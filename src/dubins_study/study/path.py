@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.picture import svg
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.values import doubles, real_number, short
-from dubins_study.study.words import Claim
+from dubins_study.study.words import Claim, short_word
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,6 +28,7 @@ RIPPLE = 1e-3
 # up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
 FEW = 7
 _MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
+_MOST_PARTS = 100_000  # in all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
 
 
@@ -233,36 +235,18 @@ class Path:
             most = f"at most {_MOST_POINTS} points"
             raise ValueError(f"the path has {chords.sum():.3g} points; expected {most}")
         counts = chords.astype(int)
-        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        s = np.repeat(np.cumsum(lengths) - lengths, counts) + place * np.repeat(
-            lengths / counts, counts
-        )
-        return self.at(np.append(s, self._ends[-1]))[:, :2], radius
+        return self.at(_cuts(lengths, counts))[:, :2], radius
 
     def _repr_svg_(self) -> str | None:
         """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""
-        return self._drawing(f"{self.word()}, length {self.length:.6g}")
+        return self._drawing(f"{short_word(self.word(), 24)}, length {self.length:.6g}")
 
     def _drawing(self, caption: str) -> str | None:
         if not drivable(self) or not self.length > 0:
             return None
-        points = self.sample(400)[:, :2] * (1, -1)  # SVG's y points down
-        low, high = points.min(axis=0), points.max(axis=0)
-        scale, margin = 300 / float((high - low).max()), 10.0
-        width, height = (high - low) * scale + (2 * margin, 4 * margin)
-        drawn = (points - low) * scale + margin
-        line = " ".join(f"{x:.1f},{y:.1f}" for x, y in drawn.tolist())
-        x, y = drawn[0]
-        below = f"{caption:.60}"  # a route's word may have hundreds of letters
-        width = max(width, 7.5 * len(below) + 2 * margin)
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'
-            f"<title>{caption}</title>"
-            f'<polyline points="{line}" fill="none" stroke="#0072b2" stroke-width="2"/>'
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="#0072b2"/>'
-            f'<text x="{margin:.0f}" y="{height - 1.5 * margin:.0f}" fill="#767676" '
-            f'font-family="sans-serif" font-size="13">{below}</text></svg>'
-        )
+        points, _ = outline(self)
+        ends, curvatures = outline(self, math.pi / 2)
+        return svg(points[:, :2], ends[:, :2], curvatures, caption)
 
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
@@ -383,6 +367,33 @@ def _on_earth(points: FloatArray, origin: tuple[float, float]) -> FloatArray:
     north = _EQUATOR * (1 - _SQUARED_ECCENTRICITY) / w**1.5
     turned: FloatArray = np.array([longitude, latitude]) + np.degrees(points / (east, north))
     return turned
+
+
+def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:
+    """Poses along a path that cut its arcs into equal parts, and the parts' curvatures.
+
+    Args:
+        path: with finite numbers; an arc of negative length is passed over.
+        angle: the most that a part turns by (rad), but for paths of thousands of turns. A chord
+            over 0.05 is 0.0003 radii from its arc.
+
+    Returns:
+        Shapes (m + 1, 3) and (m,).
+    """
+    driven = path.lengths > 0
+    curvatures, lengths = path.curvatures[driven], path.lengths[driven]
+    turn = np.abs(curvatures) * lengths
+    angle = max(angle, turn.sum() / _MOST_PARTS)
+    parts = np.maximum(np.ceil(turn / angle), 1.0).astype(int)
+    return path.at(_cuts(lengths, parts)), curvatures.repeat(parts)
+
+
+def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
+    """Distances that cut arcs into equal parts, from 0 to the end, shape (parts.sum() + 1,)."""
+    ends = lengths.cumsum()
+    place = np.arange(parts.sum()) - (parts.cumsum() - parts).repeat(parts)
+    begins = (ends - lengths).repeat(parts)
+    return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
 
 
 def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:

@@ -209,9 +209,10 @@ def _heading(name: str, text: float | str) -> float:
     try:
         return parse_angle(text)
     except AngleError as error:
-        raise ScenarioError(f"{name}: {error}") from None
+        raise ScenarioError(f"{name}: {error}, {_CONVENTION}") from None
 
 
+_CONVENTION = "counterclockwise from +x (east), so north is 90deg"
 _PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)]"
 
 

@@ -26,7 +26,7 @@ from dubins_study.study.scenario import (
     ScenarioError,
     checked_number,
 )
-from dubins_study.study.values import did_you_mean, short
+from dubins_study.study.values import did_you_mean, number_of_text, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -204,8 +204,7 @@ def numbers_of(name: str, value: Any) -> list[float] | None:
         return None
     if isinstance(value, str):
         try:
-            # Python takes an underscore within a number
-            items: list[Any] = [float(text.replace("_", "?")) for text in value.split()]
+            items: list[Any] = [number_of_text(text) for text in value.split()]
         except ValueError:
             expected = "expected numbers separated by spaces, such as 4 6"
             raise ScenarioError(f"{name} is {short(value)}; {expected}") from None

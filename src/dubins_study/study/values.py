@@ -37,6 +37,11 @@ def real_number(value: Any) -> float:
     return float(value)
 
 
+def number_of_text(text: str) -> float:
+    """The number that a text is; a ValueError of `1_000`, which Python's `float` takes."""
+    return float(text.replace("_", "?"))
+
+
 def doubles(name: str, values: Any) -> NDArray[np.float64]:
     """Numbers as an array of doubles of this machine; what is masked is NaN."""
     if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:

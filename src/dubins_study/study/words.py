@@ -195,3 +195,13 @@ class Proof(StrEnum):
     BOUNDED = "bounded"
     EXTREMAL = "extremal"
     NONE = "none"
+
+
+def short_word(word: str, most: int = 60) -> str:
+    """A word of up to `most` characters; of a longer one the beginning and how much it has."""
+    if len(word) <= most:
+        return word
+    shown = word[:most].rpartition(" ")[0] or word[:most]
+    legs = len(word.split(" "))
+    count = f"{legs} legs" if legs > 1 else f"{len(word)} letters"
+    return f"{shown} ... ({count})"

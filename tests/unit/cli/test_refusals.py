@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+import typer
 
 from dubins_study.cli import app
 
@@ -11,29 +12,38 @@ REFUSALS = {
     "slove": "No such command 'slove'. Did you mean 'solve', 'solvers'?; see dubins-study --help",
     "new slover a.py": "No such command 'slover'. Did you mean 'solver'?; see dubins-study new -",
     "--vresion": "No such option: --vresion (Possible options: --version)",
-    "run paper --job 2": "No such option: --job",
-    "run -3": "No such option: -3; see dubins-study run --help",
-    "solve 1 2 -x": "unexpected extra argument(s) (-x); see dubins-study solve --help",
+    "run paper --job 2": "no option '--job'; did you mean --jobs N (processes; 1 where times are",
+    "run -3": "no experiment named '-3'; choose one of: ",
+    "solve 1 2 -x": "no option '-x'; choose one of: --from X Y HEADING, --via X Y, --via-file CSV",
+    "solve 1 2 -radius 4": "no option '-radius'; did you mean --radius NUMBER (minimum turning ra",
+    "solve --via-file a.csv --origin 4 8": "no option '--origin'; choose one of: --from X Y HEADI",
     "solve": "the target is missing; expected X Y, or --via-file",
     "solve 1 2 --from a 0 0": "--from is 'a 0 0'; expected two numbers and a heading",
-    "solve --bogus 1 2": "Invalid value for 'X': Input should be a valid number",
-    "solve 1 2 --from 0 0": "Option '--from' requires 3 arguments",
-    "solve 1 2 --from 0 0 --json": "Invalid value for '--from': '--json' is an option of its own",
-    "solve 1 2 --via 3": "Option '--via' requires 2 arguments",
+    "solve --raduis 40 1 2": "no option '--raduis'; did you mean --radius NUMBER (minimum turnin",
+    "solve 1 2 --raduis=40": "no option '--raduis'; did you mean --radius NUMBER (minimum turnin",
+    "solve 1 2 --from 0 0": "--from is '0 0'; expected X Y HEADING: start pose, e.g. 0 0 120deg",
+    "solve 1 2 --from 0 0 --json": "--from is '0 0'; expected X Y HEADING: start pose, e.g. 0 0 ",
+    "solve 1 2 --from 0 0 --radius 1": "--from is '0 0'; expected X Y HEADING: start pose, e.g. ",
+    "solve --from 0 0 -- 1 2": "--from is '0 0'; expected X Y HEADING: start pose, e.g. 0 0 120d",
+    "solve --from 0 0 1 2": "expected X Y, or --via-file; --from takes X Y HEADING",
+    "solve 1 2 --via 3": "--via is '3'; expected X Y: point to pass on the way",
     "solve 1 2 --via 3 a": "Invalid value for '--via': 'a'; expected a number",
-    "solve 1 2 --via --json 3": "Invalid value for '--via': '--json'; expected a number",
+    "solve 1 2 --via --json 3": "--via has no value; expected X Y: point to pass on the way",
     "solve 1 2 --via 0 0": "via point 1 is (0.0, 0.0), the same point as the start; expected a poi",
-    "solve 1 2 --final-heading 90": "final_heading: 90 is more than a full turn; write 90deg",
+    "solve 1 2 --final-heading 90": "final_heading: 90 is more than a full turn; write 90deg, or 9",
+    "solve 1 2 --from 0 0 N": "'N' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, counter",
+    "solve 1 2 --from 0 0 270": "or 270rad, counterclockwise from +x (east), so north is 90deg",
     "solve 1 2 --via 3 4 --branch LS": "branch 'LS' is none of a route; choose one of: best",
     "solve 1 2 --branch LSL": "branch 'LSL' is none of one leg with a free final heading; choose",
     "solve 1 2 --solver slsqp --via 3 4": "slsqp does not take: via points; it takes: free final",
-    "solve 1 2 --radius": "Option '--radius' requires an argument",
-    "solve 1 2 --radius x": "Invalid value for '--radius': Input should be a valid number",
+    "solve 1 2 --radius": "--radius has no value; expected NUMBER: minimum turning radius; see",
+    "solve 1 2 --radius 40m": "--radius is '40m'; expected a number: minimum turning radius; see ",
+    "solve 1e 2": "X is '1e'; expected a number: target position",
     "solve 1 2 --json=yes": "Option '--json' does not take a value",
-    "run paper --jobs 1.5": "Invalid value for '--jobs': Input should be a valid integer",
-    "run paper --time-limit x": "Invalid value for '--time-limit': Input should be a valid number",
-    "run paper --out --restart": "Invalid value for '--out': '--restart' is an option of its own",
-    "run paper --solver slsqp --solver --json": "'--solver': '--json' is an option of its own",
+    "run paper --jobs 1.5": "--jobs is '1.5'; expected an integer: processes; 1 where times are q",
+    "run paper --time-limit 5s": "--time-limit is '5s'; expected a number: seconds after which a",
+    "run paper --out --restart": "--out has no value; expected DIR: default: results/<experiment ",
+    "run paper --solver slsqp --solver --json": "--solver has no value; expected SPEC: instead of",
     "run paper slsqp": "unexpected extra argument",
     "run": "run: no experiment; expected a name (dubins-study experiments lists them), a .toml fi",
     "run papr": "no experiment named 'papr'; did you mean 'paper'? choose one of",
@@ -54,7 +64,7 @@ REFUSALS = {
     "export 1 2 --order SRL": "order is 'SRL'; did you mean",
     "export 1 2 --out /nowhere/a.nl": "cannot write /nowhere/a.nl",
     # a misspelt radius would export another problem
-    "export 1 2 --raduis 25": "unexpected extra argument(s) (--raduis 25)",
+    "export 1 2 --raduis 25": "no option '--raduis'; did you mean --radius NUMBER (minimum turni",
     "run paper --jobs 0": "jobs is 0",
     "run paper --repeats 0": "dubins-study: repeats is 0: expected greater than or equal to 1",
     "run paper --memory-limit 0": "dubins-study: memory_limit is 0.0: expected greater than",
@@ -104,6 +114,41 @@ def test_the_old_word_for_the_executor_is_taken_with_a_hint(monkeypatch, capsys)
     assert "executor is 'desk'; did you mean 'dask'?" in refusal
 
 
+def commands():
+    """`(words before it, command)` of every command, those of `new` too."""
+    groups = [("", typer.main.get_command(app.app))]
+    for words, group in groups:
+        for name, command in group.commands.items():
+            if hasattr(command, "commands"):
+                groups.append((f"{name} ", command))
+            else:
+                yield f"{words}{name}", command
+
+
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        pytest.param(words, param, id=f"{words} {param.opts[0]}")
+        for words, command in commands()
+        for param in command.params
+        if param.param_type_name == "option"
+    ],
+)
+def test_a_slip_in_an_option_names_it_and_what_it_takes(words, option, monkeypatch, capsys):
+    """Two letters swapped, and without a value: of every option of every command."""
+    name = option.opts[0]
+    swapped = f"--{name[3]}{name[2]}{name[4:]}"
+    slips = {swapped: f"no option '{swapped}'; did you mean {name}"}
+    if not option.is_flag:
+        slips[name] = f"{name} has no value; expected {option.metavar}: {option.help}"
+    for slip, refusal in slips.items():
+        monkeypatch.setattr(sys, "argv", ["dubins-study", *words.split(), slip, "--quiet"])
+        with pytest.raises(SystemExit, match="2"):
+            app.main()
+
+        assert capsys.readouterr().err.startswith(f"dubins-study: {refusal}")
+
+
 @pytest.mark.parametrize("words", ["", "new"])
 def test_a_group_without_a_command_shows_its_help(words, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["dubins-study", *words.split()])
@@ -123,7 +168,8 @@ def test_help_is_given_though_values_are_wrong_or_missing(words, monkeypatch, ca
 
 
 @pytest.mark.parametrize(
-    "words", [("-qv",), ("-v", "-v"), ("--", "-2", "-5"), ("--from", "-1", "-1", "-2pi/3")]
+    "words",
+    [("-qv",), ("-v", "-v"), ("--", "-2", "-5"), ("--from", "-1", "-1", "-2pi/3"), ("--radius=2",)],
 )
 def test_what_is_no_mistake(words, monkeypatch, capsys):
     """Two options of one letter, a flag twice, targets behind `--`, and a start below zero."""

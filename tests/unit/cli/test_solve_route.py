@@ -3,10 +3,13 @@
 import json
 import math
 import re
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from dubins_study import Path, Scenario, plot_path, solve
 from dubins_study.cli.solve import _GEOJSON, answer_geojson
@@ -155,7 +158,7 @@ def test_a_drawn_route():
     # the lines are the path: they pass its poses
     drawn = np.vstack([line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 1])
     for x, y, _ in answer.path.poses:
-        assert np.hypot(*(drawn - (x, y)).T).min() < 1e-9
+        assert np.nanmin(np.hypot(*(drawn - (x, y)).T)) < 1e-9  # a NaN parts two pieces
 
 
 def test_a_drawn_route_with_a_free_final_heading():
@@ -173,6 +176,48 @@ def test_a_drawn_route_with_a_free_final_heading():
         scenario=scenario, solver="some", path=Path(scenario.start, [0.0], [math.pi])
     )
     assert plot_path(straight).axes[0].get_legend() is not None
+    pose = solve(Scenario(target_x=3, target_y=0, final_heading=1.0))
+    assert len(plot_path(pose).axes[0].texts) == 2  # its arrows
+
+
+def route_through(points):
+    """An answer of straight legs through points, as far as it is drawn."""
+    turns, lengths = [], []
+    chords = np.diff(points, axis=0)
+    headings = np.arctan2(chords[:, 1], chords[:, 0])
+    for turn, chord in zip(np.diff(headings, prepend=headings[0]), chords, strict=True):
+        turns += [math.copysign(1e9, turn), 0.0]  # on the spot
+        lengths += [abs(turn) / 1e9, math.hypot(*chord)]
+    scenario = Scenario(*points[0], headings[0], *points[-1], radius=1, via=points[1:-1])
+    path = Path(scenario.start, turns, lengths)
+    return SimpleNamespace(scenario=scenario, solver="some", path=path)
+
+
+around = np.linspace(0, 2 * np.pi, 201)
+DENSE = {
+    "walk of 30": np.random.default_rng(1).uniform(-5, 5, (31, 2)).cumsum(axis=0),
+    "circle of 200": 5 * np.column_stack((np.cos(around), np.sin(around))),
+    "700 anywhere": np.random.default_rng(1).uniform(0, 60, (701, 2)),
+    "700 in line": np.column_stack((np.arange(701), np.zeros(701))),
+}
+
+
+@pytest.mark.parametrize("points", DENSE.values(), ids=DENSE)
+@pytest.mark.parametrize("inches", [None, 2])
+def test_numbers_of_points_do_not_overlap(points, inches):
+    """Nor do many points get many numbers, or large dots; few points have one each."""
+    ax = inches and Figure((inches, inches)).add_subplot()
+    figure = plot_path(route_through(points), ax=ax)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = [text for text in figure.axes[0].texts if text.get_text()]
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in texts]
+
+    assert 2 <= len(texts) <= 60
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    dots = next(line for line in figure.axes[0].lines if len(line.get_xydata()) == len(points) - 2)
+    step = np.hypot(*np.diff(figure.axes[0].transData.transform(points), axis=0).T)
+    assert dots.get_markersize() * figure.dpi / 72 < max(np.median(step), 1)
 
 
 def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
@@ -185,6 +230,20 @@ def test_a_long_word_is_broken_where_the_terminal_ends(monkeypatch):
     assert len(line_of("word", unbroken).split()) == 13
     assert max(map(len, broken.splitlines())) <= 60
     assert broken.replace("\n" + " " * 12, " ").splitlines()[0] == unbroken.splitlines()[0]
+
+
+def test_a_word_of_many_legs_is_shortened_in_the_text():
+    """The first legs and how many there are; the JSON object has all."""
+    many = [word for i in range(1, 40) for word in ("--via", str(5 * i), "1")]
+    asking = ("solve", "200", "0", *many)
+    shown = line_of("word", asked(*asking).stdout)
+    word = json.loads(asked(*asking, "--json").stdout)["word"]
+
+    assert len(word.split()) == 40
+    begun, count = shown.split(" ... ")
+    assert count == "(40 legs)"
+    assert word.startswith(f"{begun} ")
+    assert 50 < len(begun) <= 60
 
 
 def test_a_jump_of_the_length_is_no_wide_interval():
@@ -210,3 +269,50 @@ def test_the_check_s_shorter_path_can_be_taken(tmp_path):
     assert (answer["verdict"], shortest["verdict"]) == ("longer", "optimal")
     assert answer["length"] > shortest["length"]
     assert line_of("shorter", text).startswith(f"{shortest['length']:.12g}, found by the check")
+
+
+def test_columns_that_are_passed_over_are_named(tmp_path, caplog):
+    """Headings at points are refused, since a path that ignores them would be no answer."""
+    file = tmp_path / "points.csv"
+    file.write_text("x,y,alt,heading,z\n4,1,120,,0\n6,-2,120,,0\n")
+
+    asked("solve", "--via-file", str(file), "--radius", "0.5")
+
+    assert "passed over, since points have no such column: alt, z" in caplog.text
+    file.write_text("x,y,heading\n4,1,90\n6,-2,\n")
+    with pytest.raises(DubinsStudyError, match="line 2: heading is '90': headings at points are"):
+        asked("solve", "--via-file", str(file))
+
+
+@pytest.mark.parametrize(
+    ("points", "radius", "odd"),
+    [
+        ("8.541,47.372\n8.545,47.374\n8.551,47.371\n", 40, True),  # degrees
+        ("0.2,0.1\n0.5,0.3\n1.9,1.1\n", 60, True),  # kilometres, the radius in metres
+        ("200.2,100.1\n200.3,100.1\n", 60, True),  # hardly a path
+        ("10,5\n-80,20\n", 25, False),
+        ("0.1,0\n0.2,0.1\n0.3,0.3\n", 1, False),
+        ("412,96\n430,99\n441,110\n", 40, False),
+    ],
+)
+def test_units_that_do_not_fit_are_said(points, radius, odd, tmp_path, caplog):
+    file = tmp_path / "points.csv"
+    file.write_text(f"x,y\n{points}")
+
+    asked("solve", "--via-file", str(file), "--radius", str(radius), "--time-limit", "1")
+
+    assert ("x, y and radius are taken to be in one unit" in caplog.text) == odd
+
+
+@pytest.mark.parametrize("text", ["1_000", "1_0.5"])
+def test_a_number_has_no_underscores(text, tmp_path):
+    """Python's `float` takes some of these."""
+    file = tmp_path / "points.csv"
+    file.write_text(f"x,y\n{text},2\n")
+
+    with pytest.raises(DubinsStudyError, match=f"line 2: x is '{text}'; expected a number"):
+        asked("solve", "--via-file", str(file))
+    for words in ((text, "2"), ("1", "2", "--radius", text), ("1", "2", "--via", text, "3")):
+        refused = asked("solve", *words)
+        assert refused.exit_code == 2
+        assert repr(text) in refused.stderr

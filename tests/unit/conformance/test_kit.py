@@ -6,6 +6,7 @@ import math
 import re
 import signal
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -17,6 +18,8 @@ from dubins_study.conformance.questions import (
     CIRCLES,
     DISCS,
     GENERAL,
+    POSES,
+    ROUTES,
     SCALES,
     SYMMETRIES,
     WITHOUT,
@@ -32,8 +35,9 @@ from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.check.reference import reference_of
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
-from dubins_study.study.tolerances import ProfileError
+from dubins_study.study.tolerances import DEFAULT, ProfileError
 
 ANSWERS = [name for name in CHECKS if name not in ("limits", "state")]
 TABLES = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
@@ -48,7 +52,7 @@ class Right(Analytic):
 class Confident(Right):
     """Looks at LS and RS only, and is sure."""
 
-    branches = ("best",)
+    branches, takes = ("best",), frozenset({"free final heading"})
 
     def solve(self, question, limit):
         answers = [
@@ -79,6 +83,42 @@ class Raising(Right):
         raise NotImplementedError("later")
 
 
+class OfPoses(Right):
+    """Answers one leg with a final heading, and nothing else."""
+
+    takes = frozenset({"final heading"})
+
+
+class OfNothing(Right):
+    """Takes via points, but no target to end at."""
+
+    takes = frozenset({"via points"})
+
+
+class Denying(Right):
+    """Denies every path with via points or a final heading."""
+
+    def solve(self, question, limit):
+        if question.scenario.one_free_leg:
+            return super().solve(question, limit)
+        return Solution(Claim.INFEASIBLE)
+
+
+class Silent(Denying):
+    """The same, but claims nothing."""
+
+    def solve(self, question, limit):
+        return replace(super().solve(question, limit), claim=Claim.FAILED)
+
+
+class Nearly(Right):
+    """Ends a little too soon, where its final heading is given."""
+
+    def solve(self, question, limit):
+        path = super().solve(question, limit).path
+        return Solution(Claim.LOCAL, replace(path, lengths=path.lengths * (1 - 1e-5)))
+
+
 class OneWord(Right):
     """Answers RL only."""
 
@@ -99,7 +139,7 @@ class Misled(Right):
 class Bounding(Right):
     """A bound above the length in the discs."""
 
-    branches = ("best",)
+    branches, takes = ("best",), frozenset({"free final heading"})
 
     def solve(self, question, limit):
         path = super().solve(question, limit).path
@@ -521,13 +561,76 @@ def test_the_report_fits_the_terminal(kind, width):
 
 
 @pytest.mark.parametrize(
-    ("kind", "least", "most"), [(Modest, 40, 50), (Everything, 62, 70), (OneWord, 4, 40)]
+    ("kind", "least", "most"), [(Modest, 40, 50), (Everything, 72, 80), (OneWord, 4, 40)]
 )
 def test_how_many_questions_are_asked(kind, least, most):
-    """As the documentation says: 40 to 70 of a solver that answers `best`, by what else it does."""
+    """As the documentation says: 40 to 80 of a solver that answers `best`, by what else it does."""
     asked = sum(checked(kind, CHECKS).answers.values())
 
     assert least <= asked <= most
+
+
+def test_only_what_a_solver_takes_is_asked():
+    """Checks of other scenarios do not apply, and say why; the rest ask what it takes."""
+    report = checked(OfPoses, CHECKS)
+
+    assert report.passed, report
+    assert sum(report.answers.values()) == report.answers["optimal"] == len(POSES) + 9
+    assert report["poses"].summary == f"{len(POSES)} questions"
+    assert report["controls"].summary == "the solver does not take `free final heading`"
+    assert report["routes"].summary == "the solver does not take `via points`"
+    assert report["limits"].status is report["determinism"].status is Status.PASS
+
+
+def test_a_solver_has_to_take_an_end():
+    report = checked(OfNothing, ["loading"])
+
+    assert report["loading"].status is Status.FAIL
+    assert "takes is ['via points'], and every scenario needs more" in text(report, "loading")
+
+
+def test_no_route_and_no_pose_is_without_a_path():
+    """Its denial is a false claim; a path that is not found is a note. Both name the shortest."""
+    denied, unfound = (checked(kind, ["poses", "routes"]) for kind in (Denying, Silent))
+    for check, word in (("poses", "RSL"), ("routes", "RSR RS")):
+        assert denied[check].status is Status.FAIL
+        assert f"that no path exists; there is one, {word}, of length" in text(denied, check)
+        assert unfound[check].status is Status.NOTE
+        assert f"it finds no path (claim failed); there is one, {word}" in text(unfound, check)
+
+
+def test_a_miss_within_a_tolerance_is_no_mix_up():
+    report = checked(Nearly, ["poses", "routes"])
+
+    for check in ("poses", "routes"):
+        assert "tighten the tolerance of the points and headings" in text(report, check), report
+
+
+def test_the_routes_of_the_kit_are_those_that_it_promises():
+    """Two to five legs, three spacings, one in two orders, one in line, one to a heading.
+
+    The search proves each in less than a second of work; a millionth is a hundredth of the gap that
+    an answer may have.
+    """
+    spacings = [
+        [math.dist(a, b) / route.radius for a, b in itertools.pairwise(route.points.tolist())]
+        for route in ROUTES.values()
+    ]
+    laws = [
+        any(all(low <= leg <= high for leg in legs) for legs in spacings)
+        for low, high in ((4, 20), (2, 4), (0.5, 2))
+    ]
+    points = [sorted(route.points.tolist()) for route in ROUTES.values()]
+    a, b, c, _ = ROUTES["3 legs, the points in line"].points
+
+    assert {route.legs for route in ROUTES.values()} == {2, 3, 4, 5}
+    assert all(laws), spacings
+    assert len(points) - 1 == len(set(map(str, points)))
+    assert (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0])
+    assert sum(route.final_heading is not None for route in ROUTES.values()) == 1
+    for route in ROUTES.values():
+        found = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
+        assert found.high <= found.low * (1 + 1e-6), route.label
 
 
 def test_the_advice_for_a_disc_is_not_that_for_the_axis():

@@ -74,13 +74,15 @@ WRONG = (
     + "1e20,2,0,0,0,1,,\n"
 )
 MISTAKES = [
-    "line 2: heading: 120 is more than a full turn; write 120deg, or 120rad",
+    "line 2: heading: 120 is more than a full turn; write 120deg, or 120rad, "
+    "counterclockwise from +x (east), so north is 90deg",
     "line 3: x is empty; expected a number",
     "line 3: target_y is nan; expected a finite number",
     "line 3: radius is -2.0; expected a number above 0",
     "line 3: speed is 0.0; expected a number above 0",
     "line 5: y is 'east'; expected a number",
-    "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+    "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
+    "counterclockwise from +x (east), so north is 90deg",
     "line 5: target_x is '1_0'; expected a number",
     "line 5: radius is 1e+200; expected a number from 1e-150 to 1e+150",
     "line 6: radius is 1.0; expected at least 1e+07 beside coordinates of size 1e+20, or the",
@@ -125,7 +127,8 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     frame.to_parquet(tmp_path / "a.parquet")
 
     assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
-        "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad",
+        "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad, "
+        "counterclockwise from +x (east), so north is 90deg",
         "  row 2: radius is 0.0; expected a number above 0",
         "  row 3: radius is empty; expected a number",
     ]
@@ -222,6 +225,52 @@ def test_other_scenarios_are_another_experiment(tmp_path):
     assert texts[0] == texts[1] != texts[2]
 
 
+def asked_of(plan):
+    """How each scenario of a plan is asked: its id and branch -> the time limit (s)."""
+    cells = [cell for chain in plan.chains for cell in chain]
+    return {(cell.scenario_id, cell.branch): cell.time_limit_s for cell in cells}
+
+
+def sample_of(suite, tmp_path, every):
+    """Some scenarios of a suite in a file, and how the suite asks them."""
+    suite_cells = plan_run(Request(suite, solvers=["analytic"])).chains
+    chosen = {cell.scenario_id: cell.scenario for chain in suite_cells for cell in chain}
+    ids = [*chosen][::every]
+    file = tmp_path / "sample.parquet"
+    frame_of([chosen[each] for each in ids]).to_parquet(file)
+    asked = asked_of(plan_run(Request(suite, solvers=["analytic"])))
+    return file, {key: limit for key, limit in asked.items() if key[0] in ids}
+
+
+@pytest.mark.parametrize(
+    ("suite", "different"),
+    [("benchmark-route", {1.0, 3.0, 10.0}), ("benchmark-leg", {"best", "LS", "RS", "LR", "RL"})],
+)
+def test_a_sample_of_a_suite_is_asked_as_the_suite_asks(tmp_path, caplog, suite, different):
+    """With the time limit and the branches of each question; a limit that is given replaces all."""
+    file, expected = sample_of(suite, tmp_path, 3)
+    asked = asked_of(plan_run(Request(suite, scenarios=file, solvers=["analytic"])))
+    given = asked_of(plan_run(Request(suite, scenarios=file, solvers=["analytic"], time_limit=7.0)))
+
+    assert asked == expected
+    assert different <= {*expected.values(), *(branch for _, branch in expected)}
+    assert given == dict.fromkeys(expected, 7.0)
+    assert not caplog.records
+
+
+def test_scenarios_that_are_none_of_a_suite_have_its_general_limit(tmp_path, caplog):
+    """It is said of how many; the others keep theirs."""
+    file, expected = sample_of("benchmark-route", tmp_path, 3)
+    frame = pd.concat([pd.read_parquet(file), frame_of(EXPECTED_ROUTES[:2])])
+    frame.to_parquet(file)
+    asked = asked_of(plan_run(Request("benchmark-route", scenarios=file, solvers=["analytic"])))
+
+    assert expected.items() <= asked.items()
+    assert [asked[key] for key in asked.keys() - expected.keys()] == [10.0, 10.0]
+    said = f"2 of {len(frame)} scenarios are none of benchmark-route; they are asked with its"
+    assert said in caplog.text
+
+
 ROUTES = (
     "x,y,heading,target_x,target_y,radius,via_x,via_y,final_heading\n"
     "0,0,30deg,10,5,1,4 6,1 -2,90deg\n0,0,0,10,5,1,4,1,\n0,0,0,10,5,1,,,\n"
@@ -257,11 +306,13 @@ def test_every_wrong_route_is_named(tmp_path):
         "  line 2: via_x is '4 x'; expected numbers separated by spaces, such as 4 6",
         "  line 3: via_x has 2 numbers and via_y has 1; expected as many",
         "  line 4: via_x is '[4, 6]'; expected numbers separated by spaces, such as 4 6",
-        "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad",
+        "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad, "
+        "counterclockwise from +x (east), so north is 90deg",
         "  line 6: via point 1 is (0.0, 0.0), the same point as the start; expected a point apart "
         "from the points before and after it",
         "  line 7: via_y is nan; expected a finite number",
-        "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3",
+        "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
+        "counterclockwise from +x (east), so north is 90deg",
     ]
 
 

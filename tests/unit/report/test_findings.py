@@ -222,6 +222,16 @@ def test_a_finding_is_said_of_its_effect_alone(case):
         assert case.find(evidence(rows)) is None
 
 
+@pytest.mark.parametrize(("started", "said"), [("2026-11-27T00:41", False), ("2026-11-28", True)])
+def test_no_growth_is_said_of_an_engine_that_was_given_less_than_it_takes(started, said):
+    """Of Uno's rows with whole matrices; of later ones as of any engine."""
+    rows = routes(MANY, True, power=2.0, sizes=(10, 20, 50, 100))
+    uno = {"engine": "Uno filterSQP", "started": started}
+    finding = found.growth(evidence(one | uno if one["solver"] == "ipopt" else one for one in rows))
+
+    assert (finding is not None and "Uno" in finding.sentence) == said
+
+
 def test_guesses_are_told_apart():
     """From one guess the words are better, from a straight line worse: each is said by itself."""
     one = {"guess": "one", "guesses": "one"}

@@ -149,6 +149,19 @@ def test_points_lie_close_where_a_path_turns():
     assert sagitta.max() <= radius * 0.15**2 / 8 + 2 * shown["box"][2]
 
 
+def test_points_gather_in_the_turns_between_long_straights():
+    """The drawn line cuts no corner: a chord's middle is as near to the path as in a turn alone."""
+    path = Path(Pose(3.0, 4.0, 1.0), [1.0, 0.0, -1.0, 0.0] * 3, [1.0, 20.0] * 6)
+    shown = drawn_path(path.curvatures.tolist(), path.lengths.tolist())
+    assert shown is not None
+    each = points(shown)
+    middles = (each[1:] + each[:-1]) / 2
+    along = path.sample(100_000)[:, :2]
+    distance = np.hypot(*(middles[:, None] - along[None, ::10]).transpose(2, 0, 1)).min(axis=1)
+
+    assert distance.max() <= 0.15**2 / 8 + 2 * shown["box"][2]
+
+
 @pytest.mark.parametrize(
     ("curvature", "length"),
     [(1.0, -1.0), (1e308, 1e308), (0.0, 1e308), (1e200, 1e200), (0.0, np.inf), (np.nan, 1.0)],

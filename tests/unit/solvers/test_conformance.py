@@ -55,6 +55,7 @@ def test_every_entry_says_what_it_is():
         assert entry.reason is None or entry.reason.strip()
 
 
+@pytest.mark.many(8)
 @pytest.mark.parametrize(
     ("name", "branch"),
     [
@@ -113,6 +114,7 @@ def test_words_are_right_or_said_not_to_be(spec, branch, scenario):
         assert answer.gap < 1e-7 or branch != "best"
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("name", available_solvers())
 def test_a_branch_it_cannot_answer_is_a_row(name):
     for branch in set(BRANCHES) - set(load(name).branches):
@@ -144,6 +146,7 @@ TWO_ARCS = {
 }
 
 
+@pytest.mark.many(4)
 @pytest.mark.parametrize(
     ("scenario", "spec", "error"),
     [

@@ -140,6 +140,7 @@ POSED = [
 ]
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("engine", INSTALLED)
 @pytest.mark.parametrize(("kind", "settings_", "programs"), POSED)
 @pytest.mark.parametrize(
@@ -263,6 +264,7 @@ def test_no_claim_is_false(scenario):
         assert answer.claim is Claim.OPTIMAL
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("final", [-2.0, 1.0, 3.0])
 @pytest.mark.parametrize("target", [(5, 1), (1.5, -0.5), (0.2, 0.3)])
 def test_a_final_heading_is_proven(target, final):
@@ -454,3 +456,23 @@ def test_a_word_without_a_path_is_called_infeasible(solver, engine):
     assert none.claim is Claim.INFEASIBLE, none.message
     assert none.verdict is Verdict.NONE_EXISTS
     assert none.path is None
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(5.99, 5), (1.0, 1), (0.95, 1), (0.0, 0), (-0.3, 0)])
+def test_maingo_is_told_whole_seconds_that_are_left(monkeypatch, seconds, told):
+    """A second run of a question whose time is up ends at once, and not a second later."""
+    maingopy = pytest.importorskip("maingopy")
+    options = {}
+
+    class Told(maingopy.MAiNGO):
+        def set_option(self, name, value):
+            options[name] = value
+            return super().set_option(name, value)
+
+    monkeypatch.setattr(maingopy, "MAiNGO", Told)
+    posed = GlobalNlp(engine="maingo").build(Question(Scenario(0, 0, 0, 1, 0.3, 1)))
+
+    result = ENGINES["maingo"].load()(Settings(1e-6, 1e-8))(posed.programs[0][1], seconds)
+
+    assert options["maxTime"] == told
+    assert told or result.claim is Claim.LIMIT

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.nlp_engines import casadi_nlpsol
 from dubins_study.solvers.nlp_engines.expressions import UnknownOperationError, rebuilt
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, Program
 from dubins_study.solvers.paper_nlp.local_nlp import Case
@@ -152,27 +151,6 @@ def test_what_an_engine_says_from_zero(name):
     assert point.claim is FROM_ZERO[name]
 
 
-@pytest.mark.parametrize(
-    ("plugin", "status", "unified", "claim"),
-    [
-        ("ipopt", "Restoration_Failed", "UNKNOWN", Claim.FAILED),
-        ("uno", "Terminated with not optimal point", "LIMITED", Claim.LIMIT),
-        ("uno", "Terminated with unbounded problem", "UNKNOWN", Claim.FAILED),
-        ("fatrop", "0", "SUCCESS", Claim.LOCAL),
-        ("sleqp", "iteration limit", "SUCCESS", Claim.LIMIT),
-        ("sleqp", "optimal", "SUCCESS", Claim.LOCAL),
-        # casadi calls it a success; SLEQP itself calls it an abort
-        ("sleqp", "deadpoint", "SUCCESS", Claim.FAILED),
-        ("sqpmethod", "Maximum_Iterations_Exceeded", "LIMITED", Claim.LIMIT),
-        ("qrsqp", "Search_Direction_Becomes_Too_Small", "UNKNOWN", Claim.FAILED),
-    ],
-)
-def test_statuses_become_claims(plugin, status, unified, claim):
-    stats = {"return_status": status, "unified_return_status": f"SOLVER_RET_{unified}"}
-
-    assert casadi_nlpsol.claim_of(plugin, stats) is claim
-
-
 def test_a_tolerance_is_no_less_than_the_equations_rounding():
     """At 10^5 radii rounding leaves more of the equations than a tolerance of 1e-14 allows."""
     far = case("LS", Scenario(0, 0, 0, 3e4, 9e4, 1))
@@ -235,6 +213,23 @@ def test_with_numbers_the_walk_is_casadis_evaluation(x):
     assert objective == pytest.approx(functions.objective(np.array(x)), rel=1e-14, abs=1e-14)
     # sums of a few terms, the largest of them 5^5
     assert equations == pytest.approx(functions.equations(np.array(x)), rel=1e-13, abs=1e-14)
+
+
+@pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
+def test_the_objective_has_its_weight_in_the_hessian(weight):
+    """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
+    posed, h = every_operation(), 1e-6
+    functions, entries = posed.functions, posed.entries
+    x, weights = np.array((0.4, 1.1, 2.3)), np.array((0.3, -2.0, 1.5, 0.7))
+    lower = np.zeros((3, 3))
+
+    def slope(x):
+        return weight * functions.gradient(x) + weights @ functions.jacobian(x)
+
+    bend = [(slope(x + step) - slope(x - step)) / (2 * h) for step in h * np.eye(3)]
+    lower[tuple(entries.hessian_at)] = entries.hessian(x, weight, weights)
+
+    np.testing.assert_allclose(lower, np.tril(bend), atol=1e-6)
 
 
 def test_parameters_become_constants():

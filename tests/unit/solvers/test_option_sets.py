@@ -198,6 +198,7 @@ class _Parabola:
         return (free**2).sum(axis=0)
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("options", OPTION_SETS)
 @pytest.mark.parametrize("engine", engine_params(names(SAMPLING, DERIVATIVE_FREE)))
 def test_every_search_goes_downhill_with_every_set(engine, options):

@@ -41,6 +41,7 @@ SLOW_COLLOCATION = ["multiple-shooting", pytest.param("collocation", marks=pytes
 LEFT = Scenario(0, 0, 0, -0.2, 0.6, 1)
 
 
+@pytest.mark.many(8)
 @pytest.mark.parametrize("spec", TINY)
 @pytest.mark.parametrize("branch", RATES)
 @pytest.mark.parametrize("edge", EDGES)
@@ -87,7 +88,7 @@ def test_equal_elements_gain_with_their_number(spec):
     assert TINY[spec] < fine < coarse / 20
 
 
-@pytest.mark.slow
+@pytest.mark.many(2)
 @pytest.mark.parametrize("place", [(5, 1, 0.7), (-3, 0, 0), (-0.2, 0.6, 0)])
 @pytest.mark.parametrize(
     ("spec", "steps", "factor"),
@@ -102,6 +103,7 @@ def test_the_gap_falls_with_the_square_of_the_step(spec, steps, factor, place):
     assert 0 < fine < coarse / factor
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("spec", ["turn-rates", "turn-rate-qp"])
 @pytest.mark.parametrize("mesh", ["equal", "graded"])
 def test_far_targets_need_a_graded_mesh(spec, mesh):
@@ -112,6 +114,7 @@ def test_far_targets_need_a_graded_mesh(spec, mesh):
     assert 1e-3 < answer.gap < 0.05 if mesh == "equal" else answer.gap < 1e-5
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("spec", ["collocation", "turn-rate-qp"])
 @pytest.mark.parametrize(
     ("curvature", "length"),
@@ -160,8 +163,9 @@ def one_sided(X, Y):
     return Path((0.0, 0.0, 0.0), [0.0, 1.0], [ahead, math.atan2(X - ahead, 1 - Y) % (2 * math.pi)])
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize(("X", "Y"), INSIDE)
-@pytest.mark.parametrize("side", [1, pytest.param(-1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("name", ["turn-rates", "collocation", "multiple-shooting", "turn-rate-qp"])
 def test_no_claim_about_the_word(name, side, X, Y):
     """With rates on one side a path exists, so whoever calls that infeasible has failed.
@@ -194,6 +198,7 @@ def test_the_transcription_is_an_ode_solved_by_quadrature():
     assert answer.verdict is Verdict.MISSES
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("points", [2, 3, 4])
 def test_the_miss_falls_as_radaus_order_says(points):
     """Order 2 p - 1 in the elements (Hairer and Wanner 1996, sec. IV.5), switch or no switch."""
@@ -260,6 +265,7 @@ def check_path(scenario: Scenario, solution: Solution, found: Judgement, n: int)
     assert found.miss <= 1e-8 * scenario.radius + 1e-13 * scenario.extent
 
 
+@pytest.mark.many(4)
 @pytest.mark.parametrize(
     ("engine", "place"),
     [

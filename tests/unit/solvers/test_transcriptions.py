@@ -13,6 +13,7 @@ from cases import EDGES, PAPER, engine_params
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
@@ -21,14 +22,16 @@ from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, Elements
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
 from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.registry import load
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 TRANSCRIPTIONS = ("collocation", "multiple-shooting", "turn-rates[n=20]")
 PLACE = EDGES["many turns of heading"]
 
 
+@pytest.mark.many(2)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_efforts_add_up(spec):
     """All words are named; the runs' evaluations sum to the whole; one of them is the answer's."""
@@ -41,6 +44,7 @@ def test_efforts_add_up(spec):
     assert 0 < answer.best_run_s <= sum(answer.subproblem_s) <= answer.solve_s
 
 
+@pytest.mark.many(1)
 @pytest.mark.parametrize("spec", [*TRANSCRIPTIONS, "turn-rate-qp"])
 def test_a_warm_path_is_a_subproblem_of_its_own(spec):
     """It goes first, and the row says warm; from its own answer an engine has little left to do."""
@@ -52,6 +56,30 @@ def test_a_warm_path_is_a_subproblem_of_its_own(spec):
     assert answer.guess == "warm"
     assert answer.length == pytest.approx(cold.length, rel=1e-6)
     assert answer.subproblem_evaluations[0] < cold.best_run_evaluations
+
+
+NUMBERS = st.floats(0, 4) | st.sampled_from([1e-12, 1e6])
+
+
+@settings(max_examples=15)
+@given(
+    arcs=st.lists(st.tuples(st.floats(-3, 3), NUMBERS), max_size=5),
+    spec=st.sampled_from(["multiple-shooting", "collocation", "turn-rates", "turn-rate-qp"]),
+    via=st.sampled_from([(), ((4.0, 1.0),)]),
+)
+def test_any_path_is_a_guess(arcs, spec, via):
+    """Of no arcs, of no length, of another radius, or long: nothing is raised."""
+    guess = Path(Pose(0, 0, 0), [rate for rate, _ in arcs], [length for _, length in arcs])
+    scenario = Scenario(target_x=8.0, target_y=0.0, via=via)
+
+    answer = attempt(load(spec), Question(scenario, initial_guess=guess), 5.0)
+
+    assert answer.outcome is Outcome.RETURNED, answer.message
+
+
+def test_a_guess_is_refused_where_none_is_used():
+    with pytest.raises(DubinsStudyError, match="'analytic' takes no initial_guess; expected None"):
+        solve(PAPER["problem 1"], "analytic", initial_guess=Path(Pose(0, 0, 0), [], []))
 
 
 @pytest.mark.parametrize("spec", ["collocation[", "multiple-shooting[", "turn-rates[n=20,"])

@@ -174,6 +174,7 @@ ADVERSARIES = {
 }  # fmt: skip
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("branch", ["best", "LS"])
 @pytest.mark.parametrize("name", ADVERSARIES)
 def test_no_adversary_is_proved(name, branch):

@@ -124,6 +124,19 @@ class Keeps(Habit):
         return replace(answer, path=replace(answer.path, start=s.start))
 
 
+class KeepsSets(Habit):
+    """Keeps its answers by the set of the points, whatever their order."""
+
+    name = "keeps-sets"
+    takes = frozenset({"free final heading", "via points"})
+    _answers: ClassVar[dict[tuple[object, ...], Solution]] = {}
+
+    def solve(self, question: Question, limit: float) -> Solution:
+        s = question.scenario
+        rest = s.start, s.target_x, s.target_y, s.radius
+        return self._answers.setdefault((frozenset(s.via), *rest), honest(s))
+
+
 class Gambles(Habit):
     """Cuts its first arc in two where chance says."""
 

@@ -14,14 +14,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from honest_dubins import TwoArcs
 
-from dubins_study import Claim, Path, Question, Scenario, Solution, Solver
+from dubins_study import Claim, Path, Question, Scenario, Solution, Solver, solve
 
 _HONEST = TwoArcs(guesses=3)
 _LIMIT = 60.0  # s; the lies about time are told elsewhere
 
 
 def honest(scenario: Scenario, branch: str = "best") -> Solution:
-    """The right answer."""
+    """The right answer; of a route, or to a final heading, that of the search."""
+    if scenario.via or scenario.final_heading is not None:
+        return Solution(Claim.OPTIMAL, solve(scenario, branch=branch).path)
     return _HONEST.solve(Question(scenario, branch), _LIMIT)
 
 
@@ -138,6 +140,15 @@ QUESTIONS = {
     "no start": _asked(lambda s: replace(s, x=0.0, y=0.0, heading=0.0)),
     "any word": lambda question: honest(question.scenario),
 }
+# lies about what a path has to meet on its way, and at its end
+VISITS = {
+    "skips the last via point": _optimal(_asked(lambda s: replace(s, via=s.via[:-1]))),
+    "sorts the via points": _optimal(_asked(lambda s: replace(s, via=sorted(s.via)))),
+    "any final heading": _optimal(_asked(lambda s: replace(s, final_heading=None))),
+    "denies routes": lambda q: (
+        Solution(Claim.INFEASIBLE) if q.scenario.via else honest(q.scenario, q.branch)
+    ),
+}
 # lies about the answer
 CLAIMS = {
     "always optimal": _answer(_two_words),
@@ -184,7 +195,7 @@ FAILURES = {
     "crashes": _crash,
     "hangs": _hang,
 }
-LIES = PATHS | QUESTIONS | CLAIMS | FAILURES
+LIES = PATHS | QUESTIONS | VISITS | CLAIMS | FAILURES
 
 
 @dataclass(frozen=True)
@@ -199,6 +210,7 @@ class Lying(Solver):
     summary = "Another solver's answers and one lie, to try the conformance kit on"
     method = ("one NLP a word", "MINPACK hybr", "bearing")
     branches = TwoArcs.branches
+    takes = frozenset({"free final heading", "final heading", "via points"})
 
     lie: str = "left is right"
 

@@ -20,10 +20,22 @@ class CommandError(DubinsStudyError, ValueError):
 
 def number(text: str | float) -> float:
     """A number among the words of an option, or in a file of points."""
+    from dubins_study.study.values import number_of_text  # numpy, which no help waits for
+
     try:
-        return float(text)
+        return number_of_text(str(text))
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
+def lone_number(text: str | float) -> float:
+    """The value of an option that is one number; refused as typer refuses what is none."""
+    from pydantic_core import PydanticKnownError
+
+    try:
+        return number(text)
+    except typer.BadParameter:
+        raise PydanticKnownError("float_parsing") from None
 
 
 class Point(NamedTuple):
@@ -44,16 +56,22 @@ def point(words: Sequence[str] | Point) -> Point:
 
 
 # the question of a solve
-TargetX = Annotated[float, typer.Argument(metavar="X", help="target position")]
-TargetY = Annotated[float, typer.Argument(metavar="Y", help="target position")]
+TargetX = Annotated[float, typer.Argument(metavar="X", parser=lone_number, help="target position")]
+TargetY = Annotated[float, typer.Argument(metavar="Y", parser=lone_number, help="target position")]
 _OR_LAST = "target position; default: the last point of --via-file"
-MaybeX = Annotated[float | None, typer.Argument(metavar="X", help=_OR_LAST, show_default=False)]
-MaybeY = Annotated[float | None, typer.Argument(metavar="Y", help=_OR_LAST, show_default=False)]
+MaybeX = Annotated[
+    float | None, typer.Argument(metavar="X", parser=lone_number, help=_OR_LAST, show_default=False)
+]
+MaybeY = Annotated[
+    float | None, typer.Argument(metavar="Y", parser=lone_number, help=_OR_LAST, show_default=False)
+]
+_FROM = (
+    "start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad; headings run counterclockwise from +x (east), "
+    "so north is 90deg"
+)
 StartPose = Annotated[
     tuple[str, str, str],
-    typer.Option(
-        "--from", metavar="X Y HEADING", help="start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad"
-    ),
+    typer.Option("--from", metavar="X Y HEADING", help=_FROM),
 ]
 _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
@@ -65,8 +83,10 @@ FinalHeading = Annotated[
     str | None,
     typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),
 ]
-Radius = Annotated[float, typer.Option(metavar="NUMBER", help="minimum turning radius")]
-Speed = Annotated[float, typer.Option(metavar="NUMBER", help="constant speed")]
+Radius = Annotated[
+    float, typer.Option(metavar="NUMBER", parser=lone_number, help="minimum turning radius")
+]
+Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=lone_number, help="constant speed")]
 _BRANCH = "best, LS, RS, LR or RL; with a final heading best, LSL, RSR, LSR, RSL, RLR or LRL"
 Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 # who answers

@@ -5,14 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.scenario import COLUMNS, DEFAULTS, NUMBERS, VIA, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import check_frame, column_problems, numbers_of, scenario_of
-from dubins_study.study.values import nearest, plain, short
+from dubins_study.study.units import doubtful_units
+from dubins_study.study.values import nearest, number_of_text, plain, short
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,7 +60,19 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
             "dubins-study: %s: of %d rows %d repeat an earlier one; each scenario is asked once",
             *(plain(str(file)), len(frame), copies),
         )
+    records = frame.to_dict("records")
+    doubts = [doubt for record in records if (doubt := _doubt(record))]
+    if doubts:
+        _LOG.warning(
+            "dubins-study: %s: in %d of %d rows %s",
+            *(plain(str(file)), len(doubts), len(frame), doubts[0]),
+        )
     return frame
+
+
+def _doubt(row: dict[Hashable, Any]) -> str | None:
+    """What is odd about the units of a route's row."""
+    return doubtful_units(scenario_of(row)) if len(row["via_x"] or ()) else None
 
 
 def _checked(file: str, rows: list[_Row]) -> pd.DataFrame:
@@ -107,8 +120,7 @@ def _value(name: str, row: dict[str, Any]) -> Any:
     if name in ("label", *VIA) or not isinstance(value, str):
         return value  # `Scenario` checks it
     try:
-        # Python takes an underscore within a number
-        return float(value.replace("_", "?"))
+        return number_of_text(value)
     except ValueError:
         raise ScenarioFileError(f"{name} is {short(value)}; expected a number") from None
 

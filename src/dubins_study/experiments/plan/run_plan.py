@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import shlex
 from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from dubins_study.experiments.definition.experiment import (
     Experiment,
@@ -19,10 +23,17 @@ from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.experiments.definition.scenario_block import ListedBlock, tables
 from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
+from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
+from dubins_study.solvers.registry import SolverError, load, ours, unavailable
 from dubins_study.study.rows.schema import Key
+from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 from dubins_study.study.values import did_you_mean
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+_LOG = logging.getLogger(__name__)
 # The executors that can solve cells: worker processes of this machine, or a Dask cluster.
 _EXECUTOR_NAMES = ("local", "dask")
 # Key of an experiment that a request may replace -> the argument that replaces it.
@@ -146,13 +157,13 @@ def plan_run(request: Request) -> RunPlan:
     changes = {key: value for key, value in replaced.items() if value is not None}
     listed = None if request.scenarios is None else str(request.scenarios)
     frame = None if listed is None else read_scenarios(listed)
-    if frame is not None:
-        blocks = [ListedBlock(listed=frame)]
-        changes |= {"scenarios": blocks, "first": None, "section": None, "matrix": False}
     if request.experiment is None:
         source = text_about(str(listed))
     else:
         source = text_of(str(request.experiment))
+    if frame is not None:
+        blocks = _listed_blocks(frame, source, changes)
+        changes |= {"scenarios": blocks, "first": None, "section": None, "matrix": False}
     file = _checked(source, request.trust_plugins, changes)
     if listed is not None and frame is not None:
         name, title = FilePath(listed).stem, file.experiment.title
@@ -164,8 +175,60 @@ def plan_run(request: Request) -> RunPlan:
     cell_chains = chains(file.experiment, problems)
     if problems:
         raise ExperimentError(refusal(file.path, problems, file.text))
+    if request.executor == "local":
+        _refuse_unavailable(request.solvers or (), file.experiment.profile)
     folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
     return RunPlan(file, folder, cell_chains)
+
+
+def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
+    """Refuse a spec none of whose solvers of ours can run here; a file's specs are recorded so."""
+    for spec in specs:
+        if spec == "*":
+            continue
+        named = expand_solvers([spec], profile)
+        reasons = [unavailable(load(each, profile)) if ours(each) else None for each in named]
+        if all(reasons):
+            raise SolverError(f"solver {spec!r} is unavailable: {reasons[0]}")
+
+
+# Keys of a block that say how its scenarios are asked.
+_HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
+
+
+def _listed_blocks(
+    frame: pd.DataFrame, source: tuple[str, str, str], changes: Mapping[str, Any]
+) -> list[ListedBlock]:
+    """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
+
+    A sample of a suite so keeps the time limit and the branches of each of its questions.
+    """
+    name, path, text = source
+    experiment, _ = validated(fields_of(path, text))
+    kept = [key for key in _HOW_ASKED if key not in changes]
+    settings = [
+        {key: value for key in kept if (value := getattr(block, key)) is not None}
+        for block in (experiment.scenarios if experiment else ())
+    ]
+    if experiment is None or not any(settings):
+        return [ListedBlock(listed=frame)]
+    ids = [scenario_id(each) for each in listed_scenarios(frame)]
+    rest = np.ones(len(ids), dtype=bool)
+    blocks = []
+    for number, (block, own) in enumerate(zip(experiment.scenarios, settings, strict=True)):
+        asked = [scenario_id(each) for each in scenarios(block, f"scenarios.{number}")]
+        among = np.isin(ids, asked)
+        rest &= ~among
+        if among.any():
+            blocks.append(ListedBlock(listed=frame[among], **own))
+    if not rest.any():
+        return blocks
+    _LOG.warning(
+        "dubins-study: %d of %d scenarios are none of %s; they are asked with its general settings "
+        "(time_limit_s = %g)",
+        *(rest.sum(), len(frame), name, changes.get("time_limit_s", experiment.time_limit_s)),
+    )
+    return [*blocks, ListedBlock(listed=frame[rest])]
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,9 +25,10 @@ from dubins_study.study.rows.parts import (
     part_files,
     printable_batches,
 )
-from dubins_study.study.rows.schema import ROW
+from dubins_study.study.rows.schema import MEASURED_TIMES, ROW
 from dubins_study.study.scenario import Pose
 
+_LOG = logging.getLogger(__name__)
 _CONTROLS = ["curvatures", "lengths"]
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 _COLUMNS = [*_SCALARS, *_CONTROLS]
@@ -64,13 +66,15 @@ class Results:
     `rows` has one row per attempt, with the scalar columns of `study.rows.schema`, `experiment`,
     `answerable` (the question has an answer, so that a gap can be measured) and `late` (it took
     longer than its limit: a failure); its index is that of `controls`, which holds the questions
-    that solvers do not take too. In a selection (`only`) the other fields but `folders` and
-    `untaken` are unchanged.
+    that solvers do not take too. In a selection (`only`) the other fields but `folders`,
+    `untaken` and `elsewhere` are unchanged.
     """
 
     folders: tuple[Folder, ...]  # in the order of the arguments
     rows: pd.DataFrame
     untaken: pd.DataFrame  # solver and experiment of each question that a solver does not take
+    # the rows of other machines, with their times, which `rows` lacks: nothing ranks them with ours
+    elsewhere: pd.DataFrame
     # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
     controls: pa.Table
     solvers: tuple[str, ...]  # specs
@@ -98,6 +102,7 @@ class Results:
                 folders=tuple(folder for folder in self.folders if folder.name in names),
                 rows=self.rows[self.rows["experiment"].isin(names)],
                 untaken=self.untaken[self.untaken["experiment"].isin(names)],
+                elsewhere=self.elsewhere[self.elsewhere["experiment"].isin(names)],
                 selections={},
             )
         return self.selections[names]
@@ -120,7 +125,7 @@ def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataF
 
     Returns:
         One row per attempt, with the columns `experiment` and those of `study.rows.schema` except
-        `versions`, `machine` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows of
+        `versions` and `run_id`; `curvatures` and `lengths` are Arrow lists. Rows of
         earlier code are left out. Missing numbers are null.
 
     Raises:
@@ -204,18 +209,25 @@ def _selected(stored: Sequence[_Stored]) -> tuple[pa.Table, list[RowCounts]]:
     for each, count in zip(stored, counts, strict=True):
         if not count.current:
             raise ResultsError(f"{each.folder} has no rows but of earlier code: run it again")
+        if count.other_limits:
+            _LOG.warning("dubins-study: %s: %s", each.folder, count.limits_text)
     return rows, counts
 
 
 def _joined(stored: Sequence[_Stored]) -> Results:
     manifests = [each.manifest for each in stored]
     rows, counts = _selected(stored)
-    every = rows.select(["experiment", "answerable", "late", *_SCALARS]).to_pandas()
+    added = ["experiment", "answerable", "late", "elsewhere"]
+    every = rows.select([*added, *_SCALARS]).to_pandas()
     untaken = every["outcome"] == UNTAKEN
+    elsewhere = every[every["elsewhere"] & ~untaken]
+    for name in MEASURED_TIMES if len(elsewhere) else ():
+        every[name] = every[name].mask(every["elsewhere"])
     return Results(
         folders=tuple(map(Folder, manifests, counts, (each.recheck for each in stored))),
         rows=every[~untaken],
         untaken=every.loc[untaken, ["solver", "experiment"]],
+        elsewhere=elsewhere,
         controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
         solvers=tuple(sorted(every.loc[~untaken, "solver"].unique())),
         methods=methods(every[~untaken]),

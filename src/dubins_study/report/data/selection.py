@@ -20,7 +20,7 @@ _CELL = ["experiment", *names(CELL)]
 _READ = dict.fromkeys(
     [
         *(*names(CELL), "code_digest", *JUDGED, "gap", "reference_word", "region", *COLUMNS),
-        *("wall_s", "limit_s"),
+        *("wall_s", "limit_s", "machine"),
     ]
 )
 
@@ -33,6 +33,16 @@ class RowCounts(NamedTuple):
     replaced: int = 0  # of cells that an earlier folder holds with other code
     # of cells that an earlier folder holds with this code and another result
     contradicting: int = 0
+    # of questions that an earlier folder asks with another time limit
+    other_limits: int = 0
+
+    @property
+    def limits_text(self) -> str:
+        """What to know of a folder with other time limits than a folder before it."""
+        return (
+            f"{self.other_limits} of its questions have another time limit in a folder before it; "
+            "do not compare answers that were given different times"
+        )
 
 
 def select_attempts(
@@ -40,10 +50,11 @@ def select_attempts(
 ) -> tuple[pa.Table, list[RowCounts]]:
     """The rows that count of the folders' tables of rows, and the counts of each folder.
 
-    Where two folders hold the same cell, the earlier one's row counts. Three columns are added:
-    `experiment`; `answerable`, whether the question has an answer, so that a gap can be measured;
-    and `late`, whether the attempt took longer than its limit: it is then a failure, whatever it
-    answered, in shares and in means alike.
+    Where two folders hold the same cell, the earlier one's row counts. Where `limit_s` is missing,
+    it is the manifest's. Four columns are added: `experiment`; `answerable`, whether the question
+    has an answer, so that a gap can be measured; `late`, whether the attempt took longer than its
+    limit: it is then a failure, whatever it answered, in shares and in means alike; and
+    `elsewhere`, whether it was made on another machine than most rows of the first folder.
     """
     stored = pa.concat_tables(tables)
     rows = stored.select(list(_READ)).to_pandas()
@@ -54,18 +65,36 @@ def select_attempts(
     kept, pairs = compare_attempts(rows.iloc[places], _CELL)
     counted = stored.take(places[kept])
     shown = rows.iloc[places[kept]]
-    limits = shown["folder"].map({n: m.time_limit_s or np.inf for n, m in enumerate(manifests)})
+    stated = {n: m.time_limit_s or np.nan for n, m in enumerate(manifests)}
+    limits = shown["limit_s"].fillna(shown["folder"].map(stated))
+    own_machine = shown["machine"][shown["folder"] == 0].mode()
     added = {
         "experiment": shown["experiment"],
         "answerable": _answerable(shown),
-        "late": shown["wall_s"] > shown["limit_s"].fillna(limits),
+        "late": shown["wall_s"] > limits,
+        "elsewhere": shown["machine"].notna() & ~shown["machine"].isin(own_machine[:1]),
     }
     for name, values in added.items():
         counted = counted.append_column(name, pa.array(values, from_pandas=True))
+    place = counted.schema.get_field_index("limit_s")
+    filled = pa.array(limits, pa.float64(), from_pandas=True)
+    counted = counted.set_column(place, counted.schema.field(place), filled)
+    differ = _other_limits(shown.assign(limit_s=limits))
     return counted, [
-        _row_counts(current[rows["folder"] == n], pairs[pairs["folder"] == n], m.gap_tolerance)
+        _row_counts(
+            current[rows["folder"] == n], pairs[pairs["folder"] == n], m.gap_tolerance
+        )._replace(other_limits=int(differ.get(n, 0)))
         for n, m in enumerate(manifests)
     ]
+
+
+def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
+    """By folder, the number of questions that an earlier folder asks with another time limit."""
+    questions = rows.drop_duplicates(["folder", "scenario_id", "branch", "limit_s"])
+    first = questions.groupby(["scenario_id", "branch"])[["folder", "limit_s"]].transform("first")
+    later = questions["folder"] > first["folder"]
+    other = questions[later & (questions["limit_s"] != first["limit_s"]) & first["limit_s"].notna()]
+    return other.drop_duplicates(["folder", "scenario_id", "branch"]).groupby("folder").size()
 
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:

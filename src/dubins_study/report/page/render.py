@@ -256,6 +256,8 @@ def warnings(run: Folder) -> list[str]:
             f"It contradicts a folder before it in {some(run.rows.contradicting, 'cell')}, by the "
             "same code: the earlier folder's attempts are shown; dubins-study merge names both."
         )
+    if run.rows.other_limits:
+        lines.append(f"{run.rows.limits_text}.")
     if run.recheck is not None and run.recheck.changed:
         lines.append(f"Made elsewhere, and judged anew: {differing(run.recheck)}.")
     if run.section is not None and run.section not in KEYS:

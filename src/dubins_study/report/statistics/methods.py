@@ -239,7 +239,7 @@ def once(compute: Callable[[Rows], T]) -> Callable[[Rows], T]:
 
 
 # Columns that no comparison reads: every selection of rows would copy them.
-_UNREAD = [column.name for column in ROW if column.detail]
+_UNREAD = [column.name for column in ROW if column.detail and column.name != "started"]
 
 
 @once
@@ -263,7 +263,7 @@ def compared(results: Results) -> Compared | None:
         **{str(name): kept["solver"].map(values) for name, values in stated.items()},
     )
     strata = tuple(stratum_order(results, kept["stratum"]))
-    return Compared(kept, methods, _limit(results, kept), strata)
+    return Compared(kept, methods, _limit(kept), strata)
 
 
 def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
@@ -273,10 +273,8 @@ def stratum_order(results: Results, labels: Iterable[str]) -> list[str]:
     return sorted(places, key=lambda name: (places[name] < 0, places[name]))
 
 
-def _limit(results: Results, rows: pd.DataFrame) -> float:
-    """The largest time limit of the runs; if none is stated, the longest attempt's time (s)."""
-    limits = [folder.manifest.time_limit_s or 0.0 for folder in results.folders]
-    if stated := [limit for limit in limits if 0 < limit < np.inf]:
-        return float(max(stated))
-    longest = float(rows["wall_s"].max())
+def _limit(rows: pd.DataFrame) -> float:
+    """The largest time limit of the attempts; if none is stated, the longest one's time (s)."""
+    stated = rows["limit_s"][np.isfinite(rows["limit_s"])]
+    longest = float((stated if len(stated) else rows["wall_s"]).max())
     return longest if longest > 0 else 1.0

@@ -63,23 +63,23 @@ _ENOUGH_RIGHT = 0.9
 
 @once
 def times(compared: Compared) -> pd.DataFrame:
-    """The cost table of whole attempts (s); see `_costs`."""
-    return _costs(compared, "wall_s")
+    """The cost table of whole attempts of this machine (s); see `_costs`."""
+    rows = compared.answerable
+    return _costs(compared, rows[~rows["elsewhere"]], "wall_s")
 
 
 @once
 def evaluations(compared: Compared) -> pd.DataFrame:
     """The cost table of function evaluations; see `_costs`."""
-    return _costs(compared, "evaluations")
+    return _costs(compared, compared.answerable, "evaluations")
 
 
-def _costs(compared: Compared, cost: str) -> pd.DataFrame:
+def _costs(compared: Compared, rows: pd.DataFrame, cost: str) -> pd.DataFrame:
     """The cost table of the engines at questions with a path, the closed form left out.
 
     Methods that met fewer than nine tenths of the questions, or of which no right answer says its
     cost, are left out. Columns in the order of tables.
     """
-    rows = compared.answerable
     rows = rows[rows["solver"] != EXACT]
     if rows.empty:
         return pd.DataFrame(index=pd.Index([], name="question"))

@@ -153,7 +153,7 @@ def _quickest(sizes: pd.DataFrame) -> Table:
     tolerances, lines = sorted(sizes["tolerance"].unique(), reverse=True), []
     for key, each in sizes.sort_values("wall_s").groupby(["kind", "rates"]):
         line = {"problem": f"{key[0]}, {count(key[1])} turn rates"}
-        right = each[each["right"] & each["interface"].eq(_OWN)]
+        right = each[each["right"] & each["interface"].eq(_OWN) & each["wall_s"].notna()]
         for place, tolerance in enumerate(tolerances):
             chosen = right[right["tolerance"] == tolerance][["engine", "wall_s"]].to_numpy()[:2]
             line[f"quickest_{place}"] = "\n".join(f"{e} {seconds(s)}" for e, s in chosen) or ABSENT

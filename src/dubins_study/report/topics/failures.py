@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -86,11 +85,10 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     return joined.sort_values(["attempts", *_SAID], ascending=[False] + [True] * len(_SAID))
 
 
-def with_commands(table: pd.DataFrame, limits: Mapping[str, float | None]) -> pd.DataFrame:
+def with_commands(table: pd.DataFrame) -> pd.DataFrame:
     """The table of `failures` with `command`: what repeats the example, under its limit (s)."""
-    lines = [
-        row | {"time_limit_s": limits.get(row["experiment"])} for row in table.to_dict("records")
-    ]
+    limits = table["limit_s"].astype(object).where(table["limit_s"].notna(), None)
+    lines = table.assign(time_limit_s=limits).to_dict("records")
     return table.assign(command=[solve_command(line) for line in lines])
 
 
@@ -115,22 +113,15 @@ def failures_section(results: Results | None) -> Section:
     stopped = unreturned(attempts)
     kinds = kinds_of(attempts).value_counts().reindex(KINDS, fill_value=0)
     asked, failed = int(attempts["answerable"].sum()), int(kinds.sum())
-    limits = time_limits(results)
     blocks: list[Table] = []
     if len(stopped):
-        blocks.append(_outcome_table(with_commands(stopped, limits)))
+        blocks.append(_outcome_table(with_commands(stopped)))
     if failed:
         messages = failures(attempts).head(_MOST).reset_index(drop=True)
-        blocks.append(_message_table(with_commands(messages, limits)))
+        blocks.append(_message_table(with_commands(messages)))
     lead = _lead(len(attempts), stopped, failed, int(kinds["no return"]))
     text = sentences(_text(kinds, asked, failed) if blocks else "", untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
-
-
-def time_limits(results: Results) -> dict[str, float]:
-    """Experiment -> the time limit of its first folder that states one (s)."""
-    stated = [(run.name, run.manifest.time_limit_s) for run in reversed(results.folders)]
-    return {name: limit for name, limit in stated if limit is not None}
 
 
 def _lead(total: int, stopped: pd.DataFrame, failed: int, silent: int) -> str:

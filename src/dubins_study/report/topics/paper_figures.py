@@ -39,7 +39,7 @@ from dubins_study.report.elements.style import (
 )
 from dubins_study.report.topics.paper import word_paths
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.path import Path
+from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
 
 _BY_RANK = ((BLUE, "-"), (VERMILION, LINES[1]))
@@ -61,7 +61,7 @@ def plot_paths(
     for row in paths.sort_values("rank").to_dict("records"):
         colour, line = _BY_RANK[int(row["rank"]) - 1]
         text = f"{names[int(row['rank']) - 1]}: {_word_and_length(row)}"
-        points = row["path"].sample(400)
+        points, _ = outline(row["path"])
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
     first = paths.iloc[0]
     for side in (1, -1):

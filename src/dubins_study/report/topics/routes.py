@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
 from dubins_study.report.data.results import Results
@@ -49,10 +49,9 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
-from dubins_study.report.topics.failures import time_limits
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
-from dubins_study.study.path import RIPPLE, FloatArray, Path
+from dubins_study.study.path import RIPPLE, FloatArray, Path, outline
 from dubins_study.study.scenario import Scenario
 
 TITLE = "Routes of many legs"
@@ -146,7 +145,8 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         kept = {*drawn, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
         solvers = [solver for solver in solvers if solver in kept]
         cells = cells[cells["solver"].isin(solvers)]
-    limit = max(time_limits(results).values(), default=None)
+    longest = results.rows["limit_s"].max()
+    limit = None if pd.isna(longest) else float(longest)
     caption = (
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
         "and as colour the median gap; of each formulation and guess the surest engine. Below, "
@@ -285,8 +285,13 @@ def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
     return Table("routes", caption, frame, shown, marks(frame, "false_claim"), numbers, dense=True)
 
 
-_CHORD = 0.05  # rad; a chord of it is 0.0003 R from its arc
 _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
+_MOST_CIRCLES = 100  # legs; the circles of more would hide the path
+_MOST_NUMBERS = 60
+_DIGIT = 4.8  # pt; the width of a digit of a number
+_WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
+_THINNEST_LINE, _SMALLEST_DOT = 0.5, 0.2  # shares of the full size
+_MARGIN = 0.07  # around what is drawn, as a share of it
 # Colour, line and width of each kind of piece: three shades and three lines in grey print.
 _TURNS: dict[str, tuple[str, dict[str, Any]]] = {
     "L": ("left", {"color": BLUE, "linestyle": "-", "linewidth": 2.4}),
@@ -300,45 +305,80 @@ def _unit(step: FloatArray) -> FloatArray:
     return direction
 
 
-def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
-    """A path by its turns, with the numbered via points and both poses of a scenario.
+def _points_per_unit(ax: Axes) -> float:
+    """Size of a length unit on the paper (pt), with equal scales and the margins of a route."""
+    sizes = [np.ptp(box.get_points(), axis=0) for box in (ax.bbox, ax.dataLim)]
+    unit = sizes[0] / np.maximum(sizes[1], 1e-300) / (1 + 2 * _MARGIN)
+    return float(unit.min()) * 72 / ax.figure.dpi
 
-    Of many points every tenth has its number. Faint circles are those that the path drives on;
-    arrows are headings, that at the target only if it is given. The legend has the word and the
-    length, and the kinds of pieces.
+
+def _runs(points: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+    """Points of the parts that are inside, shape (m, 2), with a NaN between two runs of them."""
+    parts = np.flatnonzero(inside)
+    ends = points[np.column_stack((parts, parts + 1)).ravel()]
+    return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
+
+
+def _number(ax: Axes, points: FloatArray, unit: float) -> None:
+    """Number the points between the first and the last: all of few, every tenth of many, ...
+
+    A number stands outside the bend; one that would overlap another or an end is left out.
+    `unit` is the size of a length unit (pt).
     """
-    ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
-    straight = RIPPLE * float(np.abs(path.curvatures).max(initial=0.0))
-    kinds: dict[str, Any] = {}
-    for k, (begin, end) in zip(path.curvatures.tolist(), pairwise(ends.tolist()), strict=True):
-        if not end > begin:
-            continue
-        letter = "S" if abs(k) <= straight else "L" if k > 0 else "R"
-        kind, look = _TURNS[letter]
-        turn = abs(k) * (end - begin)
-        points = path.at(np.linspace(begin, end, 2 + math.ceil(turn / _CHORD)))
-        kinds[letter] = ax.plot(*points.T[:2], zorder=3, label=kind, **look)[0]
-        if abs(k) * scenario.radius > 1 - RIPPLE and turn > _SMALL_TURN:
-            x, y, heading = points[0]
+    last = len(points) - 1
+    step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
+    size = _DIGIT * len(str(last)) + 2, 9.0  # of a number, pt
+    places = unit * points[[0, -1]]
+    for number in range(step, last, step):
+        before, point, after = points[number - 1 : number + 2]
+        outside = _unit(point - before) - _unit(after - point)
+        sharp = np.hypot(*outside)
+        lift = 8 * (outside / sharp if sharp > 1e-3 else _unit(after - before)[::-1] * (-1, 1))
+        place = unit * point + lift
+        if not (np.abs(places - place) < size).all(axis=1).any():
+            places = np.vstack((places, place))
+            where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
+            ax.annotate(str(number), point, tuple(lift), fontsize=7.5, zorder=6, **where)
+
+
+def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
+    """A path by its turns, with the via points and both poses of a scenario.
+
+    Lines and points are thinner where points lie close, and of many points some have numbers.
+    Faint circles are those that the path drives on, for few points; arrows are headings, that at
+    the target only if it is given. The legend has the length and the kinds of pieces.
+    """
+    poses, curvatures = outline(path)
+    bend = np.abs(path.curvatures)
+    straight = RIPPLE * float(bend.max(initial=0.0))
+    if scenario.legs <= _MOST_CIRCLES:
+        turns = bend * path.lengths
+        driven = (bend * scenario.radius > 1 - RIPPLE) & (turns > _SMALL_TURN)
+        begins = path.poses[:-1][driven]
+        for (x, y, heading), k in zip(begins, path.curvatures[driven], strict=True):
             centre = (x - math.sin(heading) / k, y + math.cos(heading) / k)
             faint: dict[str, Any] = {"fill": False, "edgecolor": RULE, "linewidth": 0.8}
             ax.add_patch(Circle(centre, 1 / abs(k), zorder=1, **faint))
-    points = scenario.points
-    for number, (before, point, after) in enumerate(
-        zip(points, points[1:], points[2:], strict=False), 1
-    ):
-        ax.plot(*point, "o", color=INK, markersize=3.5, zorder=5)
-        if len(points) > 40 and number % 10:  # the numbers would overlap
-            continue
-        outside = _unit(point - before) - _unit(after - point)  # of the bend
-        size = np.hypot(*outside)
-        lift = outside / size if size > 0.1 else np.array([0.0, 1.0])
-        where: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        ax.annotate(str(number), point, (8 * lift[0], 8 * lift[1]), fontsize=7.5, zorder=6, **where)
+    ax.update_datalim(np.vstack((poses[:, :2], scenario.points)))
+    unit = _points_per_unit(ax)
+    legs = np.hypot(*np.diff(scenario.points, axis=0).T)
+    room = min(unit * float(np.median(legs)) / _WIDE_LEG, 1.0)
+    thin = max(room, _THINNEST_LINE)
+    dot = 3.5 * max(room, _SMALLEST_DOT)
+    kinds: dict[str, Any] = {}
+    sides = np.where(np.abs(curvatures) <= straight, 0, np.sign(curvatures)).astype(int)
+    for letter, (kind, look) in _TURNS.items():
+        runs = _runs(poses[:, :2], sides == "RSL".index(letter) - 1)
+        if len(runs):
+            drawn = look | {"linewidth": thin * look["linewidth"]}
+            kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **drawn)[0]
+    via = scenario.points[1:-1]
+    ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
+    _number(ax, scenario.points, unit)
     target = (scenario.target_x, scenario.target_y)
     plot_start_and_target(ax, path.start, target, scenario.final_heading)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.07)
+    ax.margins(_MARGIN)
     title = f"{name}: length {digits(6)(path.length)}"
     ax.legend(
         handles=[kinds[letter] for letter in _TURNS if letter in kinds],

@@ -25,9 +25,8 @@ from dubins_study.report.elements.content import General, Section, Topic, Widget
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.report.topics.failures import time_limits
 from dubins_study.study.path import Path
-from dubins_study.study.rows.schema import METHOD, ROW, names
+from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
 from dubins_study.study.scenario import NUMBERS, VIA, Pose
 from dubins_study.study.scenario_frame import numbers_of
 
@@ -100,8 +99,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     paths: dict[tuple[Any, ...], dict[str, Any] | None] = {}
     while True:
         rows = sample(results, most)
-        more = {"solvers": _solvers(rows["solver"], results), "time_limits": time_limits(results)}
-        content = packed(rows, more, paths)
+        content = packed(rows, {"solvers": _solvers(rows["solver"], results)}, paths)
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
@@ -160,7 +158,9 @@ def sample(results: Results, most: int) -> pd.DataFrame:
         to `WORST`; 0 for others). Sorted by solver and question.
     """
     names = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat"]
-    rows = results.attempts[names].sort_values([*_QUESTION, "repeat"], kind="stable")
+    rows = results.attempts[names].copy()
+    rows.update(results.elsewhere[[name for name in MEASURED_TIMES if name in names]])
+    rows = rows.sort_values([*_QUESTION, "repeat"], kind="stable")
     first = rows[rows["repeat"] == 0]
     strata = first.groupby(["solver", "region", "verdict"], dropna=False)
     spread = strata.head(_largest_share(strata.size().to_numpy(), most)).index
@@ -203,7 +203,7 @@ _DRAWN = ["x", "y", "heading", "radius", VIA[0], "curvatures", "lengths"]  # wha
 MOST_ARCS = 3  # paths of more arcs are embedded as points on a grid
 GRID = 4000  # steps along the larger side of their box; a drawing has some 1000 pixels
 _FEWEST_POINTS, _MOST_POINTS = 40, 160  # the most: a leg
-_ANGLE = 0.15  # rad between points of a path that only turns
+_ANGLE = 0.15  # rad between points in a turn
 
 
 def packed(
@@ -294,7 +294,11 @@ def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
             return None
         wanted = _FEWEST_POINTS + turned / _ANGLE
         most = _MOST_POINTS * (1 + len(numbers_of(VIA[0], row.get(VIA[0])) or ()))
-        points = path.sample(int(min(wanted, most)))[:, :2]
+        share = path.lengths / (path.length or 1.0)
+        parts = np.abs(path.curvatures * path.lengths) / _ANGLE + _FEWEST_POINTS * share
+        marks = np.linspace(0.0, parts.sum(), int(min(wanted, most)))
+        s = np.interp(marks, np.cumsum([0.0, *parts]), np.cumsum([0.0, *path.lengths]))
+        points = path.at(s)[:, :2]
         low, size = points.min(axis=0), float(np.ptp(points, axis=0).max())
         if not math.isfinite(size + float(low.sum())):
             return None

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, diags_array, eye_array, hstack, triu, vstack
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.study.convex.problem import Point, Problem, ProblemError
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
@@ -62,6 +63,7 @@ _GAPS = "eps_duality_gap_abs", "eps_duality_gap_rel"
 _FEASIBILITY = "primal_feasibility_tolerance", "dual_feasibility_tolerance"
 _TOLS = "tol_feas", "tol_gap_abs"
 
+
 # Where cvxpy has defaults of its own, the maker's stand here.
 ENGINES = {
     "piqp": Engine("PIQP", "piqp", ("eps_abs", _GAPS[0]), ("eps_rel", _GAPS[1])),
@@ -77,8 +79,30 @@ ENGINES = {
         {"max_iter": _MANY, "eps_prim_inf": 1e-5, "eps_dual_inf": 1e-5},
     ),
     "ecos": Engine("ECOS", "ecos", ("feastol", "abstol"), others={"reltol": 1e-300}, cones=True),
-    "daqp": Engine("DAQP", "daqp", ("primal_tol", "dual_tol"), others={"eps_prox": -1.0}),
+    # cvxpy does not hand its time limit over
+    "daqp": Engine(
+        *("DAQP", "daqp", ("primal_tol", "dual_tol"), (), "time_limit"), {"eps_prox": -1.0}
+    ),
 }
+
+# the status of what an engine returns, by its own interface or to cvxpy
+_STATUS: dict[str, Callable[[Any], Any]] = {
+    "piqp": lambda result: result.info.status.name,
+    "clarabel": lambda result: result.status,
+    "osqp": lambda result: result.info.status,
+    "scs": lambda result: result["info"]["status"],
+    "highs": lambda result: result["model_status"],
+    "proxqp": lambda result: result.info.status.name,
+    "qpalm": lambda result: result.info.status,
+    "ecos": lambda result: result["info"]["infostring"],
+    "daqp": lambda result: result[2],
+}
+
+
+def _reply(engine: str, result: Any, point: Point | None, iterations: int | None) -> Reply:
+    """An engine's reply, with the status of what it returned."""
+    status = str(_STATUS[engine](result))
+    return Reply(point, claim_of(engine, status), status, iterations)
 
 
 class Conic(NamedTuple):
@@ -114,14 +138,6 @@ def conic(problem: Problem) -> Conic:
     return Conic(P, csc_matrix(vstack(A)), b, sizes[0], sum(sizes[1:5]), back)
 
 
-def _claim(status: str, optimal: str, *limits: str) -> Claim:
-    if status == optimal:
-        return Claim.OPTIMAL
-    if "infeasible" in status.lower():
-        return Claim.INFEASIBLE
-    return Claim.LIMIT if status in limits else Claim.FAILED
-
-
 def _set(settings: Any, options: dict[str, Any]) -> Any:
     settings.verbose = False
     for name, value in options.items():
@@ -153,12 +169,12 @@ def piqp(problem: Problem) -> Solve:
         _set(solver.settings, ENGINES["piqp"].options(ask))
         ends = problem.l[rows], problem.u[rows], problem.lb, problem.ub
         solver.setup(P, problem.q, A, problem.u[equal], G, *ends)
-        status, result = solver.solve().name, solver.result
+        solver.solve()
+        result = solver.result
         y = np.zeros(problem.l.size)
         y[equal], y[rows] = result.y, result.z_u - result.z_l
         point = Point(np.array(result.x), y, result.z_bu - result.z_bl, np.zeros(0))
-        claim = _claim(status, "PIQP_SOLVED", "PIQP_MAX_ITER_REACHED")
-        return Reply(point, claim, status, int(result.info.iter))
+        return _reply("piqp", result, point, int(result.info.iter))
 
     return solve
 
@@ -174,10 +190,8 @@ def clarabel(problem: Problem) -> Solve:
     def solve(ask: Ask) -> Reply:
         settings = _set(library.DefaultSettings(), ENGINES["clarabel"].options(ask))
         result = library.DefaultSolver(P, problem.q, form.A, form.b, cones, settings).solve()
-        status = str(result.status)
-        claim = _claim(status, "Solved", "MaxIterations", "MaxTime")
         point = form.back(np.array(result.x), np.array(result.z))
-        return Reply(point, claim, status, int(result.iterations))
+        return _reply("clarabel", result, point, int(result.iterations))
 
     return solve
 
@@ -191,9 +205,8 @@ def osqp(problem: Problem) -> Solve:
         solver = library.OSQP()
         solver.setup(P, problem.q, A, low, high, verbose=False, **ENGINES["osqp"].options(ask))
         result = solver.solve(raise_error=False)
-        status = result.info.status
-        claim = _claim(status, "solved", "maximum iterations reached", "run time limit reached")
-        return Reply(_point(problem, result.x, result.y), claim, status, int(result.info.iter))
+        point = _point(problem, result.x, result.y)
+        return _reply("osqp", result, point, int(result.info.iter))
 
     return solve
 
@@ -207,10 +220,8 @@ def scs(problem: Problem) -> Solve:
 
     def solve(ask: Ask) -> Reply:
         result = library.SCS(data, cone, verbose=False, **ENGINES["scs"].options(ask)).solve()
-        status = result["info"]["status"]
-        claim = _claim(status, "solved", "solved (inaccurate - reached time_limit_secs)")
         point = form.back(result["x"], result["y"])
-        return Reply(point, claim, status, int(result["info"]["iter"]))
+        return _reply("scs", result, point, int(result["info"]["iter"]))
 
     return solve
 
@@ -236,14 +247,13 @@ def highs(problem: Problem) -> Solve:
             solver.setOptionValue(name, value)
         solver.passModel(model)
         solver.run()
-        status = solver.modelStatusToString(solver.getModelStatus())
-        claim = _claim(status, "Optimal", "Time limit reached", "Iteration limit reached")
+        ended = {"model_status": solver.getModelStatus().name}
         result, info = solver.getSolution(), solver.getInfo()
         if not (result.value_valid and result.dual_valid):
-            return Reply(None, claim, status)
+            return _reply("highs", ended, None, None)
         y, z = -np.array(result.row_dual), -np.array(result.col_dual)
         point = Point(np.array(result.col_value), y, z, np.zeros(0))
-        return Reply(point, claim, status, max(0, int(info.qp_iteration_count)))
+        return _reply("highs", ended, point, max(0, int(info.qp_iteration_count)))
 
     return solve
 
@@ -263,11 +273,10 @@ def proxqp(problem: Problem) -> Solve:
         solver.init(P, problem.q, A, problem.u[equal], C, low, high)
         solver.solve()
         result = solver.results
-        status, y = result.info.status.name, np.zeros(problem.l.size)
+        y = np.zeros(problem.l.size)
         y[equal], y[~equal] = result.y, result.z[:-n]
         point = Point(np.array(result.x), y, np.array(result.z[-n:]), np.zeros(0))
-        claim = _claim(status, "PROXQP_SOLVED", "PROXQP_MAX_ITER_REACHED")
-        return Reply(point, claim, status, int(result.info.iter))
+        return _reply("proxqp", result, point, int(result.info.iter))
 
     return solve
 
@@ -283,10 +292,8 @@ def qpalm(problem: Problem) -> Solve:
     def solve(ask: Ask) -> Reply:
         solver = library.Solver(data, _set(library.Settings(), ENGINES["qpalm"].options(ask)))
         solver.solve()
-        status, result = solver.info.status, solver.solution
-        limits = "maximum iterations reached", "time limit exceeded"
-        claim = _claim(status, "solved", *limits)
-        return Reply(_point(problem, result.x, result.y), claim, status, int(solver.info.iter))
+        point = _point(problem, solver.solution.x, solver.solution.y)
+        return _reply("qpalm", solver, point, int(solver.info.iter))
 
     return solve
 
@@ -313,12 +320,10 @@ def ecos(problem: Problem) -> Solve:
         result = library.solve(
             cost, G, h, dims, *equations, verbose=False, **ENGINES["ecos"].options(ask)
         )
-        status = result["info"]["infostring"]
         y = result["y"] if zeros else np.zeros(0)
         multipliers = np.concatenate((y, result["z"][: h.size - 2 - some.size]))
-        claim = _claim(status, "Optimal solution found", "Maximum number of iterations reached")
         point = form.back(result["x"][:-1], multipliers)
-        return Reply(point, claim, status, int(result["info"]["iter"]))
+        return _reply("ecos", result, point, int(result["info"]["iter"]))
 
     return solve
 
@@ -334,10 +339,11 @@ def daqp(problem: Problem) -> Solve:
 
     def solve(ask: Ask) -> Reply:
         options = ENGINES["daqp"].options(ask)
-        x, _, flag, info = library.solve(P, problem.q, A, high, low, sense, **options)
-        claim = _claim(str(flag), "1", "-4")
+        result = library.solve(P, problem.q, A, high, low, sense, **options)
+        x, _, _, info = result
         z, y = np.split(np.array(info["lam"]), (n,))
-        return Reply(Point(np.array(x), y, z, np.zeros(0)), claim, str(flag), info["iterations"])
+        point = Point(np.array(x), y, z, np.zeros(0))
+        return _reply("daqp", result, point, info["iterations"])
 
     return solve
 
@@ -366,17 +372,23 @@ def through_cvxpy(engine: str, problem: Problem) -> Solve:
     back = conic(problem).back  # its rows are those of cvxpy's
 
     def solve(ask: Ask) -> Reply:
+        """As `stated.solve`, which does not tell the engine's own status."""
+        options = ENGINES[engine].options(ask)
+        data, chain, inverse = stated.get_problem_data(engine.upper(), solver_opts=options)
         try:
-            stated.solve(solver=engine.upper(), **ENGINES[engine].options(ask))
+            result = chain.solve_via_data(stated, data, solver_opts=options)
         except cp.error.SolverError as error:
             return Reply(None, Claim.FAILED, str(error))
-        claim = _claim(stated.status, "optimal", "user_limit")
+        try:
+            stated.unpack_results(result, chain, inverse)
+        except cp.error.SolverError:
+            return _reply(engine, result, None, None)
         if x.value is None or any(row.dual_value is None for row in (*rows, *cones)):
-            return Reply(None, claim, stated.status)
+            return _reply(engine, result, None, None)
         duals = [row.dual_value for row in rows]
         duals += [part for cone in cones for part in cone.dual_value]
         point = back(x.value, np.concatenate([np.ravel(part) for part in duals]))
-        return Reply(point, claim, stated.status, stated.solver_stats.num_iters)
+        return _reply(engine, result, point, stated.solver_stats.num_iters)
 
     return solve
 

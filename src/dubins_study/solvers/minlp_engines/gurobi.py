@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -16,15 +17,6 @@ from dubins_study.solvers.minlp_engines.program import (
 )
 from dubins_study.study.words import Claim
 
-# Gurobi's status codes (Gurobi Optimizer reference manual, Optimization Status Codes)
-_STATUSES = {
-    2: ("optimal", Claim.OPTIMAL),
-    3: ("infeasible", Claim.INFEASIBLE),
-    4: ("infeasible or unbounded", Claim.INFEASIBLE),  # no program here is unbounded
-    9: ("time limit", Claim.LIMIT),
-    12: ("numeric", Claim.FAILED),
-    13: ("suboptimal", Claim.FEASIBLE),
-}
 # the smallest of FeasibilityTol, IntFeasTol and OptimalityTol that Gurobi takes
 LEAST_TOLERANCE = 1e-9
 
@@ -70,8 +62,9 @@ def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) 
     if model.Status == gurobipy.GRB.INTERRUPTED:
         raise KeyboardInterrupt
     point = np.array([variable.X for variable in x]) if model.SolCount else None
-    unlisted = f"status {model.Status}", Claim.FAILED if point is None else Claim.FEASIBLE
-    status, claim = _STATUSES.get(model.Status, unlisted)
+    status = _status_names()[model.Status]
+    unnamed = Claim.FAILED if point is None else Claim.FEASIBLE
+    claim = claim_of("gurobi", status, unnamed)
     return ProvenResult(
         point,
         claim,
@@ -81,6 +74,16 @@ def _run(model: Any, program: MixedProgram, settings: Settings, seconds: float) 
         status,
         status,
     )
+
+
+@cache
+def _status_names() -> dict[int, str]:
+    """Names of Gurobi's status codes, in small letters, by code."""
+    import gurobipy
+
+    codes = gurobipy.GRB.Status
+    names = [name for name in dir(codes) if name.isupper()]
+    return {getattr(codes, name): name.lower().replace("_", " ") for name in names}
 
 
 @cache

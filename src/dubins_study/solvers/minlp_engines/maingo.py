@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -16,14 +17,6 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
 )
 from dubins_study.study.words import Claim
-
-_CLAIMS = {
-    "GLOBALLY_OPTIMAL": Claim.OPTIMAL,
-    "BOUND_TARGETS": Claim.OPTIMAL,
-    "INFEASIBLE": Claim.INFEASIBLE,
-    "FEASIBLE_POINT": Claim.LIMIT,
-    "NO_FEASIBLE_POINT_FOUND": Claim.LIMIT,
-}
 
 
 def maingo(settings: Settings) -> MinlpCall:
@@ -39,7 +32,7 @@ def maingo(settings: Settings) -> MinlpCall:
             "epsilonA": settings.gap,
             "deltaEq": settings.feastol,
             "deltaIneq": settings.feastol,
-            "maxTime": max(int(seconds), 1),  # whole seconds: it ends before the limit
+            "maxTime": _whole_seconds(seconds),
             "BAB_verbosity": maingopy.VERB_NONE,
             "LBP_verbosity": maingopy.VERB_NONE,
             "UBP_verbosity": maingopy.VERB_NONE,
@@ -54,8 +47,19 @@ def maingo(settings: Settings) -> MinlpCall:
     return run
 
 
+def _whole_seconds(seconds: float) -> int:
+    """The time limit in MAiNGO's unit, rounded down, so that it ends before the limit.
+
+    With 0 it ends after its first local searches, where most questions take it 0.1 s in all. So the
+    last part of a second is told as a whole one, and what ends after the limit is no answer.
+    """
+    if 0 < seconds < 1:
+        return 1
+    return max(int(seconds), 0)
+
+
 def _result(solver: Any, status: str) -> ProvenResult:
-    claim = _CLAIMS.get(status, Claim.FAILED)
+    claim = claim_of("maingo", status)
     point = None
     if status in ("GLOBALLY_OPTIMAL", "BOUND_TARGETS", "FEASIBLE_POINT"):
         point = np.array(solver.get_solution_point(), dtype=np.float64)

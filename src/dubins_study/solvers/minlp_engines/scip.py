@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -38,13 +39,6 @@ def _silent_errors() -> Iterator[None]:
 
 # what the message of every error of SCIP's own begins with: they have no type of their own
 BROKEN = "SCIP:"
-
-_CLAIMS = {
-    "optimal": Claim.OPTIMAL,
-    "gaplimit": Claim.OPTIMAL,
-    "infeasible": Claim.INFEASIBLE,
-    "timelimit": Claim.LIMIT,
-}
 
 # beside heuristics and cuts: without presolving and propagation
 _LEAN = dict.fromkeys(
@@ -93,11 +87,13 @@ def _result(model: Any, x: list[Any]) -> ProvenResult:
     if model.getNSols():
         best = model.getBestSol()
         point = np.array([model.getSolVal(best, variable) for variable in x])
+    unnamed = Claim.FAILED if point is None else Claim.FEASIBLE
+    claim = claim_of("scip", status, unnamed)
     bound = float(model.getDualbound())
     bound = math.copysign(math.inf, bound) if abs(bound) >= model.infinity() else bound
     return ProvenResult(
         point,
-        _CLAIMS.get(status, Claim.FAILED if point is None else Claim.FEASIBLE),
+        claim,
         bound,
         int(model.getNNodes()),
         int(model.getNLPIterations()),

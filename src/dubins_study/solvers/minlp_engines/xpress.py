@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -17,13 +18,6 @@ from dubins_study.solvers.minlp_engines.program import (
     Settings,
 )
 from dubins_study.study.words import Claim
-
-# by the names of Xpress' statuses of the solution
-_CLAIMS = {
-    "OPTIMAL": Claim.OPTIMAL,
-    "INFEASIBLE": Claim.INFEASIBLE,
-    "FEASIBLE": Claim.FEASIBLE,
-}
 
 
 def xpress(settings: Settings) -> MinlpCall:
@@ -71,7 +65,7 @@ def _run(library: Any, program: MixedProgram, settings: Settings, seconds: float
 
 
 def _result(problem: Any, solve_status: str, solution_status: str) -> ProvenResult:
-    claim = _CLAIMS.get(solution_status, Claim.FAILED)
+    claim = claim_of("xpress", solution_status)
     if solve_status == "STOPPED":
         if problem.attributes.stopstatus == _CTRL_C:
             raise KeyboardInterrupt

@@ -14,23 +14,17 @@ import platform
 import subprocess
 import sys
 import tempfile
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import STATUSES, claim_of
 from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
-
-# APOPT's last words
-_CLAIMS = {
-    "Successful solution": Claim.LOCAL,
-    "No feasible solution": Claim.INFEASIBLE,
-    "Maximum iterations": Claim.LIMIT,
-    "Requested accuracy unachievable": Claim.FAILED,
-}
 
 _MODEL = "model"  # APMonitor's names of its files
 
@@ -48,9 +42,12 @@ def apopt(options: dict[str, Any]) -> NlpCall:
             log = _log(folder, seconds)
             x = _point(folder / "results.json", guess.size)
         if log is None:
-            return EngineResult(x, Claim.LIMIT, None, None, None, "time limit", "stopped")
-        status = next((line for line in _CLAIMS if line in log), log.strip()[-200:] or "no words")
-        claim = _CLAIMS.get(status, Claim.FAILED)
+            status = "time limit"
+            return EngineResult(x, claim_of("apopt", status), None, None, None, status, "stopped")
+        known = chain.from_iterable(STATUSES["apopt"].values())
+        said = (line for line in known if line in log)
+        status = next(said, log.strip()[-200:] or "no words")
+        claim = claim_of("apopt", status)
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim, status = Claim.FAILED, "no results.json"
         message = log[log.find("@error") :].strip() if "@error" in log else status

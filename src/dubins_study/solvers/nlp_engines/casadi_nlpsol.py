@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import (
     EngineResult,
     Expressions,
@@ -24,26 +25,10 @@ from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
-# Ipopt's application return statuses as the library names them
-_OF_IPOPT = {
-    "Solve_Succeeded": Claim.LOCAL,
-    "Solved_To_Acceptable_Level": Claim.LOCAL,
-    "Feasible_Point_Found": Claim.FEASIBLE,
-    "Infeasible_Problem_Detected": Claim.INFEASIBLE,
-    "Maximum_Iterations_Exceeded": Claim.LIMIT,
-    "Maximum_CpuTime_Exceeded": Claim.LIMIT,
-    "Maximum_WallTime_Exceeded": Claim.LIMIT,
-    "User_Requested_Stop": Claim.LIMIT,
-}
-
-# casadi's word of an engine's ending, where the engine's own is in no table
-_UNIFIED = {"SOLVER_RET_SUCCESS": Claim.LOCAL, "SOLVER_RET_LIMITED": Claim.LIMIT}
-
 
 class _Plugin(NamedTuple):
-    """A plug-in of `nlpsol`: its claims, and how it behaves."""
+    """How a plug-in of `nlpsol` behaves."""
 
-    claims: dict[str, Claim]  # by the engine's status; other statuses have casadi's word
     watched: bool = False  # calls casadi's `iteration_callback`, and so can be stopped
     raises: bool = False  # where it fails
     by_arrays: bool = False  # called by `_by_arrays`, which knows no exceptions
@@ -51,38 +36,17 @@ class _Plugin(NamedTuple):
 
 
 _PLUGINS = {
-    "ipopt": _Plugin(_OF_IPOPT, watched=True, by_arrays=True),
-    # its statuses say both how it stopped and what the point is
-    "uno": _Plugin(
-        {
-            "Converged with feasible KKT point": Claim.LOCAL,
-            "Converged with feasible FJ point": Claim.FEASIBLE,
-            "Terminated with feasible small step": Claim.FEASIBLE,
-            "Converged with infeasible stationary point": Claim.INFEASIBLE,
-            "Terminated with infeasible small step": Claim.FAILED,
-        },
-        watched=True,
-    ),
-    "fatrop": _Plugin({"1": Claim.FAILED}),  # of every kind; 0 is a success
-    "alpaqa": _Plugin({}),
+    "ipopt": _Plugin(watched=True, by_arrays=True),
+    "uno": _Plugin(watched=True),
+    "fatrop": _Plugin(),
+    "alpaqa": _Plugin(),
     # without integers a branch and bound of one node: its Ipopt, and a presolve around it
-    "bonmin": _Plugin({"INFEASIBLE": Claim.INFEASIBLE, "LIMIT_EXCEEDED": Claim.LIMIT}),
-    # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
-    "sleqp": _Plugin(
-        {
-            "optimal": Claim.LOCAL,
-            "feasible": Claim.FEASIBLE,
-            "infeasible": Claim.INFEASIBLE,
-            "deadpoint": Claim.FAILED,
-            "unbounded": Claim.FAILED,
-            "iteration limit": Claim.LIMIT,
-            "time limit": Claim.LIMIT,
-        },
-    ),
+    "bonmin": _Plugin(),
+    "sleqp": _Plugin(),
     # both raise where a quadratic program has no solution
     # qpOASES starts where it ended last
-    "sqpmethod": _Plugin(_OF_IPOPT, watched=True, raises=True, remembers=True),
-    "qrsqp": _Plugin(_OF_IPOPT, watched=True, raises=True),
+    "sqpmethod": _Plugin(watched=True, raises=True, remembers=True),
+    "qrsqp": _Plugin(watched=True, raises=True),
 }
 
 
@@ -236,10 +200,10 @@ def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
     return run
 
 
-def claim_of(plugin: str, stats: dict[str, Any]) -> Claim:
-    """The claim in the statistics of a run."""
-    claims, unified = _PLUGINS[plugin].claims, str(stats["unified_return_status"])
-    return claims.get(str(stats.get("return_status"))) or _UNIFIED.get(unified, Claim.FAILED)
+def claim(plugin: str, stats: dict[str, Any]) -> Claim:
+    """The claim in the statistics of a run; casadi's own where the plug-in's word is not known."""
+    unnamed = claim_of("casadi", str(stats["unified_return_status"]))
+    return claim_of(plugin, str(stats.get("return_status")), unnamed)
 
 
 def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:
@@ -247,7 +211,7 @@ def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]
     iterations = stats.get("iter_count")
     return EngineResult(
         x,
-        claim_of(plugin, stats),
+        claim(plugin, stats),
         duals if np.isfinite(duals).all() else None,  # Bonmin returns none
         None if iterations is None else int(iterations),
         _evaluations(stats),

@@ -8,23 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
-# NLopt's return codes by name. Its manual calls the positive ones a success; the two of the limits
-# say nothing about the problem. A success says that steps have become small, on the equations or
-# off them: it is a claim only where they hold to the tolerance that NLopt was given.
-_CLAIMS = {
-    "SUCCESS": Claim.LOCAL,
-    "FTOL_REACHED": Claim.LOCAL,
-    "XTOL_REACHED": Claim.LOCAL,
-    "MAXEVAL_REACHED": Claim.LIMIT,
-    "MAXTIME_REACHED": Claim.LIMIT,
-}
-
+# the names of all its return codes
 _STATUSES = (
-    *_CLAIMS,
+    *("SUCCESS", "FTOL_REACHED", "XTOL_REACHED", "MAXEVAL_REACHED", "MAXTIME_REACHED"),
     *("STOPVAL_REACHED", "FAILURE", "INVALID_ARGS", "OUT_OF_MEMORY", "ROUNDOFF_LIMITED"),
     "FORCED_STOP",
 )
@@ -59,7 +50,8 @@ def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
         x = np.asarray(search.optimize(np.clip(guess, program.lower, program.upper)))
         status = _status_names()[search.last_optimize_result()]
         message = status.replace("_", " ").lower()
-        claim = _CLAIMS.get(status, Claim.FAILED)
+        claim = claim_of("nlopt", status)
+        # a success is a claim only where the equations hold to the tolerance that NLopt was given
         if claim is Claim.LOCAL and not (np.abs(program.functions.equations(x)) <= allowed).all():
             claim = Claim.FAILED
         return EngineResult(x, claim, None, None, search.get_numevals(), status, message)

@@ -12,10 +12,13 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
+
+IntArray = NDArray[np.intp]
 
 
 class Stages(NamedTuple):
@@ -42,29 +45,71 @@ class Expressions:
     stages: Stages | None = None
 
     @cached_property
-    def _compiled(self) -> list[Any]:
-        """f, its gradient, g, its Jacobian and the Lagrangian's Hessian as `casadi.Function`s."""
+    def _compiled(self) -> _Compiled:
+        """The functions and the derivatives' places, as casadi has them."""
         import casadi
 
         x, f, g = self.x, self.f, self.g
+        weight = casadi.SX.sym("weight")
         weights = casadi.SX.sym("weights", g.numel())
-        curved = casadi.hessian(f + casadi.dot(weights, g), x)[0]
-        first_order = (f, casadi.gradient(f, x), g, casadi.jacobian(g, x))
-        return [
-            *(casadi.Function("compiled", [x, self.p], [each]) for each in first_order),
-            casadi.Function("compiled", [x, self.p, weights], [curved]),
-        ]
+        lagrangian = weight * f + casadi.dot(weights, g)
+        jacobian = casadi.jacobian(g, x)
+        hessian: Any = casadi.tril(casadi.hessian(lagrangian, x)[0])
+        given = [x, self.p]
+        return _Compiled(
+            f=casadi.Function("f", given, [f]),
+            gradient=casadi.Function("gradient", given, [casadi.gradient(f, x)]),
+            g=casadi.Function("g", given, [g]),
+            slopes=casadi.Function("slopes", given, [jacobian.nz[:]]),
+            curvatures=casadi.Function("curvatures", [*given, weight, weights], [hessian.nz[:]]),
+            jacobian_at=np.array(jacobian.sparsity().get_triplet()),
+            hessian_at=np.array(hessian.sparsity().get_triplet()),
+        )
 
     def functions(self, p: FloatArray) -> Functions:
-        """The program's functions for parameters p, shape (k,)."""
-        f, gradient, g, jacobian, hessian = self._compiled
+        """The program's functions for parameters p, shape (k,).
+
+        Whole matrices are filled here: casadi takes ten times as long, 50 ms at 200 legs.
+        """
+        compiled, n, m = self._compiled, self.x.numel(), self.g.numel()
+
+        def slopes(x: FloatArray) -> FloatArray:
+            return np.asarray(compiled.slopes(x, p).full()).ravel()
+
+        def curvatures(x: FloatArray, weight: float, weights: FloatArray) -> FloatArray:
+            return np.asarray(compiled.curvatures(x, p, weight, weights).full()).ravel()
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            whole = np.zeros((m, n))
+            whole[tuple(compiled.jacobian_at)] = slopes(x)
+            return whole
+
+        def hessian(x: FloatArray, weights: FloatArray) -> FloatArray:
+            whole = np.zeros((n, n))
+            rows, columns = compiled.hessian_at
+            whole[rows, columns] = whole[columns, rows] = curvatures(x, 1.0, weights)
+            return whole
+
         return Functions(
-            lambda x: float(f(x, p)),
-            lambda x: np.asarray(gradient(x, p).full()).ravel(),
-            lambda x: np.asarray(g(x, p).full()).ravel(),
-            lambda x: np.asarray(jacobian(x, p).full()),
-            lambda x, weights: np.asarray(hessian(x, p, weights).full()),
+            lambda x: float(compiled.f(x, p)),
+            lambda x: np.asarray(compiled.gradient(x, p).full()).ravel(),
+            lambda x: np.asarray(compiled.g(x, p).full()).ravel(),
+            jacobian,
+            hessian,
+            Entries(compiled.jacobian_at, slopes, compiled.hessian_at, curvatures),
         )
+
+
+class _Compiled(NamedTuple):
+    """`casadi.Function`s of x, p and for the curvatures weights, and the places of entries."""
+
+    f: Any
+    gradient: Any
+    g: Any
+    slopes: Any  # the Jacobian's entries
+    curvatures: Any  # the entries of the Hessian's lower triangle
+    jacobian_at: IntArray  # rows and columns, shape (2, entries)
+    hessian_at: IntArray
 
 
 class DeferredExpressions(Expressions):
@@ -84,6 +129,19 @@ class DeferredExpressions(Expressions):
         return vars(self)[name]
 
 
+class Entries(NamedTuple):
+    """The entries of a program's derivatives that may differ from zero.
+
+    `at` holds their rows and columns, shape (2, entries).
+    """
+
+    jacobian_at: IntArray
+    jacobian: Callable[[FloatArray], FloatArray]  # of the equations at x, shape (entries,)
+    hessian_at: IntArray  # of the lower triangle
+    # (x, weight of f, weights of g (m,)) -> shape (entries,)
+    hessian: Callable[[FloatArray, float, FloatArray], FloatArray]
+
+
 class Functions(NamedTuple):
     """A program's functions of x, shape (n,); the Hessian is that of f + weights g."""
 
@@ -92,13 +150,21 @@ class Functions(NamedTuple):
     equations: Callable[[FloatArray], FloatArray]  # shape (m,)
     jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
     hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
+    entries: Entries | None = None  # where the derivatives have zeros
 
-    def curvature(self, x: FloatArray, objective: float, weights: FloatArray) -> FloatArray:
-        """Second derivative of f times `objective` and g times `weights` (m,); shape (n, n)."""
-        curved = self.hessian(x, weights)
-        if objective == 1.0:
-            return curved
-        return curved + (objective - 1.0) * self.hessian(x, np.zeros(weights.size))
+
+def _all_entries(functions: Functions, n: int, m: int) -> Entries:
+    """Every entry of the derivatives by n variables of m equations."""
+    lower = np.tril_indices(n)
+
+    def hessian(x: FloatArray, weight: float, weights: FloatArray) -> FloatArray:
+        curved = functions.hessian(x, weights)
+        if weight != 1.0:
+            curved = curved + (weight - 1.0) * functions.hessian(x, np.zeros(m))
+        return curved[lower]
+
+    every = np.indices((m, n)).reshape(2, -1)
+    return Entries(every, lambda x: functions.jacobian(x).ravel(), np.array(lower), hessian)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +188,14 @@ class Program:
     def functions(self) -> Functions:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
+
+    @cached_property
+    def entries(self) -> Entries:
+        """The derivatives' entries, for engines that take their places."""
+        functions = self.functions
+        if functions.entries is not None:
+            return functions.entries
+        return _all_entries(functions, self.lower.size, functions.equations(self.lower).size)
 
     def attainable(self, options: Mapping[str, Any], *names: str) -> dict[str, Any]:
         """Options, no named tolerance on the equations less than what their rounding leaves."""

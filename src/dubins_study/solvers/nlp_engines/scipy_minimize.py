@@ -9,26 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program, needs_watch
+from dubins_study.solvers.answers import claim_of
+from dubins_study.solvers.nlp_engines.program import (
+    EngineResult,
+    Functions,
+    NlpCall,
+    Program,
+    needs_watch,
+)
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
-
-# Claims by the methods' own exit statuses.
-_CLAIMS = {
-    # (scipy/optimize, slsqp); 4, an infeasible linearisation, is no claim about the problem, 99 a
-    # stop by the callback
-    "SLSQP": {0: Claim.LOCAL, 9: Claim.LIMIT, 99: Claim.LIMIT},
-    # (scipy/_lib/cobyqa/settings.py): the least trust-region radius, a callback's stop, limits. -1
-    # says that the bounds exclude each other, no more.
-    "COBYQA": {0: Claim.LOCAL, 3: Claim.LIMIT, 5: Claim.LIMIT, 6: Claim.LIMIT},
-    # 3 is a stop by the callback and 4 a success that misses its constraints
-    "trust-constr": {0: Claim.LIMIT, 1: Claim.LOCAL, 2: Claim.LOCAL, 3: Claim.LIMIT},
-}
 
 # The duals of two end-point equations whose path ends straight are a unit vector; up to this length
 # they are passed on without a check.
 _LONG_DUAL = 2.0
 _AT_BOUND = 1e-6  # in the variables' unit: nearer to a bound, its own dual has a say
+# Variables up to which trust-constr gets dense matrices: at 10 legs of a route both kinds take it
+# 0.13 s, at 50 legs dense ones 2.9 s and sparse ones 0.4 s, in as many iterations.
+_MOST_DENSE = 60
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
 
@@ -73,9 +71,10 @@ def trust_constr(options: dict[str, Any]) -> NlpCall:
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
         from scipy.optimize import NonlinearConstraint
+        from scipy.sparse import csr_array
 
-        functions = program.functions
-        none, zeros = np.zeros(0), np.zeros((guess.size, guess.size))
+        functions = program.functions if guess.size <= _MOST_DENSE else _sparse(program)
+        none, zeros = np.zeros(0), csr_array((guess.size, guess.size))
         constrained = functions.equations(guess).size > 0  # SciPy refuses an empty constraint
         equations = NonlinearConstraint(
             functions.equations, 0.0, 0.0, jac=functions.jacobian, hess=functions.hessian
@@ -94,6 +93,26 @@ def trust_constr(options: dict[str, Any]) -> NlpCall:
         return _ended("trust-constr", result, np.asarray(result.v[0]) if constrained else None)
 
     return run
+
+
+def _sparse(program: Program) -> Functions:
+    """The program's functions, their derivatives as sparse matrices."""
+    from scipy.sparse import csr_array
+
+    functions, entries = program.functions, program.entries
+    n, m = program.lower.size, functions.equations(program.lower).size
+    rows, columns = entries.hessian_at
+    below = rows != columns
+    both = np.hstack((entries.hessian_at, entries.hessian_at[::-1, below]))
+
+    def jacobian(x: FloatArray) -> Any:
+        return csr_array((entries.jacobian(x), entries.jacobian_at), shape=(m, n))
+
+    def hessian(x: FloatArray, weights: FloatArray) -> Any:
+        lower = entries.hessian(x, 1.0, weights)
+        return csr_array((np.append(lower, lower[below]), both), shape=(n, n))
+
+    return functions._replace(jacobian=jacobian, hessian=hessian)
 
 
 def _minimized(
@@ -115,8 +134,8 @@ def _minimized(
 
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
     """SciPy's result as every engine gives it."""
-    claim = _CLAIMS[method].get(int(result.status), Claim.FAILED)
     native = f"{'mode' if method == 'SLSQP' else 'status'} {result.status}"
+    claim = claim_of(method.lower(), native)
     counts, message = (int(result.nit), int(result.nfev)), str(result.message)
     return EngineResult(result.x, claim, duals, *counts, native, message)
 

@@ -7,18 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
 from dubins_study.study.path import FloatArray
-from dubins_study.study.words import Claim
-
-# Uno says how it stopped, and what the point is; the second counts where it ended of itself.
-_SUCCESS = {
-    "FEASIBLE_KKT_POINT": Claim.LOCAL,
-    "FEASIBLE_FJ_POINT": Claim.FEASIBLE,
-    "FEASIBLE_SMALL_STEP": Claim.FEASIBLE,
-    "INFEASIBLE_STATIONARY_POINT": Claim.INFEASIBLE,
-}
-_LIMITS = ("ITERATION_LIMIT", "TIME_LIMIT")
 
 
 def filtersqp(options: dict[str, Any]) -> NlpCall:
@@ -33,14 +24,13 @@ def filtersqp(options: dict[str, Any]) -> NlpCall:
         for name, value in {**chosen, "time_limit": float(seconds)}.items():
             solver.set_option(name, value)
         result = solver.optimize(_model(program, guess))
-        ending, point = result.optimization_status.name, result.solution_status.name
-        if ending == "SUCCESS":
-            claim, status = _SUCCESS.get(point, Claim.FAILED), point
-        else:
-            claim, status = Claim.LIMIT if ending in _LIMITS else Claim.FAILED, ending
+        # how it stopped, and what the point is, which counts where it ended of itself
+        status = result.optimization_status.name
+        if status == "SUCCESS":
+            status = result.solution_status.name
         return EngineResult(
             np.array(result.primal_solution),
-            claim,
+            claim_of("uno-filtersqp", status),
             np.array(result.constraint_dual_solution),
             int(result.number_iterations),
             int(result.number_constraint_evaluations or result.number_objective_evaluations),
@@ -52,23 +42,21 @@ def filtersqp(options: dict[str, Any]) -> NlpCall:
 
 
 def _model(program: Program, guess: FloatArray) -> Any:
-    """The program as Uno takes it: every derivative dense, the Lagrangian f + multipliers g."""
+    """The program as Uno takes it: derivatives by entries, the Lagrangian f + multipliers g."""
     import unopy
 
-    functions = program.functions
+    functions, entries = program.functions, program.entries
     n, m = guess.size, functions.equations(guess).size
-    rows, columns = np.tril_indices(n)
 
     def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:
         def fill(x: Any, values: Any) -> None:
-            values[:] = function(np.asarray(x)).ravel()
+            values[:] = function(np.asarray(x))
 
         return fill
 
     def hessian(x: Any, weight: float, multipliers: Any, values: Any) -> None:
         # the weight is 0 while Uno looks for a feasible point
-        curved = functions.curvature(np.asarray(x), weight, np.asarray(multipliers))
-        values[:] = curved[rows, columns]
+        values[:] = entries.hessian(np.asarray(x), weight, np.asarray(multipliers))
 
     model = unopy.Model("NLP", n, program.lower, program.upper, unopy.ZERO_BASED_INDEXING)
     model.set_objective(
@@ -76,11 +64,12 @@ def _model(program: Program, guess: FloatArray) -> Any:
         lambda x: float(functions.objective(np.asarray(x))),
         filling(functions.gradient),
     )
-    zeros, everywhere = np.zeros(m), np.indices((m, n)).reshape(2, -1).tolist()
-    jacobian = *everywhere, filling(functions.jacobian)
-    model.set_constraints(m, filling(functions.equations), zeros, zeros, m * n, *jacobian)
-    triangle = (rows.tolist(), columns.tolist())
-    model.set_lagrangian_hessian(rows.size, unopy.LOWER_TRIANGLE, *triangle, hessian)
+    zeros = np.zeros(m)
+    rows, columns = entries.jacobian_at.tolist()
+    jacobian = len(rows), rows, columns, filling(entries.jacobian)
+    model.set_constraints(m, filling(functions.equations), zeros, zeros, *jacobian)
+    rows, columns = entries.hessian_at.tolist()
+    model.set_lagrangian_hessian(len(rows), unopy.LOWER_TRIANGLE, rows, columns, hessian)
     model.set_lagrangian_sign_convention(unopy.MULTIPLIER_POSITIVE)
     model.set_initial_primal_iterate(guess)
     return model

@@ -99,7 +99,7 @@ class Elements(NamedTuple):
 
 
 def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
-    """A path in body coordinates at unit radius as n elements, not all of them of length 0.
+    """A path in body coordinates at unit radius as n elements.
 
     Elements with given shares (n,) of the length turn as the path does over their length. Otherwise
     every arc is cut into equal parts that turn by similar angles; more than n arcs become equally
@@ -107,7 +107,7 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
     """
     some = path.lengths > 0
     curvature, length = path.curvatures[some], path.lengths[some]
-    if shares is None and length.size > n:
+    if shares is None and not 0 < length.size <= n:
         shares = np.full(n, 1 / n)
     if shares is not None:
         ends = np.concatenate(([0.0], np.cumsum(shares)))

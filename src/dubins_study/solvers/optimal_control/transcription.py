@@ -357,10 +357,13 @@ def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
 
 def _given(question: Question, course: Course, n: int, shares: FloatArray | None) -> list[Guess]:
     """The question's path, cut where it is nearest to the points in turn, if it can be driven."""
-    path, radius = question.initial_guess, question.scenario.radius
-    if path is None or not drivable(path) or not path.length > 0:
+    given, radius = question.initial_guess, question.scenario.radius
+    if given is None:
         return []
-    path = Path(HERE, path.curvatures * radius, path.lengths / radius)
+    with np.errstate(over="ignore"):
+        path = Path(HERE, given.curvatures * radius, given.lengths / radius)
+    if not drivable(path):
+        return []
     places = np.linspace(0.0, path.length, _SAMPLES * course.legs + 1)
     points = np.cumsum(course.steps, axis=0)[:-1, None]
     away = np.hypot(*(path.at(places)[:, :2] - points).T)

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     EngineResult,
@@ -152,17 +153,6 @@ def posed(case: Case, guess: FloatArray) -> Any:
     return model
 
 
-# Pyomo's termination conditions (pyomo.contrib.solver.common.results)
-_CLAIMS = {
-    "convergenceCriteriaSatisfied": Claim.LOCAL,
-    "provenInfeasible": Claim.INFEASIBLE,
-    "locallyInfeasible": Claim.INFEASIBLE,
-    "infeasibleOrUnbounded": Claim.INFEASIBLE,
-    "maxTimeLimit": Claim.LIMIT,
-    "iterationLimit": Claim.LIMIT,
-}
-
-
 @cache  # a licence may be a seat at a server that takes its time to answer
 def unlicensed() -> str | None:
     """Why KNITRO cannot solve here although it is installed, or None."""
@@ -204,7 +194,7 @@ def _loaded(model: Any, results: Any) -> EngineResult:
     from pyomo.common.errors import PyomoException
 
     condition = results.termination_condition.name
-    claim = _CLAIMS.get(condition, Claim.FAILED)
+    claim = claim_of("pyomo", condition)
     message = f"{results.solver_name}: {results.solution_status.name} solution"
     free = [z for z in model.z.values() if not z.fixed]
     try:
@@ -224,17 +214,6 @@ def _loaded(model: Any, results: Any) -> EngineResult:
 
 
 _STUB = "model"
-
-# AMPL's solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
-# solved, solved with a warning, infeasible, unbounded, limit, failure
-_OF_HUNDREDS = (
-    Claim.LOCAL,
-    Claim.FEASIBLE,
-    Claim.INFEASIBLE,
-    Claim.FAILED,
-    Claim.LIMIT,
-    Claim.FAILED,
-)
 
 
 def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str) -> EngineResult:
@@ -272,7 +251,7 @@ def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str
 
 def _read(model: Any, info: Any, solution: Any) -> EngineResult:
     code, message = solution.solve_code, " ".join(solution.message.split())
-    claim = _OF_HUNDREDS[code // 100] if 0 <= code < 600 else Claim.FAILED
+    claim = claim_of("ampl", str(code // 100))
     status = f"solve_result_num {code}"
     if len(solution.primals) != len(info.variables):
         if claim is not Claim.INFEASIBLE:  # which needs no point

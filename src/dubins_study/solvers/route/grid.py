@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy.sparse import block_array, csr_array, eye_array, kron
 
-from dubins_study.solvers.answers import at_start, coordinate_rounding, costs
+from dubins_study.solvers.answers import at_start, claim_of, coordinate_rounding, costs
 from dubins_study.solvers.course import FULL_TURN, path_of
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
@@ -34,8 +34,6 @@ from dubins_study.study.words import NEEDS, Claim
 
 # of rows: the least that HiGHS, Gurobi and SCIP all take
 TOLERANCE = 1e-9
-# what cvxpy calls the ends of HiGHS's runs
-_CLAIMS = {"optimal": Claim.OPTIMAL, "infeasible": Claim.INFEASIBLE, "user_limit": Claim.LIMIT}
 # not MAiNGO, which ended in no time limit here
 _ENGINES = ("highs", *(name for name in MINLP_ENGINES if name != "maingo"))
 
@@ -214,7 +212,7 @@ def _by_cvxpy(flow: Flow, gap: float, seconds: float) -> ProvenResult:
     # HiGHS leaves zeros where it stopped at its limit without a point
     point = x.value if x.value is not None and x.value.max() > 0.5 else None
     counts = int(info.mip_node_count), int(info.simplex_iteration_count)
-    claim = _CLAIMS.get(status, Claim.FAILED)
+    claim = claim_of("cvxpy", status)
     return ProvenResult(point, claim, float(info.mip_dual_bound), *counts, status, "")
 
 

@@ -19,6 +19,7 @@ from dubins_study.solvers.course import FULL_TURN, path_of
 from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
+    Entries,
     Expressions,
     Functions,
     NlpCall,
@@ -261,20 +262,30 @@ def _functions(route: Route) -> Functions:
         total: FloatArray = slopes[:, 1] + behind
         return total[:k]
 
-    def hessian(unknown: FloatArray, weights: FloatArray) -> FloatArray:
-        """Tridiagonal: a heading is in two legs."""
+    def bands(unknown: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The Hessian's diagonal and the one below: a heading is in two legs."""
         curved = derivatives(unknown, pose_curvatures)
-        diagonal = curved[:, 2] + np.append(curved[1:, 0], 0.0)
-        beside = np.diag(curved[1:, 1], 1)
-        total: FloatArray = np.diag(diagonal) + beside + beside.T
-        return total[:k, :k]
+        diagonal: FloatArray = curved[:, 2] + np.append(curved[1:, 0], 0.0)
+        return diagonal[:k], curved[1:k, 1]
+
+    def hessian(unknown: FloatArray, weights: FloatArray) -> FloatArray:
+        diagonal, below = bands(unknown)
+        total: FloatArray = np.diag(diagonal) + np.diag(below, 1) + np.diag(below, -1)
+        return total
 
     none = np.empty(0)
     slope_of_none = np.empty((0, k))
+    places = np.arange(k)
     return Functions(
         lambda unknown: route_length(route, unknown),
         gradient,
         lambda unknown: none,
         lambda unknown: slope_of_none,
         hessian,
+        Entries(
+            np.empty((2, 0), dtype=np.intp),
+            lambda unknown: none,
+            np.array((np.append(places, places[1:]), np.append(places, places[:-1]))),
+            lambda unknown, weight, weights: weight * np.concatenate(bands(unknown)),
+        ),
     )

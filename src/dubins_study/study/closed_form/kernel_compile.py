@@ -136,7 +136,7 @@ def threaded(function: Loop) -> Loop:
     loop = compiled(function)
 
     def run(n: int, *arguments: Any) -> None:
-        threads: int = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
+        threads = int(vars(numba.config)["NUMBA_NUM_THREADS"])
         if n < SMALL or threads == 1:
             loop(0, n, *arguments)
             return

@@ -270,12 +270,13 @@ ANSWER = (
     *(METHOD + columns(Judgement) + OUTCOME + columns(Reported)),
     *(columns(Certificate) + CONTROLS + columns(Times) + columns(Spent)),
 )
+_SECONDS = ("float64", "s")
 RUN = (
     Column("versions", "of the solver's libraries and ours, as JSON", manifest=True),
-    Column("machine", "machine kind: system, processor, cores", manifest=True),
+    Column("machine", "machine kind: system, processor, cores", detail=True),
     Column("threads", "threads the numerical libraries may use", "int64", detail=True),
     Column("jobs", "processes that solved side by side", "int64", detail=True),
-    Column("limit_s", "time limit; null in older rows: the manifest's", "float64", "s"),
+    Column("limit_s", "time limit; null in older rows: the manifest's", *_SECONDS, plotted=True),
     Column("floor_s", "of the engine, called once on a trivial problem", "float64", "s"),
     Column("memory_mib", "most that the solve added to its process' memory", "float64", "MiB"),
     Column("executor", "local or dask: what ran the cells", detail=True),
@@ -283,6 +284,8 @@ RUN = (
     Column("started", "when the attempt started, ISO 8601", "string", "UTC", detail=True),
 )
 ROW = KEY + SCENARIO + ANSWER + RUN
+# columns of times that an attempt took on its machine
+MEASURED_TIMES = tuple(each.name for each in ROW if each.unit == "s" and each.name != "limit_s")
 
 
 def arrow_schema() -> pa.Schema:

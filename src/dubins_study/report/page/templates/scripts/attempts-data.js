@@ -17,7 +17,6 @@ window.attempts = (() => {
       this.texts = content.texts;
       this.scenarios = content.scenarios;
       this.solvers = content.solvers; // {spec, label, formulation, engine, colour, marker, angle}
-      this.timeLimits = content.time_limits; // s, by experiment
       this.paths = content.paths;
       this.columns = {};
       for (const [name, values] of Object.entries(content.columns)) {

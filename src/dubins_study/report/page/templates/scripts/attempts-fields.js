@@ -78,7 +78,7 @@
   function command(data, i) {
     const [x, y, heading, targetX, targetY, radius, speed] =
       NUMBERS.map((name) => String(data.scenario(i)[name]));
-    const limit = data.timeLimits[data.text("experiment", i)];
+    const limit = data.columns.limit_s[i];
     const options = {
       "--radius": [radius, "1"],
       "--speed": [speed, "1"],

@@ -1,0 +1,31 @@
+"""Signs that a scenario's points and its turning radius are not in one unit of length."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dubins_study.study.scenario import Scenario
+
+_TOGETHER = 0.01  # radii; no vehicle's points are all this near to each other
+_DEGREES = np.array([180.0, 90.0])  # of longitude and latitude
+
+
+def doubtful_units(scenario: Scenario) -> str | None:
+    """What is odd about a route's points beside its radius, and how they are understood.
+
+    Points of a mission in degrees, or in kilometres beside a radius in metres, lie within a small
+    part of the radius. Dense tracks lie within a radius too, but hardly ever within the ranges of
+    longitude and latitude with a radius above 1. The start may be a default, and does not count.
+    """
+    if not scenario.via:
+        return None
+    points = scenario.points[1:]
+    extent = float(np.ptp(points, axis=0).max())
+    like_degrees = scenario.radius > 1 and bool((np.abs(points) <= _DEGREES).all())
+    if extent > (1.0 if like_degrees else _TOGETHER) * scenario.radius:
+        return None
+    kinds = "degrees, or kilometres beside a radius in metres"
+    return (
+        f"all points lie within {extent:.3g} of each other, and the radius is "
+        f"{scenario.radius:.3g}: are they {kinds}? x, y and radius are taken to be in one unit"
+    )
