@@ -77,8 +77,11 @@ def convex_section(results: Results) -> Section | None:
         f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
     )
     lead = "Read from left to right what more digits cost, and in the table which engine to take."
-    blocks = _picture(sizes, results), _quickest(sizes), _engines(rows)
-    return Section("convex", "The convex problems of a sequence", text, blocks, lead)
+    blocks: list[Picture | Table] = [_engines(rows)]
+    timed = sizes[sizes["wall_s"].notna()]
+    if len(timed):
+        blocks = [_picture(timed, results), _quickest(timed), *blocks]
+    return Section("convex", "The convex problems of a sequence", text, tuple(blocks), lead)
 
 
 def _picture(sizes: pd.DataFrame, results: Results) -> Picture:
@@ -139,8 +142,10 @@ def plot_times(
             some_ = each[each["right"] == right]
             ax.plot(some_["rates"], some_["wall_s"], **style | {"linestyle": "none"}, mfc=filled)
         lines[engine] = Line2D([], [], label=engine, **style)
-    ax.set(xscale="log", yscale="log")
-    log_axis(ax.yaxis, duration)
+    ax.set_xscale("log")
+    if (sizes["wall_s"] > 0).any():
+        ax.set_yscale("log")
+        log_axis(ax.yaxis, duration)
     ax.set_xticks(sorted(sizes["rates"].unique()), minor=False)
     ax.xaxis.set_major_formatter(lambda rates, _: f"{rates:g}")
     ax.xaxis.set_minor_locator(NullLocator())
@@ -153,7 +158,7 @@ def _quickest(sizes: pd.DataFrame) -> Table:
     tolerances, lines = sorted(sizes["tolerance"].unique(), reverse=True), []
     for key, each in sizes.sort_values("wall_s").groupby(["kind", "rates"]):
         line = {"problem": f"{key[0]}, {count(key[1])} turn rates"}
-        right = each[each["right"] & each["interface"].eq(_OWN) & each["wall_s"].notna()]
+        right = each[each["right"] & each["interface"].eq(_OWN)]
         for place, tolerance in enumerate(tolerances):
             chosen = right[right["tolerance"] == tolerance][["engine", "wall_s"]].to_numpy()[:2]
             line[f"quickest_{place}"] = "\n".join(f"{e} {seconds(s)}" for e, s in chosen) or ABSENT

@@ -14,7 +14,7 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, seconds, sentences
+from dubins_study.report.elements.formats import count, seconds
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, quartile_lines
@@ -31,12 +31,6 @@ TIMES = (
     *columns(seconds, solve_s_q1="solve 25 %", solve_s="solve median", solve_s_q3="75 %"),
     *columns(seconds, wall_s_q1="whole 25 %", wall_s="whole median", wall_s_q3="75 %"),
 )
-_TIMES_ELSEWHERE = (SOLVER, *columns(kind="text", machine="machine"), *TIMES[1:])
-_OTHERS_TEXT = (
-    "Times of other machines stand in a table of their own, and in the plot of single attempts; no "
-    "other figure, rank or sentence has them."
-)
-_LEAD = "See what an attempt takes, right or wrong, and how much that varies."
 PARTS = (Mark("solve_s", "solving"), Mark("build_s", "building the model", filled=False))
 WHOLE = (Mark("wall_s"),)
 _QUARTILES = ((0.25, "_q1"), (0.5, ""), (0.75, "_q3"))
@@ -59,9 +53,8 @@ def solver_times(attempts: pd.DataFrame) -> pd.DataFrame:
 def time_section(results: Results) -> Section | None:
     """Medians and quartiles; build and solve apart."""
     frame = in_page_order(solver_times(results.attempts), results)
-    others = _elsewhere(results)
     if frame.empty:
-        return Section("time", "Time", _OTHERS_TEXT, others, _LEAD) if others else None
+        return None
     palette = Palette.of_page(results)
     several = len(frame) > MOST_METHODS
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
@@ -73,7 +66,6 @@ def time_section(results: Results) -> Section | None:
     blocks: tuple[Picture | Table, ...] = (
         _quartiles(drawn_methods(timed) if several else frame, palette, several),
         *best_first(table, frame["solver"], best_solvers(results)),
-        *others,
     )
     jobs, threads = (
         ", ".join(map(str, sorted(results.rows[kind].dropna().astype(int).unique())))
@@ -84,20 +76,8 @@ def time_section(results: Results) -> Section | None:
         f"not recorded; threads: {threads}; jobs side by side: {jobs}. Judging is not timed. "
         "Compiled templates are kept between questions, so building is setting the data."
     )
-    return Section("time", "Time", sentences(text, _OTHERS_TEXT if others else ""), blocks, _LEAD)
-
-
-def _elsewhere(results: Results) -> tuple[Table, ...]:
-    """The table of times that were taken on other machines; none without."""
-    rows = results.elsewhere
-    frames = [
-        in_page_order(solver_times(of_machine), results).assign(machine=machine)
-        for machine, of_machine in rows.groupby("machine")
-    ]
-    if not any(map(len, frames)):
-        return ()
-    caption = "Times of other machines, as they were measured there: quartiles and medians."
-    return (Table("times_elsewhere", caption, pd.concat(frames), _TIMES_ELSEWHERE),)
+    lead = "See what an attempt takes, right or wrong, and how much that varies."
+    return Section("time", "Time", text, blocks, lead)
 
 
 def _quartiles(table: pd.DataFrame, palette: Palette, several: bool) -> Picture:

@@ -1,0 +1,133 @@
+"""Rows of two machines, and of two time limits: shown side by side, never ranked."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.page.render import render
+from dubins_study.report.statistics.methods import best_methods, compared
+from dubins_study.report.topics.appendix import runs_section
+from dubins_study.report.topics.comparison import evaluations, times
+from dubins_study.report.topics.decision import surest
+from dubins_study.report.topics.failures import failures_section
+from dubins_study.report.topics.findings_evidence import Evidence
+from dubins_study.report.topics.single_attempts import sample
+from dubins_study.report.topics.summary import solver_summary
+from dubins_study.study.scenario import Scenario
+from tests.unit.report.results_folder import attempt, lost, write_folder
+
+QUESTIONS = [Scenario(target_x=4 + 0.25 * n, target_y=3, label="ahead") for n in range(32)]
+OURS, THEIRS = "Linux x86_64, Z80, 4 cores", "Linux x86_64, Cray-1, 1 cores"
+SLOW_S, QUICK_S, RIVAL_S = 0.5, 1e-3, 0.7
+RUN = {"run_id": "abc", "state": "finished", "machine": {"system": "Linux"}}
+
+
+def folder_of(place, name, solver, machine, wall_s, **manifest):
+    """Right answers of one solver to all questions, made on one machine."""
+    known = {"machine": machine, "wall_s": wall_s, "solve_s": wall_s, "evaluations": 9}
+    rows = [attempt(question, solver, **known, guesses="one") for question in QUESTIONS]
+    return write_folder(place / solver, name, rows, runs=[RUN], **manifest)
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """Ours, a slower rival on our machine, and one that was 500 times as quick on another."""
+    return [
+        folder_of(tmp_path, "benchmark", "slsqp", OURS, SLOW_S),
+        folder_of(tmp_path, "benchmark", "ipopt", OURS, RIVAL_S),
+        folder_of(tmp_path, "benchmark", "nlp", THEIRS, QUICK_S),
+    ]
+
+
+def test_times_of_another_machine_rank_nothing(folders):
+    """The quick solver is neither the best of its kind, nor in a table of times, nor in a ratio."""
+    results = load(folders)
+    attempts = compared(results)
+    summary = solver_summary(results.attempts)
+    medians = summary.set_index("solver")["wall_s"]
+    evidence = Evidence(attempts)
+
+    assert medians[["slsqp", "ipopt"]].tolist() == [SLOW_S, RIVAL_S]
+    assert pd.isna(medians["nlp"])
+    assert surest(attempts.rows)["solver"].tolist() == ["slsqp"]
+    assert best_methods(summary, ["formulation"])["solver"].tolist() == ["slsqp"]
+    assert set(times(attempts).columns) == {"slsqp", "ipopt"}
+    assert set(evaluations(attempts).columns) == {"slsqp", "ipopt", "nlp"}
+    assert evidence.time_ratio("ipopt", "slsqp").value == pytest.approx(RIVAL_S / SLOW_S)
+    assert evidence.time_ratio("nlp", "slsqp") is None
+    assert summary.set_index("solver")["right"].eq(len(QUESTIONS)).all()
+
+
+def test_times_of_another_machine_are_shown(folders):
+    """With the machine, in a table beside the runs, and with each attempt."""
+    results = load(folders)
+    table = next(block for block in runs_section(results).blocks if block.name != "runs")
+    (line,) = table.frame.to_dict("records")
+    shown = sample(results, most=1000).groupby("solver")["wall_s"].median()
+
+    assert (line["solver"], line["machine"]) == ("nlp", THEIRS)
+    assert (line["timed"], line["wall_s"]) == (len(QUESTIONS), QUICK_S)
+    assert shown.to_dict() == {"slsqp": SLOW_S, "ipopt": RIVAL_S, "nlp": QUICK_S}
+
+
+def test_the_first_folder_says_which_machine_is_ours(folders):
+    """And rows of one machine are ranked, wherever they were made."""
+    turned, alone = load(folders[::-1]), load(folders[2:])
+
+    assert set(turned.elsewhere["solver"]) == {"slsqp", "ipopt"}
+    assert turned.rows.groupby("solver")["wall_s"].median()["nlp"] == QUICK_S
+    assert len(alone.elsewhere) == 0
+    assert len(runs_section(alone).blocks) == 1
+
+
+def test_a_late_answer_of_another_machine_is_late(tmp_path, folders):
+    """Its own clock and its own limit decide, and its time is still not ours."""
+    late = folder_of(tmp_path, "benchmark", "trust-constr", THEIRS, 3.0, time_limit_s=2.0)
+    rows = load([*folders, late]).rows.query("solver == 'trust-constr'")
+
+    assert rows["late"].all()
+    assert rows["wall_s"].isna().all()
+
+
+def suites(place, limit_s):
+    """A suite with a limit of 1 s, and a sample of it with another limit: two questions of each."""
+    suite = [attempt(question, "slsqp", limit_s=1.0) for question in QUESTIONS[:2]]
+    again = [attempt(QUESTIONS[0], "ipopt", limit_s=limit_s), lost(QUESTIONS[5], "ipopt")]
+    return [
+        write_folder(place / "suite", "suite", suite, time_limit_s=10.0),
+        write_folder(place / "again", "again", again, time_limit_s=10.0),
+    ]
+
+
+def test_a_question_with_two_limits_is_named(tmp_path, caplog):
+    """On the page and in the terminal, by the folder that differs from an earlier one."""
+    folders = suites(tmp_path, limit_s=10.0)
+    page = render(folders, tmp_path / "page")
+    said = "1 of its questions have another time limit in a folder before it"
+
+    assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 1]
+    assert f"{folders[1]}: {said}" in caplog.text
+    assert said in page.read_text(encoding="utf-8")
+    assert said in (page.parent / "report.md").read_text(encoding="utf-8")
+
+
+def test_questions_with_one_limit_are_not(tmp_path, caplog):
+    folders = suites(tmp_path, limit_s=1.0)
+
+    assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 0]
+    assert "time limit" not in caplog.text
+
+
+def test_commands_repeat_an_attempt_with_its_own_limit(tmp_path):
+    """Not with the general one of its suite, which only rows without a limit have."""
+    rows = [lost(QUESTIONS[0], "slsqp", limit_s=1.0), lost(QUESTIONS[1], "ipopt", limit_s=None)]
+    results = load([write_folder(tmp_path / "suite", "suite", rows, time_limit_s=10.0)])
+    table = next(block for block in failures_section(results).blocks if block.name == "failures")
+    commands = dict(zip(table.frame["solver"], table.frame["command"], strict=True))
+    limits = sample(results, most=10).set_index("solver")["limit_s"]
+
+    assert " --time-limit 1 " in commands["slsqp"]
+    assert " --time-limit 10 " in commands["ipopt"]
+    assert json.loads(limits.to_json()) == {"slsqp": 1.0, "ipopt": 10.0}
