@@ -22,7 +22,7 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 # the tests that are not slow draw fewer of the same kind; continuous integration runs all tests
-settings.register_profile("quick", settings.get_profile("repeatable"), max_examples=40)
+settings.register_profile("quick", settings.get_profile("repeatable"), max_examples=20)
 # other examples: hypothesis would ignore `--hypothesis-seed` where it is derandomised
 settings.register_profile("seeded", settings.get_profile("repeatable"), derandomize=False)
 settings.load_profile("quick")

@@ -20,7 +20,6 @@ FEW, ALL = 200, 30_000
 PARTS = 10  # of the slow run, so that they are shared out among the workers
 
 
-@pytest.mark.smoke
 def test_no_counterexample_in_few_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every generator meets every check; a bound of a route that is hardly too high is seen."""
     table, spoilt = run(SEED, 0, FEW), Table()
@@ -122,6 +121,7 @@ def _swapped(judged: Any) -> Any:
     return replace(judged, verdict=other.get(judged.verdict, judged.verdict))
 
 
+@pytest.mark.smoke
 @pytest.mark.many(4)
 @pytest.mark.parametrize("check", SPOILT)
 def test_campaign_sees_what_is_spoilt(check: str, monkeypatch: pytest.MonkeyPatch) -> None:

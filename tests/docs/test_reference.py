@@ -22,6 +22,7 @@ from dubins_study.report.topics.findings import FINDINGS
 from dubins_study.solvers.convex.engines import ENGINES as CONVEX
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.registry import load, settings
+from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.words import NLP, PROVEN, QP, ROOTS, Claim, Outcome, Proof, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -29,6 +30,7 @@ ROOT = DOCS.parent
 PACKAGE = ROOT / "src" / "dubins_study"
 FOLDER = files("dubins_study.experiments")
 SCHEMA = FOLDER / "experiment.schema.json"
+SUITES = ("convex", "route", "pose", "leg")  # as the Makefile runs them
 
 
 @pytest.mark.parametrize("name", packaged())
@@ -280,6 +282,23 @@ def test_the_architecture_answers_its_thirteen_questions():
     assert len(rows) == 13
     assert all("`" in answer for _, answer in rows)
     assert len(NAMED) > 30
+
+
+def test_one_duration_of_the_benchmark():
+    """Every text that says how long it takes says what the manifests of the committed runs do."""
+    manifests = [read_manifest(ROOT / "results" / "benchmark" / suite) for suite in SUITES]
+    seconds = sum(run.seconds or 0.0 for manifest in manifests for run in manifest.runs)
+    said = f"{seconds / 60:.0f} minutes"
+    texts = {
+        "Makefile": r"convex problems \(([^)]*)\)",
+        "CONTRIBUTING.md": r"benchmark and its report: (\w+ \w+)",
+        "docs/method.md": r"committed run took (\w+ \w+)",
+        "docs/running.md": r"`make benchmark` the benchmark \(([^)]*)\)",
+        "docs/decisions.md": r"Why: the run takes (\w+ \w+)",
+    }
+
+    for file, pattern in texts.items():
+        assert re.findall(pattern, (ROOT / file).read_text(encoding="utf-8")) == [said], file
 
 
 if __name__ == "__main__":

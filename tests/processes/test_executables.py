@@ -141,6 +141,7 @@ def test_ampls_result_codes_are_claims(programs, code, claim):
     assert answer.multiplier_x is None
 
 
+@pytest.mark.slow
 def test_an_executable_on_path_is_used(programs):
     """Its answers, duals included, are those of Ipopt's library, which the stand-in calls."""
     put_solver(programs, "snopt")

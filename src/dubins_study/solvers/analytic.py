@@ -49,7 +49,7 @@ class Analytic(Solver):
         if question.scenario.via:
             from dubins_study.study.route.search import compile_loops
 
-            compile_loops()  # half a minute after each installation: no part of the search
+            compile_loops()  # seconds after each installation: no part of the search
         return question
 
     def solve(self, model: Question, limit: float) -> Solution:

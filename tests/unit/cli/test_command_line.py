@@ -37,6 +37,7 @@ def test_one_solver_and_its_settings():
     assert listed["settings"]["model"] == "words"
 
 
+@pytest.mark.slow
 def test_experiments():
     """What `run` knows by name, what each asks, and how to use one's own."""
     listed = {each["name"]: each for each in json.loads(asked("experiments", "--json").stdout)}

@@ -369,6 +369,7 @@ def test_an_exponent_is_that_of_the_times():
     assert noisy.low < line.slope < noisy.high
 
 
+@pytest.mark.slow
 def test_the_section_has_five_sentences_first(load_rows):
     """Of real rows; and none where no row carries a finding."""
     rows, local = [], {"claim": Claim.LOCAL, "best_run_s": 1e-3}

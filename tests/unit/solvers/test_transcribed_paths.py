@@ -129,6 +129,7 @@ def test_a_useless_warm_start_does_no_harm(spec, curvature, length):
     assert answer.verdict is Verdict.OPTIMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spec", "limit"),
     [

@@ -21,6 +21,7 @@ def test_beyond_the_largest_extent():
         Scenario(target_x=1.01e13, target_y=0)
 
 
+@pytest.mark.slow
 def test_a_path_whose_end_no_scenario_may_have_is_judged():
     """Found by fuzzing: the end of an answer may lie beyond the largest coordinate."""
     scenario = Scenario(0, 0, 0.5, -1e150, 1e149, 1e150)

@@ -352,6 +352,7 @@ def drawn(word, n):
     return boxes, all_least(word, boxes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "n", [40, *(pytest.param(n, marks=pytest.mark.slow) for n in (300, 10_000))]
 )
@@ -383,7 +384,7 @@ DECIDES = {
 }
 
 
-@pytest.mark.many(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("family", DECIDES)
 def test_a_bound_of_a_flat_box_is_loose_by_the_square_of_its_size(family):
     """With the slopes of the path in it, and of the conditions that end there."""
