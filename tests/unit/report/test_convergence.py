@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from dubins_study.report.data.results import load
 from dubins_study.report.topics.convergence import (
     convergence_section,
     medians,
@@ -14,7 +15,7 @@ from dubins_study.report.topics.convergence import (
 from dubins_study.report.topics.convex import by_size, convex_section, with_parts
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
-from tests.unit.report.results_folder import attempt, paper_scenarios
+from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
 from tests.unit.report.topic_page import topic_page
 
 FAR = [Scenario(0, 0, 0, x, 3, 1) for x in (4.0, 5.0, 6.0)]
@@ -162,6 +163,17 @@ def test_convex_problems_by_hand(load_rows):
     assert above.get_title() == "tolerance 10⁻⁶"
     [line] = [line for line in below.lines if line.get_linestyle() == "-"]
     assert line.get_ydata() == pytest.approx([0.4])  # 0.7 through cvxpy, 0.3 without
+
+
+def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
+    """Nor a quickest engine: their times rank nothing. How many are right is still said."""
+    ours = results("here", [attempt(paper_scenarios()[0])])
+    theirs = [row | {"machine": "another"} for row in frozen_rows()]
+    section = convex_section(load([ours, write_folder(tmp_path / "convex", "convex", theirs)]))
+    (engines,) = section.blocks
+
+    assert engines.frame["attempts"].sum() == len(theirs)
+    assert "1 claim of 11 answers is false" in section.text
 
 
 def test_the_page_of_convex_problems(results, tmp_path):
