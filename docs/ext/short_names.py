@@ -23,6 +23,7 @@ _ELSEWHERE = {
     "numpy.float64": "https://numpy.org/doc/stable/reference/arrays.scalars.html#numpy.float64",
     "pd.DataFrame": "https://pandas.pydata.org/docs/reference/api/pandas.DataFrame.html",
     "Figure": "https://matplotlib.org/stable/api/figure_api.html#matplotlib.figure.Figure",
+    "Axes": "https://matplotlib.org/stable/api/axes_api.html#matplotlib.axes.Axes",
     "FilePath": "https://docs.python.org/3/library/pathlib.html#pathlib.Path",
     "Callable": "https://docs.python.org/3/library/collections.abc.html#collections.abc.Callable",
     "Iterable": "https://docs.python.org/3/library/collections.abc.html#collections.abc.Iterable",

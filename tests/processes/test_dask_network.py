@@ -82,7 +82,7 @@ def test_other_code_is_refused(experiment, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(ROOT / "src" / "dubins_study", copy / "dubins_study")
     with (copy / "dubins_study" / "solvers" / "paper_nlp" / "slsqp.py").open("a") as file:
-        file.write("\n# a later version\n")
+        file.write("\nLATER_VERSION = True\n")
     with (
         here.scheduler(tmp_path) as address,
         here.worker(address, "--nthreads", "1", PYTHONPATH=str(copy)),

@@ -63,7 +63,7 @@ def plot_path(
         ax: axes to draw on; None: those of a new figure.
 
     Returns:
-        The figure: that of the axes, if they are given.
+        The figure, that of the axes if they are given.
 
     Raises:
         PlotError: if there is no path, a number of it is not finite, `drawn` or `ax` is something

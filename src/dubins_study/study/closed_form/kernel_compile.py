@@ -45,13 +45,15 @@ class _Announcement(event.Listener):
 
     def __init__(self) -> None:
         self.announced: set[str] = set()
+        self.depth = 0  # a loop's callees are compiled while it is
 
     def on_start(self, compiling: event.Event) -> None:
+        self.depth += 1
         module = compiling.data["dispatcher"].py_func.__module__
         part = next((part for part in _PARTS if module.startswith(f"{_PACKAGE}.{part}")), None)
         # the check of rows is compiled with the loops over them, of whichever legs
         said = self.announced - {"study.route"} if part == "study" else self.announced & {part}
-        if part is None or said:
+        if part is None or said or self.depth > 1:
             return
         self.announced.add(part)
         loops, seconds = _PARTS[part]
@@ -60,7 +62,7 @@ class _Announcement(event.Listener):
         )
 
     def on_end(self, compiled: event.Event) -> None:
-        """Nothing is logged when it is done."""
+        self.depth -= 1
 
 
 event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call]
