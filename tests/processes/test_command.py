@@ -199,6 +199,29 @@ def test_a_solver_that_was_not_asked_gives_no_answer(plugin):
 
 
 @pytest.mark.slow
+def test_a_solver_that_cannot_run_is_refused_before_a_run(plugin, tmp_path):
+    """Also one of another package, and one among several; an experiment's own are recorded."""
+    file, absent = quick_experiment(tmp_path, 2), f"{plugin}:Absent"
+    for spec, said in ((absent, "no licence"), ("nlp[engine={ipopt,nothing}]", "no executable")):
+        done = finished("run", file, "--solver", "slsqp", "--solver", spec, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert re.search(f"solver .* is unavailable: {said}", done.stderr)
+        assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.slow
+def test_rows_of_another_limit_are_named(tmp_path):
+    """They stay, and the run says of which limit they are; restarted, none are left."""
+    file = quick_experiment(tmp_path, 2)
+    asked = ("run", file, "--solver", "slsqp", "--time-limit")
+    assert "rows are there" not in finished(*asked, "5", cwd=tmp_path).stderr
+
+    done = finished(*asked, "7", cwd=tmp_path)
+    assert "rows are there of a time limit of 5 s, and stay beside 7 s" in done.stderr
+    assert "rows are there" not in finished(*asked, "7", "--restart", cwd=tmp_path).stderr
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "outcome", "message"),
     [

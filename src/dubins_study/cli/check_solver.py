@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import Json, Profile
+from dubins_study.cli.terminal.arguments import Json, Profile, lone_number
 
 
 def check_solver(
@@ -17,10 +17,16 @@ def check_solver(
         list[str] | None, typer.Option(metavar="NAME", help="only this check; may be repeated")
     ] = None,
     time_limit: Annotated[
-        float, typer.Option(metavar="SECONDS", help="seconds that a question may take")
+        float,
+        typer.Option(
+            metavar="SECONDS", parser=lone_number, help="seconds that a question may take"
+        ),
     ] = 5.0,
     total_time_limit: Annotated[
-        float, typer.Option(metavar="SECONDS", help="seconds that all questions may take")
+        float,
+        typer.Option(
+            metavar="SECONDS", parser=lone_number, help="seconds that all of them may take"
+        ),
     ] = 600.0,
     profile: Profile = "default",
     as_json: Json = False,

@@ -56,7 +56,10 @@ def solve(
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
     time_limit: Annotated[
-        float, typer.Option(metavar="SECONDS", help="seconds that the solve may take")
+        float,
+        typer.Option(
+            metavar="SECONDS", parser=arguments.lone_number, help="seconds that the solve may take"
+        ),
     ] = 60.0,
     as_json: arguments.Json = False,
     plot: Annotated[

@@ -14,7 +14,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
 from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import LARGEST_EXTENT, Scenario
 from dubins_study.study.tolerances import tolerances
 from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import short
@@ -44,7 +44,8 @@ def solve(
             `LSR`, `RSL`, `RLR`, `LRL`; of a route only `best`.
         profile: `default`, `fast` or `accurate`.
         initial_guess: a path to begin the search from, of any shape; cold if None. Refused for a
-            solver that does not use one.
+            solver that does not use one, and if it cannot be driven. A solver that asks word by
+            word takes it for the words that it fits.
         limit: seconds that the solver is asked to keep to, once its libraries are loaded. The
             check's own search for the shortest route ends after as many, or 20.
         isolated: whether the solver is asked in a worker process, which is killed a tenth of a
@@ -70,10 +71,15 @@ def solve(
     check_branch(scenario, branch)
     if doubt := doubtful_units(scenario):
         _LOG.warning("dubins-study: %s", doubt)
+    question = Question(scenario, branch, initial_guess)
+    if initial_guess is not None and question.guess_in_radii is None:
+        raise QuestionError(
+            "initial_guess cannot be driven; expected finite numbers, no negative length, and at "
+            f"most {LARGEST_EXTENT:g} for its length in radii and its turn in rad together"
+        )
     if initial_guess is not None and not _is_warm(solver, profile):
         raise QuestionError(f"solver {solver!r} takes no initial_guess; expected None")
     allowed = tolerances(profile, limit)
-    question = Question(scenario, branch, initial_guess)
     if _in_worker(solver, profile, isolated):
         from dubins_study.experiments.executors.local import ask_isolated
 

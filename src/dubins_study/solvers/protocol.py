@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.solvers.setting_checks import check_settings
-from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths
+from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths, drivable
 from dubins_study.study.rows.schema import Effort, Reported
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import LARGEST_EXTENT, Pose, Scenario
 from dubins_study.study.values import real_array, real_number, short
 from dubins_study.study.words import BY_NAME, FREE_FINAL_HEADING, GUESSES, SEVERAL, Claim
 
@@ -44,6 +44,20 @@ class Question:
     branch: str = "best"
     initial_guess: Path | None = None
     repeat: int = 0
+
+    @property
+    def guess_in_radii(self) -> Path | None:
+        """The initial guess at unit radius, from (0, 0) with heading 0.
+
+        None if it is cold, or a path that doubles cannot drive.
+        """
+        given, radius = self.initial_guess, self.scenario.radius
+        if given is None or not drivable(given):
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):
+            path = Path(Pose(0.0, 0.0, 0.0), given.curvatures * radius, given.lengths / radius)
+            extent = path.length + np.abs(path.curvatures * path.lengths).sum()
+        return path if extent <= LARGEST_EXTENT else None  # also where it is NaN
 
 
 class Method(NamedTuple):

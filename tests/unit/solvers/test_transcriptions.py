@@ -77,6 +77,44 @@ def test_any_path_is_a_guess(arcs, spec, via):
     assert answer.outcome is Outcome.RETURNED, answer.message
 
 
+UNDRIVABLE = {
+    "infinite": ([0.0], [math.inf]),
+    "nan rate": ([math.nan], [1.0]),
+    "nan length": ([0.0, 1.0], [math.nan, 2.0]),
+    "negative": ([1.0], [-1.0]),
+    "longer than doubles place": ([1.0], [1e308]),
+    "turned more than doubles hold": ([1e308], [1.0]),
+}
+LEG = Scenario(heading=0.4, target_x=8.0, target_y=3.0, radius=2.0)
+POSED = Scenario(target_x=8.0, target_y=0.0, final_heading=1.0)
+WARM = {
+    "multiple-shooting": POSED,
+    "collocation": POSED,
+    "turn-rates": LEG,
+    "turn-rate-qp": LEG,
+    "slsqp": LEG,
+    "shooting": LEG,
+}
+
+
+@pytest.mark.many(2)
+@pytest.mark.parametrize("spec", WARM)
+@pytest.mark.parametrize("arcs", UNDRIVABLE)
+def test_a_path_that_nobody_can_drive_is_no_guess(arcs, spec):
+    """In a run a solver begins cold; `solve` says what was expected."""
+    guess = Path(Pose(0, 0, 0), *UNDRIVABLE[arcs])
+    cold, warm = (
+        attempt(load(spec), Question(WARM[spec], initial_guess=given), 5.0)
+        for given in (None, guess)
+    )
+
+    assert warm.outcome is Outcome.RETURNED
+    assert warm.length == cold.length
+
+    with pytest.raises(DubinsStudyError, match=r"cannot be driven; expected finite numbers"):
+        solve(WARM[spec], spec, initial_guess=guess)
+
+
 def test_a_guess_is_refused_where_none_is_used():
     with pytest.raises(DubinsStudyError, match="'analytic' takes no initial_guess; expected None"):
         solve(PAPER["problem 1"], "analytic", initial_guess=Path(Pose(0, 0, 0), [], []))

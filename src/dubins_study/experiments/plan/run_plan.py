@@ -24,8 +24,12 @@ from dubins_study.experiments.definition.scenario_block import ListedBlock, tabl
 from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
-from dubins_study.experiments.plan.solver_description import expand_solvers, solver_problems
-from dubins_study.solvers.registry import SolverError, load, ours, unavailable
+from dubins_study.experiments.plan.solver_description import (
+    describe_solver,
+    expand_solvers,
+    solver_problems,
+)
+from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 from dubins_study.study.values import did_you_mean
@@ -182,14 +186,11 @@ def plan_run(request: Request) -> RunPlan:
 
 
 def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
-    """Refuse a spec none of whose solvers of ours can run here; a file's specs are recorded so."""
-    for spec in specs:
-        if spec == "*":
-            continue
-        named = expand_solvers([spec], profile)
-        reasons = [unavailable(load(each, profile)) if ours(each) else None for each in named]
-        if all(reasons):
-            raise SolverError(f"solver {spec!r} is unavailable: {reasons[0]}")
+    """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
+    named = [spec for spec in specs if spec != "*"]
+    for spec in expand_solvers(named, profile):
+        if reason := describe_solver(spec, profile).unavailable:
+            raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
 # Keys of a block that say how its scenarios are asked.

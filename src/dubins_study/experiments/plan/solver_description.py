@@ -31,6 +31,7 @@ from dubins_study.solvers.registry import (
     ours,
     registered,
     stated_method,
+    unavailable,
 )
 from dubins_study.solvers.reply import exception_text
 from dubins_study.study.tolerances import PROFILES
@@ -50,6 +51,7 @@ class SolverDescription(NamedTuple):
     runs: str | None  # the program on PATH that it starts
     keeps_limit: bool  # its own class promises `Solver.keeps_limit`
     whole_frames: bool  # it answers whole frames at once
+    unavailable: str | None  # why it cannot run here
 
     @property
     def versions(self) -> dict[str, str]:
@@ -87,6 +89,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
         solver.solve_frame is not None,
+        unavailable(solver),
     )
 
 

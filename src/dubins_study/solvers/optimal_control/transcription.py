@@ -42,7 +42,7 @@ from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.body_coordinates import Local, local
-from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.path import FloatArray, Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
 
@@ -357,12 +357,8 @@ def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
 
 def _given(question: Question, course: Course, n: int, shares: FloatArray | None) -> list[Guess]:
     """The question's path, cut where it is nearest to the points in turn, if it can be driven."""
-    given, radius = question.initial_guess, question.scenario.radius
-    if given is None:
-        return []
-    with np.errstate(over="ignore"):
-        path = Path(HERE, given.curvatures * radius, given.lengths / radius)
-    if not drivable(path):
+    path = question.guess_in_radii
+    if path is None:
         return []
     places = np.linspace(0.0, path.length, _SAMPLES * course.legs + 1)
     points = np.cumsum(course.steps, axis=0)[:-1, None]

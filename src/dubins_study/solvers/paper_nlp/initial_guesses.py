@@ -72,8 +72,10 @@ def initial_guesses(
     """
     X, Y = target(question.scenario, subproblem.mirrored)
     if question.initial_guess is not None:
-        warm = _from_path(question.initial_guess, question.scenario.radius, subproblem)
-        if not np.delete(warm, subproblem.free).any():  # a path of another word is no help
+        path = question.guess_in_radii
+        warm = None if path is None else _from_path(path, subproblem)
+        # a path of another word is no help
+        if warm is not None and not np.delete(warm, subproblem.free).any():
             yield warm
         if kind == "given":
             return
@@ -156,8 +158,8 @@ def _first(question: Question, word: Subproblem, mirrored: bool) -> FloatArray:
     return point if mirrored == word.mirrored else point[[1, 0, 2]]
 
 
-def _from_path(path: Path, radius: float, subproblem: Subproblem) -> FloatArray:
+def _from_path(path: Path, subproblem: Subproblem) -> FloatArray:
     """The length z of a path's turns the first way, its turns the other way, and its straights."""
     turn = path.curvatures * path.lengths * subproblem.turns[0]
-    straight = path.lengths[path.curvatures == 0].sum() / radius
+    straight = path.lengths[path.curvatures == 0].sum()
     return np.array((turn[turn > 0].sum(), -turn[turn < 0].sum(), straight))
