@@ -10,14 +10,14 @@ import pandas as pd
 from benchmarks.harness import Measurement, Timing, side_by_side, sized
 from benchmarks.peers import random_frame
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.certificate_frame import PROOFS, certify_frame
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certificate_frame import PROOFS, certify_frame
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.judging.verdict_frame import judge_frame
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.scenario_frame import check_frame, scenarios

@@ -22,7 +22,7 @@ import pandas as pd
 from benchmarks import harness
 from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NO_OMPL, PAIRS, ROUNDS
-from dubins_study.solvers.frame import solve_frame
+from dubins_study.asking.frame import solve_frame
 from dubins_study.study.check.enclosure import enclose_pose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows

@@ -8,18 +8,19 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import PROOFS, certify
-from dubins_study.study.check.certificate_frame import FrameCertificate, certify_frame
+from dubins_study.study.check.certificate import PROOFS
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import (
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certificate_frame import FrameCertificate, certify_frame
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.judging.verdict_frame import (
     NO_WORD,
     REGIONS,
     VERDICTS,
     FrameJudgement,
     judge_frame,
 )
-from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario

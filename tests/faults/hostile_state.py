@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-import dubins_study.solvers.attempt
+import dubins_study.asking.attempt
 import dubins_study.study.check.verdict
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.study.words import Verdict
@@ -55,7 +55,7 @@ def _believing(judge):
 
 
 def _patch():
-    for module in (dubins_study.study.check.verdict, dubins_study.solvers.attempt):
+    for module in (dubins_study.study.check.verdict, dubins_study.asking.attempt):
         module.judge = _believing(module.judge)
 
 
@@ -120,7 +120,7 @@ STATES = {
         lambda: setattr(decimal.getcontext(), "prec", 3),
         lambda: decimal.getcontext().prec == 3,
     ),
-    "judge": (_patch, lambda: hasattr(dubins_study.solvers.attempt.judge, "faults")),
+    "judge": (_patch, lambda: hasattr(dubins_study.asking.attempt.judge, "faults")),
     "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
     "gc": (gc.disable, lambda: not gc.isenabled()),
     "hooks": (

@@ -119,8 +119,8 @@ LINES = {
     "dies": "os.abort()",
     "leaves": "os._exit(0)",
     "taints": (
-        "from dubins_study.solvers import attempt; from dubins_study.study.check import verdict; "
-        "verdict.judge = attempt.judge = None"
+        "from dubins_study.asking import attempt; from dubins_study.study.judging import judge; "
+        "judge.judge = attempt.judge = None"
     ),
 }
 PLUGIN = """

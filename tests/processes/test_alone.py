@@ -35,7 +35,7 @@ raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 ASK_ALL = """
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, registered
-from dubins_study.solvers.reply import ask
+from dubins_study.asking.reply import ask
 from dubins_study.study.scenario import Scenario
 
 for name in registered():
@@ -138,7 +138,7 @@ def test_a_process_that_asks_an_engine_prints_nothing(name):
     """Warnings too: pytest catches those of its own process."""
     question = "Question(Scenario(0, 0, 0, 3, 2, 1))"
     code = f"""
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
@@ -171,7 +171,7 @@ COMPILED = """
 import pandas as pd
 from numba.core import event
 from dubins_study import Scenario, solve, solve_frame
-from dubins_study.solvers.compile_loops import compile_loops
+from dubins_study.asking.compile_loops import compile_loops
 from dubins_study.study.closed_form.kernel_compile import SMALL
 
 compile_loops()

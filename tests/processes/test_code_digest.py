@@ -49,7 +49,7 @@ def test_all_modules_that_a_solver_imports_are_read(name):
     solver_class = type(load_solver(name))
     module = PACKAGE.parent.joinpath(*solver_class.__module__.split(".")).with_suffix(".py")
     judges = ("study/check/verdict.py", "study/check/certificate.py")
-    judges += ("study/tolerances.py", "solvers/attempt.py")
+    judges += ("study/tolerances.py", "asking/attempt.py")
     wanted: set[Path] = set()
     left = {module, *(PACKAGE / judge for judge in judges)}
     while left:

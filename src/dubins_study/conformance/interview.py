@@ -10,11 +10,11 @@ from tempfile import mkdtemp
 from time import monotonic
 from typing import Any, NamedTuple
 
+from dubins_study.asking.attempt import Answer, judged
 from dubins_study.conformance.observer import MEMORY_BYTES, TEMPORARY, Observation, Observer
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import Allowance, Ended, WorkerProcess
-from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario

@@ -7,12 +7,12 @@ import signal
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
+from dubins_study.asking.attempt import Answer, QuestionError, attempt, check_branch, check_request
+from dubins_study.asking.reply import DEFAULT_LIMIT
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_branch, check_request
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
-from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import LARGEST_EXTENT, Scenario
 from dubins_study.study.tolerances import tolerances
@@ -129,7 +129,7 @@ def solve_frame(
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
         RunError, ForkServerError: if no worker process can be started.
     """
-    from dubins_study.solvers import frame
+    from dubins_study.asking import frame
 
     check_request(branch, limit)
     limit = float(limit)

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as FilePath
 
+from dubins_study.asking.reply import no_answer
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.parts import Row
 from dubins_study.study.words import Outcome, Verdict
 

@@ -286,8 +286,12 @@ def costs(runs: Sequence[Run[Any]]) -> dict[str, Any]:
 
 
 def at_start(question: Question, tolerance: float = 0.0) -> Solution | None:
-    """The path of no length where the target is within `tolerance` radii of the start, or None."""
-    if not math.hypot(*question.scenario.local()) <= tolerance:
+    """The path of no length where the target is within `tolerance` radii of the start, or None.
+
+    Only one leg with a free final heading has it.
+    """
+    scenario = question.scenario
+    if not scenario.one_free_leg or not math.hypot(*scenario.local()) <= tolerance:
         return None
     path = Path(question.scenario.start, [], [])
     return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")

@@ -83,7 +83,7 @@ def arrives(miss: float, radius: float, extent: float, length: float, allowed: f
 
     A path that is so long that rounding moves its end by more than a radius cannot be checked.
     `miss` is the distance from its end to the target, `extent` is `Scenario.extent`, `allowed` is
-    `Tolerances.miss` (radii). `check.verdict_frame` compiles this function.
+    `Tolerances.miss` (radii). `judging.verdict_frame` compiles this function.
     """
     rounding = DRIVEN * (extent + length)
     return (miss <= allowed * radius + rounding) & (rounding <= radius)

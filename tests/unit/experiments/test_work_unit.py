@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import (
@@ -17,7 +18,6 @@ from dubins_study.experiments.isolation.messages import (
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Question, Solution
-from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.parts import row_key, row_path
 from dubins_study.study.rows.schema import Times

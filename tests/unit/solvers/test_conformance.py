@@ -8,8 +8,8 @@ import pytest
 from cases import PAPER, engine_params, question_for, scenarios
 from hypothesis import assume, given, settings
 
+from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.closed_form.shortest import as_path, margin, shortest

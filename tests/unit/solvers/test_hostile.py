@@ -11,13 +11,13 @@ from cases import PAPER, scenario_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.asking.attempt import QuestionError, attempt
+from dubins_study.asking.frame import solve_frame
+from dubins_study.asking.reply import ask
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import QuestionError, attempt
-from dubins_study.solvers.frame import solve_frame
 from dubins_study.solvers.protocol import MAX_ARCS, FrameSolution, Question, Solution, Solver
 from dubins_study.solvers.registry import load
-from dubins_study.solvers.reply import ask
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import Pose, Scenario
@@ -179,7 +179,7 @@ def frame_of(monkeypatch, changes):
             others = {"claim": Claim.NONE, "paths": Paths(**arrays)}
             return FrameSolution(**others | {k: v for k, v in changes.items() if k not in GOOD})
 
-    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Whole(None))
+    monkeypatch.setattr("dubins_study.asking.frame.load", lambda spec, profile: Whole(None))
     return solve_frame(scenario_frame([ASKED] * N), certified=True)
 
 
@@ -191,7 +191,7 @@ def test_a_frame_that_is_changed_is_judged_as_it_was_put(monkeypatch):
             frame["target_x"], frame["target_y"] = frame["x"], frame["y"]
             return FrameSolution(Claim.OPTIMAL, Paths(np.zeros((2, N)), np.zeros((2, N))))
 
-    monkeypatch.setattr("dubins_study.solvers.frame.load", lambda spec, profile: Easier(None))
+    monkeypatch.setattr("dubins_study.asking.frame.load", lambda spec, profile: Easier(None))
     rows = solve_frame(scenario_frame([ASKED] * N))
 
     assert rows["target_x"].tolist() == [ASKED.target_x] * N
@@ -246,7 +246,7 @@ def test_a_path_of_more_arcs_than_can_be_judged_is_refused():
 def test_a_time_that_is_impossible_is_refused(monkeypatch, clock):
     """A library that replaces the clock spoils its own row, and no folder."""
     readings = iter(clock)
-    monkeypatch.setattr("dubins_study.solvers.reply.perf_counter", lambda: next(readings))
+    monkeypatch.setattr("dubins_study.asking.reply.perf_counter", lambda: next(readings))
     answer = attempt(load("analytic"), Question(ASKED))
 
     assert answer.outcome is Outcome.RAISED
@@ -278,7 +278,7 @@ def test_a_solver_is_told_what_is_left_of_its_limit(monkeypatch, building, left)
             return Solution(Claim.FAILED)
 
     readings = iter([0.0, building, building])
-    monkeypatch.setattr("dubins_study.solvers.reply.perf_counter", lambda: next(readings))
+    monkeypatch.setattr("dubins_study.asking.reply.perf_counter", lambda: next(readings))
     ask(Listens(), Question(ASKED), limit=1.0)
 
     assert told == [pytest.approx(left)]

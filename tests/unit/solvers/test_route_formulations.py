@@ -16,14 +16,14 @@ from scipy.optimize import linprog
 from threadpoolctl import threadpool_limits
 
 from dubins_study import solve
+from dubins_study.asking.attempt import attempt
+from dubins_study.asking.reply import ask
 from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.course import body_course, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.optimal_control.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, available_solvers, load
-from dubins_study.solvers.reply import ask
 from dubins_study.solvers.route import headings, joint
 from dubins_study.solvers.route.grid import HeadingMilp, flow_of, layers
 from dubins_study.solvers.route.legs import WORD_TURNS, route_of

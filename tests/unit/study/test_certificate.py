@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from cases import EDGES, PAPER, scenario_frame
 
-from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
-from dubins_study.study.check.certificate_frame import certify_frame
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import judge_frame
+from dubins_study.study.check.certificate import PMP_TOLERANCE
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certificate_frame import certify_frame
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.judging.verdict_frame import judge_frame
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
 from dubins_study.study.scenario import Pose, Scenario

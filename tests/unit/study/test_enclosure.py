@@ -17,12 +17,12 @@ from hard_cases import hard_frame, hard_poses, poses_of
 from dubins_study.study.check import enclosure_kernel
 from dubins_study.study.check.enclosure import enclose, enclose_pose
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays, shortest_rows
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.pose import leg, shortest_to_pose
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows, turn_between
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES
 

@@ -27,7 +27,7 @@ from dubins_study.experiments.definition.axes import (
 )
 from dubins_study.experiments.definition.messages import Problem
 from dubins_study.study.angle import FULL_TURN, parse_angle
-from dubins_study.study.words import EVERY_BRANCH
+from dubins_study.study.kinds.table import EVERY_BRANCH
 
 # The fields of the three ways to write a target.
 CARTESIAN = ("target_x", "target_y")

@@ -12,12 +12,12 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
+from dubins_study.asking.reply import exception_text
 from dubins_study.experiments.executors.dask_worker import UnitReply, in_worker
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
-from dubins_study.solvers.reply import exception_text
 from dubins_study.study.rows.parts import Row, row_key, row_path
 
 _LOG = logging.getLogger(__name__)

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 
+from dubins_study.asking.attempt import Answer, judged, judged_row
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.messages import WorkerReply
@@ -15,7 +16,6 @@ from dubins_study.experiments.plan.cells import Cell, given_guess
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
-from dubins_study.solvers.attempt import Answer, judged, judged_row
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 from dubins_study.study.path import Path

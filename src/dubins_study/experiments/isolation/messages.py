@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.asking.reply import Reply
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.reply import Reply
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario

@@ -11,6 +11,7 @@ from functools import cache
 from time import monotonic
 from typing import Any, NamedTuple, Self
 
+from dubins_study.asking.reply import Reply, no_answer, with_possible_times
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.fork_server import ForkServerError
@@ -26,7 +27,6 @@ from dubins_study.experiments.isolation.worker_process import (
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
-from dubins_study.solvers.reply import Reply, no_answer, with_possible_times
 
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.

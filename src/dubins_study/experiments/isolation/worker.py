@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.asking.reply import ask, exception_text, no_answer
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.isolation.messages import (
     Channel,
@@ -29,7 +30,6 @@ from dubins_study.experiments.isolation.process_state import (
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load, reported_versions, unavailable
-from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import VIA_POINTS, Outcome
 

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import psutil
 
+from dubins_study.asking.reply import Reply, no_answer
 from dubins_study.experiments.isolation.fork_server import fork
-from dubins_study.solvers.reply import Reply, no_answer
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.asking.attempt import QuestionError, check_branch
 from dubins_study.experiments.definition.experiment import (
     Experiment,
     ExperimentError,
@@ -22,7 +23,6 @@ from dubins_study.experiments.plan.solver_description import (
     describe_solver,
     expand_solvers,
 )
-from dubins_study.solvers.attempt import QuestionError, check_branch
 from dubins_study.solvers.protocol import Method
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key

@@ -45,10 +45,10 @@ def scenario_id(scenario: Scenario) -> str:
     """
     packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
     packed += scenario.label.encode()
-    if not scenario.one_free_leg:
-        numbers = [coordinate for point in scenario.via for coordinate in point]
-        if scenario.final_heading is not None:  # the number of numbers tells it from a point's
-            numbers.append(scenario.final_heading)
+    numbers = [coordinate for point in scenario.via for coordinate in point]
+    if scenario.final_heading is not None:  # the number of numbers tells it from a point's
+        numbers.append(scenario.final_heading)
+    if numbers:
         packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
     return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
 

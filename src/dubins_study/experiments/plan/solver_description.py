@@ -16,6 +16,7 @@ from contextlib import closing
 from functools import cache
 from typing import Any, NamedTuple
 
+from dubins_study.asking.reply import exception_text
 from dubins_study.experiments.code_digest import code_digest, plain_settings
 from dubins_study.experiments.definition.messages import KeyPath, Problem
 from dubins_study.experiments.definition.scenario_block import tables
@@ -33,7 +34,6 @@ from dubins_study.solvers.registry import (
     stated_method,
     unavailable,
 )
-from dubins_study.solvers.reply import exception_text
 from dubins_study.study.tolerances import PROFILES
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.

@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.verdict import words_of
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
 
 SHORTEST, LONGER, TOO_SHORT = "shortest", "longer", "too short"

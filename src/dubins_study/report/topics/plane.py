@@ -59,8 +59,8 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
         return exact.iloc[:0]
     dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
-    from dubins_study.study.check.verdict_frame import REGIONS, judge_frame
     from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
+    from dubins_study.study.judging.verdict_frame import REGIONS, judge_frame
 
     x, y = (each.ravel() for each in np.meshgrid(*dense))
     first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}

@@ -141,7 +141,7 @@ class Disjunctive(EngineSolver):
         return Model(question, course, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: Model, limit: float) -> Solution:
-        there = at_start(model.question) if model.course.free_leg else None
+        there = at_start(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit

@@ -159,7 +159,7 @@ class Transcription(EngineSolver):
     def solve(self, model: Model, limit: float) -> Solution:
         question, course = model.question, model.course
         rounding = coordinate_rounding(question.scenario)
-        if course.free_leg and (there := at_start(question, rounding)):
+        if there := at_start(question, rounding):
             return there
         if self.initial_guess == "words" and not course.free_leg:
             # those of a route's legs are known from the closed form only

@@ -159,7 +159,7 @@ class HeadingMilp(EngineSolver):
         question, route, found, flow = model
         scenario = question.scenario
         rounding = coordinate_rounding(scenario)
-        if scenario.one_free_leg and (there := at_start(question, rounding)):
+        if there := at_start(question, rounding):
             return there
         began = perf_counter()
         if self.engine == "highs":

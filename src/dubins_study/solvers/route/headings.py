@@ -104,7 +104,7 @@ class Headings(SearchSolver):
     def solve(self, model: tuple[Question, Route], limit: float) -> Solution:
         question, route = model
         scenario = question.scenario
-        if scenario.one_free_leg and (there := at_start(question)):
+        if there := at_start(question):
             return there
         trace: Trace = []
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))

@@ -122,7 +122,7 @@ class RouteNlp(EngineSolver):
     def solve(self, model: PosedRoute, limit: float) -> Solution:
         question, program, places = model.question, model.program, model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if question.scenario.one_free_leg and (there := at_start(question)):
+        if there := at_start(question):
             return there
         engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
 
@@ -142,7 +142,7 @@ class RouteNlp(EngineSolver):
         route = model.route
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
-            if self.initial_guess == "bearing" and model.question.scenario.one_free_leg:
+            if self.initial_guess == "bearing" and route.free_leg:
                 yield words_guess(route, model.known)
         elif self.initial_guess == "words":
             yield words_guess(route, model.known)

@@ -71,8 +71,8 @@ event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call
 _STUDY = Path(__file__).parents[1]
 _FILES = sorted(
     file
-    for folder in (_STUDY, _STUDY / "closed_form", _STUDY / "route", _STUDY / "check")
-    for file in folder.glob("*.py")
+    for folder in ("", "closed_form", "route", "check", "judging")
+    for file in (_STUDY / folder).glob("*.py")
 )
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.solvers.frame import solve_frame
+from dubins_study.asking.frame import solve_frame
 from dubins_study.study.route import search
 
 

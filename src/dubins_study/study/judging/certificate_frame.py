@@ -16,11 +16,11 @@ from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, PROOFS, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
-from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.verdict_frame import VERDICTS, FrameJudgement, three_arcs
 from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
+from dubins_study.study.judging.verdict_frame import VERDICTS, FrameJudgement, three_arcs
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
 from dubins_study.study.scenario_frame import scenarios, with_final_headings
 from dubins_study.study.tolerances import DEFAULT, Tolerances
@@ -69,7 +69,7 @@ def certify_frame(
     Args:
         frame: scenarios as `study.scenario_frame.check_frame` returns them, n rows.
         paths: their paths, n rows.
-        judged: their judgement by `study.check.verdict_frame.judge_frame`.
+        judged: their judgement by `study.judging.verdict_frame.judge_frame`.
         branch: the branch that was asked, for all rows.
         lower_bound: bounds that the solver gives (length unit), shape (n,); NaN where none.
         tolerances: those of the judgement.

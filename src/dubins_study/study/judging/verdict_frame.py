@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import ROUNDED, is_false, judge
+from dubins_study.study.check.verdict import ROUNDED, is_false
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     CHUNK,
@@ -33,6 +33,7 @@ from dubins_study.study.closed_form.kernel import (
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
