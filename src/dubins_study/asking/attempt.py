@@ -16,6 +16,7 @@ from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.kinds.table import (
     EVERY_BRANCH,
+    PATH_BRANCHES,
     branches_of,
     kind_of,
     pathless_kind_of,
@@ -37,7 +38,6 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, PROFILES, Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
 from dubins_study.study.words import (
-    PATH_BRANCHES,
     Claim,
     Outcome,
     Proof,

@@ -13,9 +13,9 @@ from dubins_study.solvers.protocol import (
     Solution,
     Solver,
 )
-from dubins_study.study.kinds.table import kind_of
+from dubins_study.study.kinds.table import PATH_BRANCHES, kind_of
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import NEEDS, PATH_BRANCHES, Claim
+from dubins_study.study.words import NEEDS, Claim
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,6 @@ from typing import NamedTuple
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
 POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
-PATH_BRANCHES = tuple(dict.fromkeys((*BRANCHES, *POSE_BRANCHES)))
 # Of no path, but of the convex problem that was frozen from a route and that its label names
 # (study.convex).
 FROZEN = "frozen"

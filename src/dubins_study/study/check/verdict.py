@@ -71,7 +71,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     """
     if not curvature:
         return 0.0
-    if branch == "best":
+    if not TURN.keys() >= set(branch):  # no word
         return max(0.0, max(map(abs, curvature)) - 1.0)
     if branch in ("LS", "RS"):
         side = 1 if branch[0] == "L" else -1

@@ -27,6 +27,7 @@ __all__ = [
     "KINDS",
     "LEG",
     "PATHLESS",
+    "PATH_BRANCHES",
     "branches_of",
     "kind_of",
     "pathless_kind_of",
@@ -39,8 +40,9 @@ KINDS: tuple[Kind, ...] = (LEG, POSE, ROUTE)
 PATHLESS: tuple[Pathless, ...] = (FROZEN_PROBLEM,)
 EVERY_KIND: tuple[Kind | Pathless, ...] = (*KINDS, *PATHLESS)
 
-EVERY_BRANCH = tuple(dict.fromkeys(chain.from_iterable(kind.branches for kind in EVERY_KIND)))
+PATH_BRANCHES = tuple(dict.fromkeys(chain.from_iterable(kind.branches for kind in KINDS)))
 BRANCHES_WITHOUT_PATH = tuple(chain.from_iterable(kind.branches for kind in PATHLESS))
+EVERY_BRANCH = (*PATH_BRANCHES, *BRANCHES_WITHOUT_PATH)
 
 
 def kind_of(scenario: Scenario, branch: str = "best") -> Kind:
