@@ -125,7 +125,7 @@ def test_an_engine_loads_no_other_engines_package(name):
 def test_an_engine_in_a_process_of_its_own(name):
     """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
     for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
-        answer = solve(PAPER["problem 1"], spec, "RS", isolated=True)
+        answer = solve(PAPER["problem 1"], spec, "RS", limit=10.0, isolated=True)
 
         assert answer.outcome is Outcome.RETURNED, answer.message
         assert (answer.claim, answer.verdict) == (Claim.LOCAL, Verdict.OPTIMAL)

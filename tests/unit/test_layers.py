@@ -35,14 +35,15 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 78_000,
-    "solvers": 75_400,
+    "study": 80_300,
+    "solvers": 70_000,
+    "asking": 5_500,
     "experiments": 36_600,
     "conformance": 12_600,
     "report": 95_800,
     "cli": 13_100,
-    "package": 311_500,
-    "tests": 250_000,
+    "package": 313_200,
+    "tests": 251_500,
 }
 
 _LEAVES = (

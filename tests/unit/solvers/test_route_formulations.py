@@ -115,7 +115,7 @@ def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
     """
     engine = ENGINES[load(spec).engine]
     # in this process nothing would end, say, fatrop, which goes on for minutes
-    answer = solve(scenario, spec, limit=10.0, isolated=not engine.keeps_limit)
+    answer = solve(scenario, spec, limit=3.0, isolated=not engine.keeps_limit)
     solved = answer.claim in (Claim.LOCAL, Claim.FEASIBLE)
 
     stopped = answer.outcome is Outcome.TIMEOUT and not engine.keeps_limit

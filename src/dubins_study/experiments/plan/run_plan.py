@@ -25,9 +25,9 @@ from dubins_study.experiments.definition.scenario_file import comment_on, read_s
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
-    describe_solver,
     expand_solvers,
     solver_problems,
+    why_unavailable,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
@@ -189,7 +189,7 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
     named = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(named, profile):
-        if reason := describe_solver(spec, profile).unavailable:
+        if reason := why_unavailable(spec, profile):
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
