@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.angle import FULL_TURN, AngleError, parse_angle
+from dubins_study.study.angle import LARGEST_BARE, AngleError, parse_angle
 from dubins_study.study.values import real_number, short
 from dubins_study.study.words import NEEDS
 
@@ -105,7 +105,7 @@ class Scenario:
         object.__setattr__(self, "final_heading", angle)
         for name, written in (("heading", heading), ("final_heading", final_heading)):
             known = _radians or isinstance(written, str)
-            if not known and abs(getattr(self, name) or 0.0) > FULL_TURN:
+            if not known and abs(getattr(self, name) or 0.0) > LARGEST_BARE:
                 warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())

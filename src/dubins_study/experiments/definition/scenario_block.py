@@ -26,7 +26,7 @@ from dubins_study.experiments.definition.axes import (
     ViaLists,
 )
 from dubins_study.experiments.definition.messages import Problem
-from dubins_study.study.angle import FULL_TURN, parse_angle
+from dubins_study.study.angle import LARGEST_BARE, parse_angle
 from dubins_study.study.kinds.table import EVERY_BRANCH
 
 # The fields of the three ways to write a target.
@@ -80,7 +80,7 @@ class _Fields(StrictModel):
         items = items if isinstance(items, list) else [items]
         if name in _ANGLES:
             for number in items[:2] if isinstance(written, dict) else items:
-                if isinstance(number, int | float) and abs(number) > FULL_TURN:
+                if isinstance(number, int | float) and abs(number) > LARGEST_BARE:
                     parse_angle(number)  # refuses it, and says what to write
         elif name in FIELDS and any(isinstance(item, str) for item in items):
             angles = ", ".join(_ANGLES)

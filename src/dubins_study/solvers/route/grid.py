@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, eye_array, kron
 
 from dubins_study.solvers.answers import at_start, claim_of, coordinate_rounding, costs
-from dubins_study.solvers.course import FULL_TURN, path_of
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
@@ -29,6 +29,7 @@ from dubins_study.solvers.minlp_engines.program import (
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, legs, route_of
 from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.path import FloatArray
 from dubins_study.study.words import NEEDS, Claim
 
@@ -65,7 +66,7 @@ class Layers(NamedTuple):
 
 def layers(route: Route, count: int) -> Layers:
     """So many headings at each point, equally far apart, from the start's on."""
-    grid = route.first + FULL_TURN / count * np.arange(count)
+    grid = route.first + TWO_PI / count * np.arange(count)
     headings = [np.array([route.first]), *[grid] * route.unknowns]
     if route.last is not None:
         headings.append(np.array([route.last]))

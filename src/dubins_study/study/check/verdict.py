@@ -13,7 +13,7 @@ from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, arrives
+from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, allowed_miss, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
@@ -119,7 +119,7 @@ def seen_of(
     radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
-    allowed = tolerances.miss * radius + DRIVEN * (extent + length)
+    allowed = allowed_miss(tolerances.miss, radius, extent, length)
     seen = find_visits(scenario, path, allowed)
     miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
     turned, blur = 0.0, 0.0

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, PROOFS, proof_levels
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 _costates = inlined(two_arcs.costates)
 _pose_costates, _nearest = inlined(two_arcs.pose_costates), inlined(two_arcs.nearest_rate)
 
-_TURN = 2 * math.pi
 _ROUNDED_RATES = 8.0 * EPS  # what rounding leaves of three rates
 _NEXT_TO = 1e-6  # radii or rad, at least `two_arcs.NO_TURN` and `NO_LENGTH`
 _OPTIMAL, _NONE_EXISTS = map(VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE_EXISTS))
@@ -181,7 +181,7 @@ def _measure_rows(
             straight = (turn2 == 0.0) & ((turn1 != 0.0) | (b == 0.0))
             word = (c == 0.0) & (straight | (turn1 * turn2 == -1.0))
         else:
-            bent = (turn1 == -turn2) & (turn3 == -turn2) & (min(b - math.pi, _TURN - b) > _NEXT_TO)
+            bent = (turn1 == -turn2) & (turn3 == -turn2) & (min(b - math.pi, TWO_PI - b) > _NEXT_TO)
             word = (turn1 * turn3 != 0.0) & ((turn2 == 0.0) | bent)
             word &= (a > 0.0) | (b > 0.0) | (turn1 == turn3)
         if not (clear & word):

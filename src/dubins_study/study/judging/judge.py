@@ -8,7 +8,7 @@ from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.tolerances import DEFAULT, DRIVEN, HEADED, Tolerances
+from dubins_study.study.tolerances import DEFAULT, HEADED, Tolerances, allowed_miss
 from dubins_study.study.words import Claim, Verdict
 
 
@@ -66,7 +66,7 @@ def miss_reason(
     seen = seen_of(scenario, path, branch, tolerances, find_visits)
     if seen.excess > tolerances.curvature:
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
-    if seen.miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.length):
+    if seen.miss > allowed_miss(tolerances.miss, radius, scenario.extent, path.length):
         if seen.visits.miss == seen.miss:
             return f"the path passes {seen.miss / radius:.3g} R from a via point, in their order"
         return f"the path ends {seen.miss / radius:.3g} R from the target"

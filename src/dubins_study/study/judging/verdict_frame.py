@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
@@ -59,7 +60,7 @@ _OPTIMAL, _NONE, _NONE_EXISTS = map(
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
-_LARGEST, _TWO_PI = np.finfo(np.float64).max, 2 * math.pi
+_LARGEST = np.finfo(np.float64).max
 
 
 class FrameJudgement(NamedTuple):
@@ -364,7 +365,7 @@ def _judge_chunk(
     for i in range(begin, end):
         R = radius[i]
         off = heading[i] + turn[i] - final[i]
-        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        off -= TWO_PI * math.floor(off / TWO_PI + 0.5)
         blur = DRIVEN * (abs(heading[i] + turn[i]) + abs(final[i]) + length[i] / R)
         extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
         usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST)

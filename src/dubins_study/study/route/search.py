@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
@@ -41,7 +42,6 @@ from dubins_study.study.route.leg_bound import (
 
 _LOG = logging.getLogger(__name__)
 
-_TWO_PI = 2 * math.pi
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
 _AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
 _EAGER = 6  # rounds
@@ -190,7 +190,7 @@ class _Search:
 
     def _begin(self) -> None:
         """Make the first route shorter, and aim the potential at it."""
-        width = 0.5 * _TWO_PI / COARSE
+        width = 0.5 * TWO_PI / COARSE
         self._descend(self.headings, width)
         chains = self._middles()
         self._improve(chains)
