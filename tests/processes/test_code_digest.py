@@ -48,7 +48,7 @@ def test_all_modules_that_a_solver_imports_are_read(name):
     """Every module that its module, the check or another of these imports, inside functions too."""
     solver_class = type(load_solver(name))
     module = PACKAGE.parent.joinpath(*solver_class.__module__.split(".")).with_suffix(".py")
-    judges = ("study/check/verdict.py", "study/check/certificate.py")
+    judges = ("study/check/verdict.py", "study/judging/certify.py")
     judges += ("study/tolerances.py", "asking/attempt.py")
     wanted: set[Path] = set()
     left = {module, *(PACKAGE / judge for judge in judges)}

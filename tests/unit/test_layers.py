@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 80_300,
+    "study": 76_900,
     "solvers": 70_000,
     "asking": 5_500,
     "experiments": 36_600,
     "conformance": 12_600,
     "report": 95_800,
     "cli": 13_100,
-    "package": 313_200,
+    "package": 309_900,
     "tests": 251_500,
 }
 

@@ -22,10 +22,11 @@ from dubins_study.asking.attempt import (
 from dubins_study.asking.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
+from dubins_study.study.judging.certify import certify
 from dubins_study.study.kinds.kind import Kind
 from dubins_study.study.kinds.table import KINDS, rows_of
 from dubins_study.study.path import CLAIMS, Paths
-from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
+from dubins_study.study.rows.schema import ANSWER, SCENARIO, Certificate, Column, columns, names
 from dubins_study.study.scenario import DEFAULTS
 from dubins_study.study.scenario_frame import check_frame, list_column, row_name
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
@@ -34,7 +35,6 @@ from dubins_study.study.values import nearest
 from dubins_study.study.words import Claim, Outcome
 
 if TYPE_CHECKING:
-    from dubins_study.study.judging.certificate_frame import FrameCertificate
     from dubins_study.study.judging.verdict_frame import FrameJudgement
 
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
@@ -78,18 +78,15 @@ def _all_at_once(
     certified: bool,
 ) -> pd.DataFrame:
     """The rows of a frame of one kind that a solver answers whole."""
-    from dubins_study.study.judging.certificate_frame import certify_frame
     from dubins_study.study.judging.verdict_frame import judge_frame
 
     # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    columns = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
+    values = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
     if certified:
-        bound = solution.lower_bound
-        asked = frame, solution.paths, judged, branch, bound, allowed
-        columns |= _certificate(certify_frame(*asked))
-    return _framed(frame, columns)
+        values |= _certificates(frame, solution, judged, branch, allowed)
+    return _framed(frame, values)
 
 
 def _run(
@@ -151,17 +148,27 @@ def _columns(
     return columns
 
 
-def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
-    from dubins_study.study.check.certificate import PROOFS
-
-    return {
-        "proof": _texts(certificate.proof, PROOFS),
-        "reference_low": certificate.reference_low,
-        "reference_high": certificate.reference_high,
-        **certificate.columns(),
-        "abnormal": certificate.abnormal,
-        "false_bound": certificate.false_bound,
-    }
+def _certificates(
+    frame: pd.DataFrame,
+    solution: FrameSolution,
+    judged: FrameJudgement,
+    branch: str,
+    allowed: Tolerances,
+) -> dict[str, Any]:
+    """The certificate's columns, row by row."""
+    bounds = solution.lower_bound
+    found = []
+    for row, scenario in enumerate(scenarios_of(frame)):
+        certificate = certify(
+            scenario,
+            solution.paths.path(row, scenario),
+            judged.row(row),
+            branch,
+            lower_bound=None if bounds is None else float(bounds[row]),
+            tolerances=allowed,
+        )
+        found.append(vars(certificate))
+    return {c.name: _typed([row[c.name] for row in found], c) for c in columns(Certificate)}
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:

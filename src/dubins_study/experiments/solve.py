@@ -111,7 +111,7 @@ def solve_frame(
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 0.4 microseconds a row; without, the certificate's numbers are null
+            too, at some 0.15 ms a row; without, the certificate's numbers are null
             and its flags False. One that is asked row by row always has.
         isolated: as for `solve`, with one worker for all rows, which is replaced when it is
             killed. With None, a solver that answers the whole frame at once does so in this

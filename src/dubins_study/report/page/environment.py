@@ -17,8 +17,8 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Block, Picture, Place, Section, Table, Widget
 from dubins_study.report.page.glossary import Glossed
 from dubins_study.report.page.markup import markdown, to_markdown
-from dubins_study.study.check.certificate import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
 from dubins_study.study.check.two_arcs import ABNORMAL, NO_LENGTH, NO_TURN
+from dubins_study.study.judging.certify import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
 from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 FRONT_PAGE, PAPER_PAGE = "index.html", "paper.html"

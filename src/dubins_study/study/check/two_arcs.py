@@ -1,8 +1,6 @@
 """The word and the costates of a path of at most two arcs, in plain scalar arithmetic.
 
-Python runs these functions for one path; `verdict_frame` and `certificate_frame` compile the same
-functions for millions. They are written for both: no objects, no allocation, and selects instead
-of branches where a loop over rows is to be vectorised.
+Python runs these functions for one path; `judging.verdict_frame` compiles `path_word` for millions.
 """
 
 from __future__ import annotations

@@ -10,12 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dubins_study.study.check.certificate import (
-    BOUND_TOLERANCE,
-    BY_INTERVAL,
-    PROOFS,
-    proof_levels,
-)
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.extremal import Extremal
 from dubins_study.study.kinds.kind import Costates
 from dubins_study.study.kinds.table import kind_of
@@ -24,6 +19,18 @@ from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, Tolerances
 from dubins_study.study.words import Proof, Verdict
+
+# A solver's 1e-8 on lengths leaves angles off by about as much; the turn of 1e-3 that an
+# interior-point method adds to a segment leaves its square, 1e-6 (docs/derivation.md, section 9).
+PMP_TOLERANCE = 1e-7
+# nu3 sums products of the costates with positions, which loses this much for every radius of length
+PMP_ROUNDING = 16 * EPS
+# rad: at the tie straight behind the margin is zero up to rounding
+CUT_TOLERANCE = 1e-9
+# relative: a bound above the shortest length by less is so by the solver's own tolerance
+_BOUND_TOLERANCE = 1e-9
+# words of which the interval alone proves the shortest path
+_BY_INTERVAL = ("LR", "RL")
 
 
 def certify(
@@ -61,30 +68,36 @@ def certify(
         interval = kind.enclosure(scenario, branch)
     scale = max(interval.low, radius)
     allowed = tolerances.gap * scale
-    length = math.nan if judged.length is None else judged.length
-    false_bound = bound > interval.highest(arriving) + BOUND_TOLERANCE * scale
-    levels = proof_levels(
-        BY_INTERVAL if kind.by_interval else branch,
-        judged.verdict is Verdict.OPTIMAL,
-        judged.verdict is Verdict.NONE_EXISTS,
-        arriving is not None,
-        length,
-        radius,
-        math.nan if costates is None else costates.pmp_residual,
-        math.nan if cut is None else cut,
-        interval.low,
-        interval.exists and interval.holds(length, allowed),
-        math.nan if false_bound else bound,
-        allowed,
-    )
+    false_bound = bound > interval.highest(arriving) + _BOUND_TOLERANCE * scale
+    proof = Proof.NONE
+    if judged.verdict is Verdict.NONE_EXISTS and interval.low == math.inf:
+        proof = Proof.PROVED
+    elif arriving is not None:
+        extremal = arriving == 0 or _is_extremal(costates, arriving / radius)
+        near = interval.exists and interval.holds(arriving, allowed)
+        clear = branch != "best" or (cut is not None and cut >= -CUT_TOLERANCE)
+        alone = kind.by_interval or branch in _BY_INTERVAL
+        if near and judged.verdict is Verdict.OPTIMAL and (alone or (extremal and clear)):
+            proof = Proof.PROVED
+        elif near and not false_bound and abs(arriving - bound) <= allowed:
+            proof = Proof.BOUNDED
+        elif extremal:
+            proof = Proof.EXTREMAL
     return Certificate(
-        proof=PROOFS[(*levels, True).index(True)],
+        proof=proof,
         reference_low=_finite(interval.low),
         reference_high=_finite(interval.high),
         cut_margin=cut,
         false_bound=false_bound,
         **_columns(costates, multipliers),
     )
+
+
+def _is_extremal(costates: Extremal | None, length: float) -> bool:
+    """Whether Pontryagin's conditions hold of a path, up to the rounding of its length (radii)."""
+    if costates is None:
+        return False
+    return costates.pmp_residual <= PMP_TOLERANCE + PMP_ROUNDING * length
 
 
 def _columns(costates: Extremal | None, multipliers: tuple[float, float] | None) -> dict[str, Any]:

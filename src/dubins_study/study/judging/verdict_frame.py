@@ -84,6 +84,18 @@ class FrameJudgement(NamedTuple):
     region: CodeArray
     margin: FloatArray
 
+    def row(self, row: int) -> Judgement:
+        """What the certificate of a row begins with: its verdict, length and gap."""
+        length, gap = float(self.length[row]), float(self.gap[row])
+        return Judgement(
+            region=None,
+            margin=None,
+            verdict=VERDICTS[self.verdict[row]],
+            false_claim=bool(self.false_claim[row]),
+            length=None if math.isnan(length) else length,
+            gap=None if math.isnan(gap) else gap,
+        )
+
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
         """Room for n rows, none of them a wrong basin."""
