@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, CodeArray, FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.certificate import BOUND_TOLERANCE, BY_INTERVAL, PROOFS, proof_levels
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.extremal import MEASURED, measure
-from dubins_study.study.closed_form.kernel import CodeArray, ScenarioArrays
+from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, loop_input
 from dubins_study.study.closed_form.pose_kernel import PoseArrays
 from dubins_study.study.judging.verdict_frame import VERDICTS, FrameJudgement, three_arcs
 from dubins_study.study.kinds.table import reference_of
-from dubins_study.study.path import BoolArray, FloatArray, Paths, drivable
+from dubins_study.study.path import Paths, drivable
 from dubins_study.study.scenario_frame import scenarios, with_final_headings
 from dubins_study.study.tolerances import DEFAULT, Tolerances
 from dubins_study.study.words import Proof, Verdict
