@@ -24,7 +24,7 @@ from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import Scenario
 
 N = sized(1_000, 3)

@@ -23,10 +23,10 @@ from benchmarks import harness
 from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NO_OMPL, PAIRS, ROUNDS
 from dubins_study.asking.frame import solve_frame
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.enclosure import enclose_pose
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
-from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Pose
 
 N = sized(1_000_000, 1_000)

@@ -8,8 +8,9 @@ from time import perf_counter
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 

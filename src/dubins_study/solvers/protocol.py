@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.solvers.setting_checks import check_settings
-from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths, drivable
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import CLAIMS, Path, Paths, drivable
 from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import LARGEST_EXTENT, Pose, Scenario
 from dubins_study.study.values import real_array, real_number, short

@@ -17,9 +17,9 @@ from dubins_study.study.values import real_number, short
 from dubins_study.study.words import NEEDS
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    FloatArray = NDArray[np.float64]
+    from dubins_study.study.arrays import FloatArray
 
 
 class Pose(NamedTuple):

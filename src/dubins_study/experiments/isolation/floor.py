@@ -20,8 +20,8 @@ from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, end_point
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import read
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
 # The first call loads and compiles; the least of the others counts.

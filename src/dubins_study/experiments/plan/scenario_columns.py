@@ -28,7 +28,7 @@ from dubins_study.experiments.definition.scenario_block import (
     Route,
     Sample,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 

@@ -17,8 +17,8 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from dubins_study.report.statistics.methods import Compared
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.kinds.table import kind_of
-from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import COLUMNS, Scenario
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import BRANCHES

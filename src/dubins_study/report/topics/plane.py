@@ -26,7 +26,8 @@ from dubins_study.report.elements.style import (
     Style,
 )
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.study.path import FloatArray, Paths
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Paths
 from dubins_study.study.scenario_frame import check_frame
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis

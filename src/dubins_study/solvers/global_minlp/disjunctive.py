@@ -31,7 +31,8 @@ from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.words import NEEDS, TURN, Claim
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.

@@ -42,7 +42,8 @@ from dubins_study.solvers.paper_nlp.program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.words import BRANCHES, Claim
 
 

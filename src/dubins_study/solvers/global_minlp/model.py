@@ -14,7 +14,7 @@ import numpy as np
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Written
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
 
 WORDS = BRANCHES[1:]  # of a last leg to a free final heading

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 # Controls of the model's three lengths; mirrored together with the subproblem.
 TURNS = (1.0, -1.0, 0.0)

@@ -11,7 +11,8 @@ from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, Subproblem, target
 from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 
 INITIAL_GUESSES = ("bearing", "one", "words", "straight", "zero", "random", "given")
 

@@ -32,7 +32,7 @@ from dubins_study.solvers.paper_nlp.model import (
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, Claim
 
 

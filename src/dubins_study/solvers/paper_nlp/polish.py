@@ -11,8 +11,9 @@ import numpy as np
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS, local
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance

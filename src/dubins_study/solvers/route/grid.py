@@ -30,7 +30,7 @@ from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, legs, route_of
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, Claim
 
 # of rows: the least that HiGHS, Gurobi and SCIP all take

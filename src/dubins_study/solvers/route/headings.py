@@ -30,8 +30,9 @@ from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Claim
 

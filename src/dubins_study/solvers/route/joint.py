@@ -33,7 +33,7 @@ from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, TURN, Claim
 
 _LETTERS = "LRSLR"

@@ -19,7 +19,7 @@ from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.model import Subproblem, end_point
 from dubins_study.solvers.setting_checks import OPTION_SETS
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 _FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 2 to the second's

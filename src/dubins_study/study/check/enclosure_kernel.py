@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.check.interval_kernel import (
     FULL_TURN,
@@ -39,7 +40,6 @@ from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, t
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, turn_between
-from dubins_study.study.path import BoolArray, FloatArray
 
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.

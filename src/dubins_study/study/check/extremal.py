@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import (
     ABNORMAL,
@@ -33,7 +34,7 @@ from dubins_study.study.check.two_arcs import (
     nearest_rate,
     pose_costates,
 )
-from dubins_study.study.path import FEW, FloatArray, Path, corners
+from dubins_study.study.path import FEW, Path, corners
 from dubins_study.study.scenario import Pose
 from dubins_study.study.tolerances import ARRIVES, allowed_miss
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import CodeArray, FloatArray
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
@@ -35,10 +36,7 @@ from dubins_study.study.closed_form.shortest import (
     left_straight,
     right_left,
 )
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import BRANCHES, TURN
-
-CodeArray = NDArray[np.uint8]
 
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 NO_PATH = 255  # the word code of a row whose branch has no path

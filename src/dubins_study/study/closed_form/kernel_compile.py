@@ -20,7 +20,7 @@ from numba.core import event
 from numba.extending import register_jitable
 from numpy.typing import ArrayLike
 
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 _PACKAGE = __package__.split(".")[0]
 SMALL = 32768  # rows; below, starting a thread costs more than it saves

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import CodeArray, FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form import pose
-from dubins_study.study.closed_form.kernel import NO_PATH, CodeArray
+from dubins_study.study.closed_form.kernel import NO_PATH
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
@@ -34,7 +35,6 @@ from dubins_study.study.closed_form.kernel_math import (
     upper_arctangent,
 )
 from dubins_study.study.closed_form.pose import WORDS6
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import TURN
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, CodeArray, FloatArray
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
@@ -24,7 +25,6 @@ from dubins_study.study.closed_form.kernel import (
     CHUNK,
     NO_PATH,
     RATES,
-    CodeArray,
     chunk_bounds,
     chunks,
     shortest_rows,
@@ -35,7 +35,7 @@ from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, s
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
 from dubins_study.study.judging.judge import judge
-from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
+from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.scenario_frame import with_final_headings

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.enclosure import Enclosure
 from dubins_study.study.check.extremal import Extremal
 from dubins_study.study.check.verdict import FindVisits, Seen, visits_in_order
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import OPTIONAL, Scenario
 from dubins_study.study.tolerances import Tolerances

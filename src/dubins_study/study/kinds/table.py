@@ -18,7 +18,8 @@ from dubins_study.study.tolerances import DEFAULT, Tolerances
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dubins_study.study.path import BoolArray
+    from dubins_study.study.arrays import BoolArray
+
 
 __all__ = [
     "BRANCHES_WITHOUT_PATH",

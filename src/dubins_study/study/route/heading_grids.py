@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.closed_form.pose import pose_delta, pose_shortest
-from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.effort import Effort
-from dubins_study.study.route.leg_bound import IndexArray, WordArray
+from dubins_study.study.route.leg_bound import WordArray
 from dubins_study.study.route.leg_words import principal
 
 _PI = math.pi
@@ -125,7 +125,7 @@ def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float)
 @compiled
 def _candidates(
     legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, grid: Grid
-) -> tuple[FloatArray, IndexArray]:
+) -> tuple[FloatArray, IntArray]:
     """The headings at each point that a dynamic program chooses from, and how many there are.
 
     They are those of a grid, and those of edges: where a leg is one arc, or two arcs from one of
@@ -157,7 +157,7 @@ def _candidates(
 
 @compiled
 def _chained(
-    legs: FloatArray, tried: FloatArray, sizes: IndexArray, cost: FloatArray, before: IndexArray
+    legs: FloatArray, tried: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
 ) -> FloatArray:
     """The least cost of chains that go on from `cost` over some legs; `before` is written.
 

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import FloatArray
 from dubins_study.study.route.box import (
     END_HALF,
     END_LEFT,
