@@ -28,7 +28,7 @@ from dubins_study.experiments.isolation.process_state import (
 )
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
-from dubins_study.solvers.registry import load, reported_versions, unavailable
+from dubins_study.solvers.registry import load, ours, reported_versions, unavailable
 from dubins_study.solvers.reply import ask, exception_text, no_answer
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import VIA_POINTS, Outcome
@@ -89,7 +89,7 @@ class _Worker:
         self._state = ProcessState(memory_limit)
 
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
-        """The answer to a task, and whether the process was changed by it."""
+        """The answer to a task, and whether a plug-in has changed the process."""
         kind, *arguments = task
         if kind == "probe":
             return probe(), False
@@ -108,7 +108,7 @@ class _Worker:
             answer = no_answer(outcome, exception_text(error))
             reply = encode_reply(WorkerReply(answer, started, "", _digest(spec, profile)))
         if kind == "solve":
-            return reply, bool(self._state.changes())
+            return reply, not ours(spec) and bool(self._state.changes())
         if reply is not None:
             self._refused[key] = reply
         self._state.accept()
