@@ -99,14 +99,14 @@ def test_times_that_cannot_be_are_refused(tmp_path):
 
 HELD_UP = """
 import os, time
+from dataclasses import replace
 from dubins_study.solvers.analytic import Analytic
 class HeldUp(Analytic):
     def solve(self, model, limit):
         if model.scenario.label == "slow":
             time.sleep(1)
         solution = super().solve(model, limit)
-        object.__setattr__(solution, "message", str(os.getpid()))
-        return solution
+        return replace(solution, message=str(os.getpid()))
 """
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from time import perf_counter
 from typing import NamedTuple
 
@@ -56,13 +55,11 @@ def ask(
     if question.branch not in solver.branches:
         reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
         return no_answer(Outcome.UNSUPPORTED, reason)
-    # a solver is given a copy, which it may change
-    copy = replace(question, scenario=replace(question.scenario))
     began = perf_counter()
     built = None
     try:
-        known = presolved(copy) if solver.presolve is True else None
-        model = known or solver.build(copy)
+        known = presolved(question) if solver.presolve is True else None
+        model = known or solver.build(question)
         built = perf_counter()
         left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
         solution = known or solver.solve(model, left)

@@ -52,7 +52,6 @@ def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool
     process, value, changed = os.getpid(), None, False
     while True:
         channel.put([value, changed])
-        channel.line.setblocking(True)  # a solver may have made the socket non-blocking
         channel.flush()
         while changed:  # this process answers no further task; its owner will replace it
             signal.pause()
