@@ -139,5 +139,5 @@ def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
     with WorkerPool(1) as pool:
         for _ in range(5):
             [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption(), 10.0))
-            assert answer.reply.outcome == "returned"
-            os.kill(int(answer.reply.solution.message), signal.SIGKILL)
+            assert answer.outcome == "returned"
+            os.kill(int(answer.solution.message), signal.SIGKILL)

@@ -107,7 +107,7 @@ class Worker:
 
 def _observation(values: list[Any]) -> Observation:
     reply, text, changes, loaded = values
-    return Observation(decode_reply(reply).reply, text, tuple(changes), loaded)
+    return Observation(decode_reply(reply), text, tuple(changes), loaded)
 
 
 class Seen(NamedTuple):

@@ -22,11 +22,19 @@ _NO_TIMES = Times()
 
 
 class Reply(NamedTuple):
-    """The answer to a question, not judged yet: all that the process that solves needs to know."""
+    """The answer to a question, not judged yet, with what its row records of the solve.
+
+    What follows the times is filled in by the worker of a run.
+    """
 
     outcome: Outcome
     solution: Solution
-    times: Times
+    times: Times = _NO_TIMES
+    started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
+    versions: str = ""  # of the solver's libraries, as JSON
+    code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
+    memory_mib: float | None = None  # what the solve added to the memory of its process
+    floor_s: float | None = None  # what the engine takes for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
@@ -82,14 +90,16 @@ _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ b
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; one that raised where a time is impossible for a caller who waited that long.
+    """The reply; it is `raised` if a time is impossible for a caller who waited that long.
 
     A library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
-            message = f"{name} is {seconds!r}; expected a time from 0 to {waited_s:.3g} s"
-            return no_answer(Outcome.RAISED, f"ValueError: {message}: the clock was replaced")
+            expected = f"expected a time from 0 to {waited_s:.3g} s: the clock was replaced"
+            message = f"ValueError: {name} is {seconds!r}; {expected}"
+            solution = Solution(Claim.NONE, message=message)
+            return reply._replace(outcome=Outcome.RAISED, solution=solution, times=_NO_TIMES)
     return reply
 
 

@@ -236,7 +236,7 @@ class Block(_Fields):
 class ListedBlock(Block):
     """Scenarios listed one by one in a file of their own; no experiment's file writes this."""
 
-    listed: Any = Field(exclude=True)  # a frame with the columns of `study.scenario.COLUMNS`
+    listed: Any = Field(exclude=True)  # a list of `Scenario`, which are valid
 
 
 def key_conflicts(fields: dict[str, Any]) -> list[Problem]:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.fork_server import ForkServerError
-from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_question
+from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import (
     POLL_INTERVAL_S,
     Allowance,
@@ -72,7 +72,7 @@ class Job(NamedTuple):
 
 
 # Jobs and the replies to them.
-Results = list[tuple[Job, WorkerReply]]
+Results = list[tuple[Job, Reply]]
 
 
 @cache
@@ -205,7 +205,7 @@ class WorkerPool:
         while (job := self._next_job()) is not None:
             reply = self._unloadable.get(job.solver_key)
             if reply is not None:
-                return [(self._first.popleft(), WorkerReply(reply))]
+                return [(self._first.popleft(), reply)]
             worker = self._free_worker(worker_group(job.solver))
             if worker is None:
                 break
@@ -276,9 +276,9 @@ class WorkerPool:
             self._probed(value)
         if task.allowance is not self._solving:
             return []
-        reply = with_possible_times(value.reply, waited_s)
+        reply = with_possible_times(value, waited_s)
         self._expected_s[task.tag.solver_key] = reply.times.wall_s or 0.0
-        return [(task.tag, value._replace(reply=reply))]
+        return [(task.tag, reply)]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
         """Replace a worker that has ended; return the reply to the job that it was at, if any."""
@@ -297,13 +297,13 @@ class WorkerPool:
             self._without_warm_up.add((key, task.allowance is self._warming_up[True]))
             return []
         if task.allowance is _LOADING:
-            outcome, (_, solution, _) = reply.outcome, reply
+            solution = reply.solution
             message = f"{solution.message}, while it was loaded"
-            reply = no_answer(outcome, message, status=solution.native_status)
+            reply = no_answer(reply.outcome, message, status=solution.native_status)
             if key not in self._expected_s:
                 self._unloadable[key] = reply
         self._first.popleft()  # the job, which comes first among those that were put back
-        return [(task.tag, WorkerReply(reply))]
+        return [(task.tag, reply)]
 
     def _remove(self, worker: _Worker) -> None:
         """End a worker and free its place; put its unanswered jobs back in the queue."""

@@ -14,12 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.experiments.code_digest import code_digest
-from dubins_study.experiments.isolation.messages import (
-    Channel,
-    WorkerReply,
-    decode_question,
-    encode_reply,
-)
+from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import (
     ProcessState,
     bound_process,
@@ -104,8 +99,9 @@ class _Worker:
                 reply = _reply(self._solvers[key], *arguments)
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-            answer = no_answer(outcome, exception_text(error))
-            reply = encode_reply(WorkerReply(answer, started, "", _digest(spec, profile)))
+            failed = no_answer(outcome, exception_text(error))
+            digest = _digest(spec, profile)
+            reply = encode_reply(failed._replace(started=started, code_digest=digest))
         if kind == "solve":
             return reply, not ours(spec) and bool(self._state.changes())
         if reply is not None:
@@ -150,9 +146,15 @@ def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> list
     before, started = peak_kib(reset=True), now()
     reply = ask(loaded.solver, question, time_limit)
     peak = peak_kib() if before else 0
-    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
-    texts = started, loaded.versions, loaded.code_digest
-    return encode_reply(WorkerReply(reply, *texts, memory_mib, loaded.floor_s))
+    return encode_reply(
+        reply._replace(
+            started=started,
+            versions=loaded.versions,
+            code_digest=loaded.code_digest,
+            memory_mib=(peak - before) / _KIB_PER_MIB if peak else None,
+            floor_s=loaded.floor_s,
+        )
+    )
 
 
 def probe() -> float:

@@ -7,9 +7,7 @@ import shlex
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from dubins_study.experiments.definition.experiment import (
     Experiment,
@@ -31,11 +29,8 @@ from dubins_study.experiments.plan.solver_description import (
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
-from dubins_study.study.scenario_frame import scenarios as listed_scenarios
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _LOG = logging.getLogger(__name__)
 # The executors that can solve cells: worker processes of this machine, or a Dask cluster.
@@ -159,22 +154,15 @@ def plan_run(request: Request) -> RunPlan:
     request.check()
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
-    listed = None if request.scenarios is None else str(request.scenarios)
-    frame = None if listed is None else read_scenarios(listed)
+    listed_in = None if request.scenarios is None else str(request.scenarios)
     if request.experiment is None:
-        source = text_about(str(listed))
+        source = text_about(str(listed_in))
     else:
         source = text_of(str(request.experiment))
-    if frame is not None:
-        blocks = _listed_blocks(frame, source, changes)
-        changes |= {"scenarios": blocks, "first": None, "section": None, "matrix": False}
-    file = _checked(source, request.trust_plugins, changes)
-    if listed is not None and frame is not None:
-        name, title = FilePath(listed).stem, file.experiment.title
-        if request.experiment is not None:
-            title = f"{title}: scenarios of {name}"
-        experiment = file.experiment.model_copy(update={"title": title})
-        file = ExperimentFile(name, listed, comment_on(frame) + file.text, experiment)
+    if listed_in is None:
+        file = _checked(source, request.trust_plugins, changes)
+    else:
+        file = _about_a_file(listed_in, source, request, changes)
     problems: list[Problem] = []
     cell_chains = chains(file.experiment, problems)
     if problems:
@@ -193,12 +181,28 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
+def _about_a_file(
+    listed_in: str, source: tuple[str, str, str], request: Request, changes: dict[str, Any]
+) -> ExperimentFile:
+    """An experiment about the scenarios of a file instead of its own."""
+    listed = read_scenarios(listed_in)
+    blocks = _listed_blocks(listed, source, changes)
+    replaced = {"scenarios": blocks, "first": None, "section": None, "matrix": False}
+    file = _checked(source, request.trust_plugins, changes | replaced)
+    name = FilePath(listed_in).stem
+    title = file.experiment.title
+    if request.experiment is not None:
+        title = f"{title}: scenarios of {name}"
+    experiment = file.experiment.model_copy(update={"title": title})
+    return ExperimentFile(name, listed_in, comment_on(listed) + file.text, experiment)
+
+
 # Keys of a block that say how its scenarios are asked.
 _HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
 
 
 def _listed_blocks(
-    frame: pd.DataFrame, source: tuple[str, str, str], changes: Mapping[str, Any]
+    listed: list[Scenario], source: tuple[str, str, str], changes: Mapping[str, Any]
 ) -> list[ListedBlock]:
     """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
 
@@ -212,24 +216,26 @@ def _listed_blocks(
         for block in (experiment.scenarios if experiment else ())
     ]
     if experiment is None or not any(settings):
-        return [ListedBlock(listed=frame)]
-    ids = [scenario_id(each) for each in listed_scenarios(frame)]
-    rest = np.ones(len(ids), dtype=bool)
+        return [ListedBlock(listed=listed)]
+    ids = [scenario_id(each) for each in listed]
+    known: set[str] = set()
     blocks = []
     for number, (block, own) in enumerate(zip(experiment.scenarios, settings, strict=True)):
-        asked = [scenario_id(each) for each in scenarios(block, f"scenarios.{number}")]
-        among = np.isin(ids, asked)
-        rest &= ~among
-        if among.any():
-            blocks.append(ListedBlock(listed=frame[among], **own))
-    if not rest.any():
-        return blocks
-    _LOG.warning(
-        "dubins-study: %d of %d scenarios are none of %s; they are asked with its general settings "
-        "(time_limit_s = %g)",
-        *(rest.sum(), len(frame), name, changes.get("time_limit_s", experiment.time_limit_s)),
-    )
-    return [*blocks, ListedBlock(listed=frame[rest])]
+        asked = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
+        among = [each for each, id_ in zip(listed, ids, strict=True) if id_ in asked]
+        if among:
+            blocks.append(ListedBlock(listed=among, **own))
+        known |= asked
+    rest = [each for each, id_ in zip(listed, ids, strict=True) if id_ not in known]
+    if rest:
+        blocks.append(ListedBlock(listed=rest))
+        _LOG.warning(
+            "dubins-study: %d of %d scenarios are none of %s; they are asked with its general "
+            "settings (time_limit_s = %g)",
+            *(len(rest), len(listed), name),
+            changes.get("time_limit_s", experiment.time_limit_s),
+        )
+    return blocks
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
