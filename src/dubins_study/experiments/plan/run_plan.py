@@ -4,32 +4,35 @@ from __future__ import annotations
 
 import logging
 import shlex
-from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
+from pydantic import ValidationError
+
 from dubins_study.experiments.definition.experiment import (
+    TABLE_KEYS,
     Experiment,
     ExperimentError,
     ExperimentFile,
     fields_of,
     text_of,
-    validated,
 )
-from dubins_study.experiments.definition.messages import Problem, refusal
-from dubins_study.experiments.definition.scenario_block import ListedBlock, tables
+from dubins_study.experiments.definition.messages import problems_of, refusal
+from dubins_study.experiments.definition.scenario_block import ListedBlock
 from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
+    check_spec,
     describe_solver,
     expand_solvers,
-    solver_problems,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
 
 _LOG = logging.getLogger(__name__)
@@ -163,10 +166,7 @@ def plan_run(request: Request) -> RunPlan:
         file = _checked(source, request.trust_plugins, changes)
     else:
         file = _about_a_file(listed_in, source, request, changes)
-    problems: list[Problem] = []
-    cell_chains = chains(file.experiment, problems)
-    if problems:
-        raise ExperimentError(refusal(file.path, problems, file.text))
+    cell_chains = chains(file.experiment, file.path, file.text)
     if request.executor == "local":
         _refuse_unavailable(request.solvers or (), file.experiment.profile)
     folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
@@ -209,13 +209,15 @@ def _listed_blocks(
     A sample of a suite so keeps the time limit and the branches of each of its questions.
     """
     name, path, text = source
-    experiment, _ = validated(fields_of(path, text))
-    kept = [key for key in _HOW_ASKED if key not in changes]
-    settings = [
-        {key: value for key in kept if (value := getattr(block, key)) is not None}
-        for block in (experiment.scenarios if experiment else ())
-    ]
-    if experiment is None or not any(settings):
+    try:
+        experiment = Experiment.model_validate(fields_of(path, text))
+    except ValidationError:  # it has no scenarios, or mistakes that are told later
+        return [ListedBlock(listed=listed)]
+    settings = []
+    for block in experiment.scenarios:
+        given = {key: getattr(block, key) for key in _HOW_ASKED if key not in changes}
+        settings.append({key: value for key, value in given.items() if value is not None})
+    if not any(settings):
         return [ListedBlock(listed=listed)]
     ids = [scenario_id(each) for each in listed]
     known: set[str] = set()
@@ -246,54 +248,37 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
 def _checked(
     source: tuple[str, str, str], trust_plugins: bool, changes: dict[str, Any]
 ) -> ExperimentFile:
-    """The experiment of a file with some of its keys changed, all of it checked."""
+    """The experiment of a file with some of its keys changed; its scenarios are not looked at."""
     _, path, text = source
     fields = fields_of(path, text) | changes
     if "solvers" in changes:
         fields.pop("first", None)
-    for _, block in tables(fields):
-        for key in {"solvers", "time_limit_s"} & changes.keys():
-            block.pop(key, None)
-    experiment, problems = validated(fields)
-    requested = [(str(p.path[0]), p.sentence) for p in problems if {*p.path[:1]} & changes.keys()]
-    if requested:  # the caller is to blame, not the file
-        sentences = [sentence.replace(key, _ARGUMENTS[key], 1) for key, sentence in requested]
-        raise ExperimentError("; ".join(sentences))
-    if experiment is not None and "solvers" in changes:
-        expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
-    problems += solver_problems(fields, trust_plugins or "solvers" in changes)
-    if experiment is not None and not problems:
-        return ExperimentFile(*source, experiment)
-    if (usable := _usable(fields, problems)) is not None:
-        chains(usable, problems)
-    # a value that is not the file's has no line
-    placed = [
-        Problem(() if {*p.path[:1]} & changes.keys() else p.path, p.sentence) for p in problems
-    ]
-    raise ExperimentError(refusal(path, placed, text))
-
-
-def _usable(fields: dict[str, Any], problems: list[Problem]) -> Experiment | None:
-    """The experiment without its wrong keys, blocks and lists of solvers; None if no block is left.
-
-    Blocks keep their numbers. One whose solvers alone are wrong is left to those of the experiment.
-    """
     blocks = fields.get("scenarios")
-    wrong: dict[Any, set[Any]] = defaultdict(set)  # number of a block -> its wrong keys
-    for path, _ in problems:
-        if path[:1] == ("scenarios",):
-            wrong[path[1:2]].add(path[2:3])
-    if not isinstance(blocks, list) or len(wrong.keys() - {()}) == len(blocks):
-        return None
-    mended = []
-    for number, block in enumerate(blocks):
-        keys = wrong[number,]
-        if keys - {("solvers",)}:
-            block = {"label": f"in place of block {number}", "target_x": 10, "target_y": 0}
-        elif keys:
-            block = {key: value for key, value in block.items() if key != "solvers"}
-        mended.append(block)
-    keys = {path[0] for path, _ in problems if path}
-    kept = {key: value for key, value in fields.items() if key not in keys}
-    stand_ins = {"title": "t", "question": "q", "solvers": ["slsqp"]}
-    return Experiment.model_validate(stand_ins | kept | {"scenarios": mended})
+    for block in blocks if isinstance(blocks, list) else ():
+        for key in {"solvers", "time_limit_s"} & changes.keys():
+            if isinstance(block, dict):
+                block.pop(key, None)
+    profile = fields.get("profile")
+    known = profile if isinstance(profile, str) and profile in PROFILES else "default"
+    check = partial(check_spec, profile=known, trust_plugins=trust_plugins)
+    try:
+        context = None if "solvers" in changes else check
+        experiment = Experiment.model_validate(fields, context=context)
+    except ValidationError as error:
+        raise ExperimentError(_mistakes(error, path, text, changes)) from None
+    if "solvers" in changes:
+        expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
+    return ExperimentFile(*source, experiment)
+
+
+def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
+    """The mistakes of a request, which are not the file's; without any, those of the file."""
+    problems = problems_of(error, TABLE_KEYS)
+    requested = [each for each in problems if {*each.path[:1]} & _ARGUMENTS.keys() & changes.keys()]
+    if not requested:
+        return refusal(path, problems, text)
+    sentences = []
+    for problem in requested:
+        key = str(problem.path[0])
+        sentences.append(problem.sentence.replace(key, _ARGUMENTS[key], 1))
+    return "; ".join(sentences)
