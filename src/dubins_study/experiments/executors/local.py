@@ -35,10 +35,7 @@ def local_executor(jobs: int) -> Iterator[Executor]:
     ) -> Generator[list[Row], None, None]:
         memory = unit.settings.memory_limit_gib
         with WorkerPool(jobs, memory, probed=lambda seconds: probed(seconds, 0)) as pool:
-            try:
-                yield from solve_chains(pool, unit, stop)
-            except RunError as error:
-                raise RunError(f"{error}; the rows written so far are kept") from None
+            yield from solve_chains(pool, unit, stop)
 
     yield Executor(jobs, {}, solve)
 

@@ -124,7 +124,7 @@ def _load(spec: str, profile: str) -> _LoadedSolver:
     return _LoadedSolver(solver, json.dumps(packages), code_digest(spec, profile))
 
 
-def _warmed_up(loaded: _LoadedSolver, limit: float, route: bool, floors: bool) -> _LoadedSolver:
+def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -> _LoadedSolver:
     """Ask an easy question, so that imports and caches are ready; measure the floor of a leg."""
     seed()
     solver, branch = loaded.solver, loaded.solver.branches[0]

@@ -65,7 +65,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
         return _describe(spec, profile)
     with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
         allowance = Allowance(_LOAD_LIMIT_S, activity="loading it")
-        event = worker.request([spec, profile], allowance, tuple)
+        event = worker.request([spec, profile], allowance)
     if isinstance(event, Answer):
         fields, message = event.value
         if message is not None:
