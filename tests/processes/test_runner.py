@@ -270,7 +270,7 @@ def test_progress_counts_every_cell(small, tmp_path):
 
 
 LATE = """
-from pathlib import Path
+from dataclasses import replace
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 class Warmed(Slsqp):
     def solve(self, model, limit):
@@ -279,8 +279,7 @@ class Warmed(Slsqp):
             raise ValueError("the second fails")
         solution = super().solve(model, limit)
         told = "none" if start is None else f"{start.lengths.sum():.6f}"
-        object.__setattr__(solution, "message", told)
-        return solution
+        return replace(solution, message=told)
 """
 
 

@@ -174,7 +174,7 @@ def shorter_answer(answer: Answer) -> Answer | None:
         return None
     at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
-    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path), Times())
+    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
     return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
 
 
@@ -205,7 +205,7 @@ def _judged(
     spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
 ) -> dict[str, Any]:
     """The fields of an answer that are columns of a row under the same name."""
-    outcome, solution, times = reply
+    solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
     allowed = allowed.begun()
     if pathless := pathless_kind_of(branch):
@@ -224,8 +224,8 @@ def _judged(
         )
     if solution.trace:
         judgement = _with_trace(judgement, question, solution, allowed)
-    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": outcome}
-    answer |= method.columns(question) | vars(times) | vars(judgement) | vars(certificate)
+    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": reply.outcome}
+    answer |= method.columns(question) | vars(reply.times) | vars(judgement) | vars(certificate)
     answer |= {name: getattr(solution, name) for name in _REPORTED}
     answer |= {name: _finite(answer[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
     if solution.presolved:  # whatever the check finds, no engine has proved anything

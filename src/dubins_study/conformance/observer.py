@@ -18,12 +18,7 @@ from typing import Any, NamedTuple
 import psutil
 
 from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
-from dubins_study.experiments.isolation.messages import (
-    Channel,
-    WorkerReply,
-    decode_question,
-    encode_reply,
-)
+from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solver
@@ -207,6 +202,6 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             seen = Observation(no_answer(Outcome.RAISED, exception_text(error)), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
-        return [encode_reply(WorkerReply(seen.reply)), *seen[1:4]], False
+        return [encode_reply(seen.reply), *seen[1:4]], False
 
     answer_tasks(channel, handle)

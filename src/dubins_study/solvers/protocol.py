@@ -146,10 +146,9 @@ class Solution(Reported):
 
 
 def _path(value: Any) -> Path:
-    """The path, of `Path` itself: a subclass may report another end than its controls have."""
     if not isinstance(value, Path):
         raise TypeError
-    return value if type(value) is Path else Path(value.start, value.curvatures, value.lengths)
+    return value
 
 
 # The largest count that a results folder holds: beyond it doubles leave out whole numbers.

@@ -11,7 +11,6 @@ from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import (
-    WorkerReply,
     decode_question,
     encode_question,
 )
@@ -36,7 +35,7 @@ def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
     reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
-    return row_of(one, None, RUN, WorkerReply(reply))[0]
+    return row_of(one, None, RUN, reply)[0]
 
 
 # three easy questions in a row, and one beside them

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from dubins_study import solve
 from dubins_study.asking.attempt import attempt
 from dubins_study.asking.reply import ask
-from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
+from dubins_study.experiments.isolation.messages import decode_reply, encode_reply
 from dubins_study.solvers.course import body_course, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.optimal_control.arcs import Elements, missed, rollout, slopes
@@ -516,7 +516,7 @@ def test_a_trace_travels_with_its_reply():
     """As plain values, path by path."""
     reply = ask(load("headings[engine=nelder-mead,trace=true]"), Question(TRACED_ROUTE))
 
-    sent = decode_reply(encode_reply(WorkerReply(reply)))
+    sent = decode_reply(encode_reply(reply))
 
-    assert sent.reply.solution.trace == reply.solution.trace
+    assert sent.solution.trace == reply.solution.trace
     assert len(reply.solution.trace) > 3

@@ -30,7 +30,6 @@ from dubins_study.experiments.definition.scenario_block import (
 )
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
-from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 
 _ID_DIGITS = 16
 _PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
@@ -155,7 +154,7 @@ def _vias(block: Block, numbers: Columns) -> Iterator[Points]:
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     """All scenarios of a block, one by one; one that is not valid is named by the block's key."""
     if isinstance(block, ListedBlock):
-        yield from listed_scenarios(block.listed)
+        yield from block.listed
         return
     found = columns(block)
     values = (array.tolist() for array in found.values())
