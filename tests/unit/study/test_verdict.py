@@ -18,7 +18,6 @@ from dubins_study.study.check.verdict import curvature_excess
 from dubins_study.study.closed_form.kernel import RATES, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
-    Segments,
     as_path,
     right_left_pair,
     shortest,
@@ -234,7 +233,7 @@ def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
     scenario = on_left_circle(2.8, inside=-1e-5)
     target = local(scenario)
     first, second, _, _ = right_left_pair(*target)
-    path = as_path(scenario, "RL", Segments(first, second))
+    path = as_path(scenario.start, scenario.radius, "RL", (first, second))
     found = judge(scenario, path, Claim.LOCAL)
 
     assert found.gap > 0.3
@@ -332,7 +331,7 @@ def test_targets_that_rounding_hides_are_met(X, Y):
         for target in (Local(X, Y, 4e-15), Local(X, -Y, 4e-15)):
             found = shortest_local(target, branch)
             if found is not None:
-                path = as_path(unit(0, 0), found.word, found.segments)
+                path = as_path(unit(0, 0).start, 1.0, found.word, found.segments)
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)

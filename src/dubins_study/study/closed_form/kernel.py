@@ -68,7 +68,7 @@ class Rows(NamedTuple):
 
 Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
-_LARGEST = np.finfo(np.float64).max
+LARGEST = np.finfo(np.float64).max
 # Below this w, and inside the disc below this q, a row is delicate. At that q the length
 # changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
@@ -147,7 +147,7 @@ def _exactly(
     else:
         Y = -Y if right else Y
         a, b = _right_left(X, Y, delta) if arcs else _left_straight(X, Y, delta)
-    sound = delta <= _LARGEST and a + b >= 0.0
+    sound = delta <= LARGEST and a + b >= 0.0
     rows.segments[0, i] = a * R
     rows.segments[1, i] = b * R
     rows.length[i] = a * R + b * R if sound else math.nan
@@ -233,23 +233,16 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
 
 
 @inlined
-def chunks(n: int) -> int:
-    """The number of chunks of n rows."""
-    return (n + CHUNK - 1) // CHUNK
-
-
-@inlined
-def chunk_bounds(chunk: int, n: int) -> tuple[np.uint64, np.uint64]:
-    """The first row of a chunk of n rows and the row after its last.
+def chunk_from(begin: int, end: int) -> tuple[np.uint64, np.uint64]:
+    """The first row of a chunk, and the row after its last, of those before `end`.
 
     Unsigned, so that the compiler knows that no index counts from the end.
     """
-    low = np.uint64(chunk) * np.uint64(CHUNK)
-    return low, min(low + np.uint64(CHUNK), np.uint64(n))
+    return np.uint64(begin), np.uint64(min(begin + CHUNK, end))
 
 
 @inlined
-def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
+def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) -> int:
     """One chunk of rows in two loops, each small enough for the vector registers.
 
     Between them the target in the vehicle's frame lies in the output arrays. Returns how many
@@ -260,7 +253,6 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
     length, segments, word = rows
     first = segments[0]
     second = segments[1]
-    low, high = chunk_bounds(chunk, x.size)
     left = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
@@ -278,18 +270,18 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
         second[i] = b
         length[i] = a + b if clear > length[i] else math.nan
         word[i] = code
-        left += not (length[i] <= _LARGEST)
+        left += not (length[i] <= LARGEST)
     return left
 
 
 @threaded
 def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> None:
-    for chunk in range(begin // CHUNK, chunks(end)):
-        if _best_chunk(chunk, scenarios, rows):
-            low, high = chunk_bounds(chunk, end)
+    for chunk in range(begin, end, CHUNK):
+        low, high = chunk_from(chunk, end)
+        if _best_chunk(low, high, scenarios, rows):
             for i in range(low, high):
                 # delicate ones, huge headings, radii near underflow
-                if not (abs(scenarios.heading[i]) <= LARGEST_ANGLE and rows.length[i] <= _LARGEST):
+                if not (abs(scenarios.heading[i]) <= LARGEST_ANGLE and rows.length[i] <= LARGEST):
                     _exactly(i, True, False, False, scenarios, rows)
 
 

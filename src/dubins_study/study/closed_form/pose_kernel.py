@@ -17,7 +17,7 @@ from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form import pose
-from dubins_study.study.closed_form.kernel import NO_PATH, Index, Rows, prepared
+from dubins_study.study.closed_form.kernel import CHUNK, LARGEST, NO_PATH, Index, Rows, prepared
 from dubins_study.study.closed_form.kernel_compile import compiled, inlined, separate, threaded
 from dubins_study.study.closed_form.kernel_math import (
     LARGEST_ANGLE,
@@ -48,9 +48,7 @@ class PoseArrays(NamedTuple):
 SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
-_BLOCK = 512  # rows; what a block reads and writes stays in the first-level cache
 _PI = math.pi
-_LARGEST = np.finfo(np.float64).max
 # at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
 # A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
@@ -100,7 +98,7 @@ def _exactly(i: int, word: int, legs: PoseArrays, rows: Rows) -> None:
     else:
         code = word
         t, p, q = pose_segments(dx, dy, heading[i], final[i], word, delta)
-    sound = R > 0.0 and delta <= _LARGEST and t + p + q >= 0.0
+    sound = R > 0.0 and delta <= LARGEST and t + p + q >= 0.0
     _write(i, t, p, q, code if sound else NO_PATH, R if sound else math.nan, rows)
 
 
@@ -272,7 +270,7 @@ def _best_block(
     """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
 
     Returns how many rows are left: delicate ones, and those without a finite length. What the loops
-    hand on is in `scratch`, shape (7, `_BLOCK`), and `waiting`, shape (`_BLOCK`,).
+    hand on is in `scratch`, shape (7, `CHUNK`), and `waiting`, shape (`CHUNK`,).
     """
     x, y, heading, tx, ty, radius, final = legs
     length = rows.length
@@ -295,7 +293,7 @@ def _best_block(
         _write(i, t, p, q, code, radius[i], rows)
         sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
         length[i] = length[i] if sound else math.nan
-        left += not (length[i] <= _LARGEST)
+        left += not (length[i] <= LARGEST)
     count = 0
     for j in range(n):
         waiting[count] = j
@@ -305,7 +303,7 @@ def _best_block(
         X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
         turn[k], best[k] = turn[j], best[j]
     # to a whole number of vectors: what is left over would be done one by one
-    for k in range(min((count + 15) // 16 * 16, _BLOCK)):
+    for k in range(min((count + 15) // 16 * 16, CHUNK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear
     for k in range(count):
@@ -313,7 +311,7 @@ def _best_block(
         if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
             length[i] = math.nan
             left += 1
-        elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= _LARGEST:
+        elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= LARGEST:
             _write(i, X[k], Y[k], sine[k], int(cosine[k]), radius[i], rows)
     return left
 
@@ -327,10 +325,10 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 
 @threaded
 def _best_rows(begin: int, end: int, legs: PoseArrays, rows: Rows) -> None:
-    scratch, waiting = np.empty((7, _BLOCK)), np.empty(_BLOCK, np.int64)
-    for low in range(begin, end, _BLOCK):
-        high = min(low + _BLOCK, end)
+    scratch, waiting = np.empty((7, CHUNK)), np.empty(CHUNK, np.int64)
+    for low in range(begin, end, CHUNK):
+        high = min(low + CHUNK, end)
         if _best_block(low, high, legs, rows, scratch, waiting):
             for i in range(low, high):
-                if not rows.length[i] <= _LARGEST:
+                if not rows.length[i] <= LARGEST:
                     _exactly(i, -1, legs, rows)
