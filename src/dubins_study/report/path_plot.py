@@ -91,7 +91,7 @@ def plot_path(
             figure = cast("Figure", ax.get_figure(root=True))
             _plot(ax, named_paths, scenario)
         if place is not None:
-            image = figure_bytes(figure, place.suffix.removeprefix("."))
+            image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
                 place.write_bytes(image)
             except OSError as error:
@@ -125,7 +125,7 @@ def check_format(file: str | FilePath) -> FilePath:
         PlotError: if its suffix is not .svg, .pdf or .png, or it cannot be written.
     """
     place = FilePath(file)
-    if place.suffix not in _FORMATS:
+    if place.suffix.lower() not in _FORMATS:
         raise PlotError(f"file is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
     if reason := unwritable(place):  # before a solve that may take long
         raise PlotError(f"cannot write {place}: {reason}")

@@ -386,7 +386,11 @@ def test_the_report_as_json():
         ({"solver": 3}, ConformanceError, "expected a spec, or a class that extends Solver"),
         ({"solver": int}, ConformanceError, "expected a spec, or a class that extends Solver"),
         ({"checks": ["disc"]}, ConformanceError, "no check named 'disc'; did you mean 'discs'"),
-        ({"time_limit": 0}, Exception, "time_limit is 0; expected a number of seconds above 0"),
+        (
+            {"time_limit": 0},
+            Exception,
+            "time_limit is 0; expected a finite number of seconds above 0",
+        ),
         ({"total_time_limit": math.nan}, Exception, "total_time_limit is nan"),
         ({"profile": "slow"}, ProfileError, "no profile named 'slow'"),
     ],
