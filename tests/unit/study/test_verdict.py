@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.check.verdict import curvature_excess
-from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
+from dubins_study.study.closed_form.kernel import RATES, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
     Segments,
@@ -272,8 +272,8 @@ def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch)
     )
     rows = shortest_rows(*(HARD[name].to_numpy() for name in NUMBERS[:6]))
     k = np.empty((2, N))
-    curvatures(rows.word, HARD["radius"].to_numpy(), k)
-    found = judge_frame(HARD, Paths(k, np.array([rows.first, rows.second])), Claim.OPTIMAL)
+    curvatures(RATES, rows.word, HARD["radius"].to_numpy(), k)
+    found = judge_frame(HARD, Paths(k, rows.segments), Claim.OPTIMAL)
 
     assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
     assert not found.false_claim.any()

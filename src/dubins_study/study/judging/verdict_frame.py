@@ -25,6 +25,7 @@ from dubins_study.study.closed_form.kernel import (
     CHUNK,
     NO_PATH,
     RATES,
+    Index,
     chunk_bounds,
     chunks,
     shortest_rows,
@@ -33,7 +34,7 @@ from dubins_study.study.closed_form.kernel import (
 )
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
+from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import Judgement
@@ -198,8 +199,7 @@ def _shortest(
         _describe(n, legs, curvature, length, result)
         return _Best(rows.word, RATES, rows.length, rows.length, np.zeros(n, np.bool_))
     posed, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
-    segments = np.stack([posed.first, posed.middle, posed.last])
-    for lengths, words in ((length, result.word), (segments, result.reference_word)):
+    for lengths, words in ((length, result.word), (posed.segments, result.reference_word)):
         _name_rows(n, posed.word, loop_input(lengths), legs.radius, words)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
