@@ -30,7 +30,7 @@ $(READY): requirements.lock pyproject.toml
 	         $(PIP) --require-hashes -r requirements.lock; }
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation -e . \
 	    || $(PIP) --no-deps --no-build-isolation -e .
-	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(BIN)/python -m dubins_study.asking.compile_loops
 	touch $@
 
 study: $(READY)  ## run the experiments paper and radius-sweep; write their page and the benchmark's
@@ -57,18 +57,18 @@ benchmark: $(READY)  ## run the benchmark's three suites and the convex problems
 PYTEST := $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
 
 test: $(READY)  ## run the tests, but for the slow ones
-	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(BIN)/python -m dubins_study.asking.compile_loops
 	$(PYTEST)
 
 test-all: $(READY)  ## run all tests
-	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(BIN)/python -m dubins_study.asking.compile_loops
 	$(PYTEST) --slow
 
 N ?= 100000
 ROUTES ?= 2000
 SEED ?= 0
 adversary: $(READY)  ## attack the package with N hard cases and ROUTES routes; exit 1 if one is wrong
-	$(BIN)/python -m dubins_study.solvers.compile_loops
+	$(BIN)/python -m dubins_study.asking.compile_loops
 	$(BIN)/python -m tests.adversary.campaign $(N) $(ROUTES) --seed $(SEED) --workers $(JOBS)
 
 rooms: $(READY)  ## print each room with its promise, what it imports and its size beside its budget

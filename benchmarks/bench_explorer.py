@@ -25,12 +25,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.harness import Measurement, absent, sized
 from dubins_study.report.page.explorer import write_explorer
-
-FloatArray = NDArray[np.float64]
+from dubins_study.study.arrays import FloatArray
 
 FRAME_MS = 16
 MOVES = sized(125, 6)  # of each handle from each start

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from benchmarks.harness import Measurement, absent, side_by_side, sized
 from benchmarks.peers import CALLS, NO_OMPL, ompl_distances, random_frame
-from dubins_study.solvers.frame import solve_frame
+from dubins_study.asking.frame import solve_frame
 
 N = sized(1_000_000, 1_000)
 

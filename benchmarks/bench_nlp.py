@@ -11,7 +11,6 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.harness import Measurement, side_by_side, sized
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.ipopt import Ipopt
@@ -24,7 +23,8 @@ from dubins_study.solvers.paper_nlp.model import (
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.setting_checks import nested
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import Scenario
 
 N = sized(1_000, 3)
@@ -85,7 +85,7 @@ def slsqp_by_hand(work: list[Job]) -> None:
             start[free],
             jac=lambda z: ones,
             method="SLSQP",
-            bounds=[(0.0, FULL_TURN), (0.0, math.inf)],
+            bounds=[(0.0, TWO_PI), (0.0, math.inf)],
             constraints=constraint,
             options=ENGINES["slsqp"].options.of("equal"),
         )
@@ -96,7 +96,7 @@ def ipopt_by_hand(work: list[Job], solver: Any) -> None:
     for X, Y, free, start in work:
         upper = [0.0, 0.0, 0.0]
         for i in free:
-            upper[i] = FULL_TURN if i < 2 else math.inf
+            upper[i] = TWO_PI if i < 2 else math.inf
         solver(x0=start, p=(X, Y), lbx=0, ubx=upper, lbg=0, ubg=0)
         solver.stats()["success"]
 

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks import harness
 from benchmarks.harness import Measurement, absent, sized
 from benchmarks.route_peers import NO_SOURCES, peer_rows
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.route.search import Route, search
 
 SEED = 18

@@ -17,7 +17,7 @@ from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import template
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.verdict import judge
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import QP, Claim
 

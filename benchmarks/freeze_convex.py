@@ -24,10 +24,10 @@ from scipy.sparse import block_diag, bmat, csr_array, diags_array, eye_array, hs
 
 from dubins_study.solvers.convex.engines import NATIVE, Ask
 from dubins_study.solvers.optimal_control.arcs import Elements, rollout
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex import digests, problem
 from dubins_study.study.convex.problem import Point, Problem
 from dubins_study.study.convex.proof import lower_bound, upper_bound
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
 
 SIZES = (50, 500, 5000)

@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks import harness
 from benchmarks.harness import Measurement, absent
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.route.descent import route_length
 from dubins_study.study.route.search import Route
 from dubins_study.study.tolerances import ARRIVES

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import strategies as st
 
 from dubins_study.solvers.registry import load
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 from dubins_study.study.words import FROZEN
 

@@ -7,10 +7,10 @@ import numpy as np
 from flint import acb, arb
 
 from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import Enclosure, enclose
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances

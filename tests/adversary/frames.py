@@ -8,18 +8,17 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import PROOFS, certify
-from dubins_study.study.check.certificate_frame import FrameCertificate, certify_frame
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import (
+from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.judging.verdict_frame import (
     NO_WORD,
     REGIONS,
     VERDICTS,
     FrameJudgement,
     judge_frame,
 )
-from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import Scenario
@@ -113,34 +112,25 @@ def checks_of_frames(table: Table, answers: Sequence[Judged]) -> None:
                 controls[1, : path.lengths.size, row] = path.lengths
         paths = Paths(*controls, np.array([one.path is not None for one in some], np.bool_))
         claims = np.array([CLAIMS.index(one.claim) for one in some], np.intp)
-        bound = np.array([math.nan if one.bound is None else one.bound for one in some])
         rows = judge_frame(frame, paths, claims, branch)
-        certified = certify_frame(frame, paths, rows, branch, bound)
         for row, one in enumerate(some):
             table.generator = one.kind
-            _same(table, rows, certified, row, one)
+            _same(table, rows, row, one)
 
 
-def _same(
-    table: Table, rows: FrameJudgement, certified: FrameCertificate, row: int, one: Judged
-) -> None:
+def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
     """What a frame says of one row beside what the scalar check says."""
-    scenario, found, certificate = one.scenario, one.judgement, one.certificate
+    scenario, found = one.scenario, one.judgement
     line = paste(scenario, one.branch)
     if one.path is not None:
         line = paste_path(scenario, one.branch, one.path)
     word = int(rows.word[row])
-    measured = {name: values[row] for name, values in certified.columns().items()}
     pairs = {
         "verdict": (VERDICTS[rows.verdict[row]], found.verdict),
         "region": (REGIONS[rows.region[row]], found.region),
         "word": (None if word == NO_WORD else PATH_WORDS[word], found.word),
         "false_claim": (bool(rows.false_claim[row]), found.false_claim),
         "wrong_basin": (bool(rows.wrong_basin[row]), found.wrong_basin),
-        "proof": (PROOFS[certified.proof[row]], certificate.proof),
-        "false_bound": (bool(certified.false_bound[row]), certificate.false_bound),
-        "residual": (math.isnan(measured["pmp_residual"]), certificate.pmp_residual is None),
-        "cut": (math.isnan(measured["cut_margin"]), certificate.cut_margin is None),
     }
     differ = [f"{name}: frame {a}, scalar {b}" for name, (a, b) in pairs.items() if a != b]
     table.note("frame judgement", bool(differ), f"{line}  # {', '.join(differ)}")
@@ -153,8 +143,6 @@ def _same(
     }
     pairs = {name: (getattr(rows, name)[row], getattr(found, name), units[name]) for name in units}
     table.note("frame numbers", 1e14 * _apart(pairs), f"{line}  # {pairs}")
-    pairs = {name: (value, getattr(certificate, name), 1.0) for name, value in measured.items()}
-    table.note("frame costates", 1e6 * _apart(pairs), f"{line}  # {pairs}")
     if found.gap is not None and found.reference is not None and found.length is not None:
         # an ulp of the reference counts for as much as the answer is longer
         reference = max(found.reference, scenario.radius)
@@ -163,17 +151,6 @@ def _same(
         gap = float(rows.gap[row])
         apart = math.inf if math.isnan(gap) else abs(gap - found.gap) * scale
         table.note("frame gap", apart, f"{line}  # gap {gap} {found.gap}")
-    low, high = certificate.reference_low, certificate.reference_high
-    least, most = float(certified.reference_low[row]), float(certified.reference_high[row])
-    text = f"{line}  # frame {least!r} {most!r}, balls {low!r} {high!r}, truth {one.truth}"
-    missing = (low is None) != math.isnan(least) or (high is None) != math.isnan(most)
-    table.note("frame interval", missing, text)
-    if low is not None and high is not None and not missing:
-        wider = (most - least - 64 * (high - low)) / max(high, scenario.radius)
-        table.note("frame interval width", 1e12 * wider, text)
-    if one.truth is not None:
-        off = max(least - one.truth[0], one.truth[1] - most, 0.0)
-        table.note("frame interval holds truth", off / ulp(one.truth[1], scenario.radius), text)
 
 
 def _apart(pairs: dict[str, tuple[float, float | None, float]]) -> float:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.check.visits import visits
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario, ScenarioError
 from dubins_study.study.tolerances import ARRIVES, HEADED, Tolerances

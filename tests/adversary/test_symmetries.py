@@ -13,8 +13,8 @@ from cases import walked
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dubins_study.study.check.reference import reference_of
 from dubins_study.study.check.visits import visits
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
 

@@ -61,7 +61,7 @@ def test_every_anchor_is_there_once(new_tab, report_page: Path):
 
 
 def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
-    """Tables as CSV, Markdown and LaTeX, figures as SVG and PDF, below the page's folder."""
+    """Tables as CSV and LaTeX, figures as SVG and PDF, below the page's folder."""
     page = new_tab()
     page.goto(report_page.as_uri())
     find = "[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))"
@@ -76,7 +76,7 @@ def test_every_file_that_the_page_links_is_there(new_tab, report_page: Path):
     }
 
     assert files == written
-    assert {Path(name).suffix for name in files} == {".csv", ".md", ".tex", ".svg", ".pdf"}
+    assert {Path(name).suffix for name in files} == {".csv", ".tex", ".svg", ".pdf"}
 
 
 @pytest.mark.slow

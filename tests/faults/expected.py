@@ -51,8 +51,6 @@ RAISES = {
 ANSWERS = {
     "hostile_answers:NotANumber": _LIE,
     "hostile_answers:Elsewhere": _LIE,
-    "hostile_answers:Easier": _LIE,
-    "hostile_answers:Trapped": Case("returned|raised", "optimal|none", files=("sprung",)),
     "hostile_answers:Huge": Case("returned", "optimal"),
     "hostile_answers:Wordy": Case("returned", "optimal", message="^word word"),
     "hostile_answers:WritesFile": Case("returned", "optimal"),

@@ -1,4 +1,4 @@
-"""Plug-ins that answer, but with nonsense, lies or traps."""
+"""Plug-ins that answer, but with nonsense or lies."""
 
 import os
 from dataclasses import dataclass
@@ -65,44 +65,6 @@ def _returning(name, answer):
 
 globals().update({name: _raising(name, error) for name, error in RAISED.items()})
 globals().update({name: _returning(name, answer) for name, answer in RETURNED.items()})
-
-
-class Easier(Analytic):
-    """Halves the radius of the question, and answers that."""
-
-    def solve(self, model, limit):
-        object.__setattr__(model.scenario, "radius", model.scenario.radius / 2)
-        return super().solve(model, limit)
-
-
-class Trap(str):
-    """A text that runs a program in whoever unpickles it."""
-
-    __slots__ = ("file",)
-
-    def __str__(self):
-        return self
-
-    def __reduce__(self):
-        code = f"open({self.file!r}, 'a').write('sprung')"
-        return exec, (code,)
-
-
-@dataclass(frozen=True)
-class Trapped(Analytic):
-    """Its message is a trap; in turn by the constructor and past it."""
-
-    sprung: str = ""
-
-    def solve(self, model, limit):
-        trap = Trap("hello")
-        trap.file = self.sprung
-        solution = super().solve(model, limit)
-        path = solution.path
-        if round(model.scenario.target_x) % 2:
-            return Solution(solution.claim, path, native_status=trap, message=trap)
-        object.__setattr__(solution, "message", trap)
-        return solution
 
 
 @dataclass(frozen=True)

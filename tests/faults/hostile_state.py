@@ -13,16 +13,14 @@ import threading
 import time
 import warnings
 from contextlib import suppress
+from dataclasses import replace
 from multiprocessing.util import Finalize
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-import dubins_study.solvers.attempt
-import dubins_study.study.check.verdict
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.study.words import Verdict
 
 SEED = 424242
 
@@ -42,21 +40,6 @@ def _burn():
             pass
 
     threading.Thread(target=burn, name="faults-burner").start()
-
-
-def _believing(judge):
-    def believe(*arguments, **options):
-        found = judge(*arguments, **options)
-        object.__setattr__(found, "verdict", Verdict.OPTIMAL)
-        return found
-
-    believe.faults = True
-    return believe
-
-
-def _patch():
-    for module in (dubins_study.study.check.verdict, dubins_study.solvers.attempt):
-        module.judge = _believing(module.judge)
 
 
 def _seeded():
@@ -120,7 +103,6 @@ STATES = {
         lambda: setattr(decimal.getcontext(), "prec", 3),
         lambda: decimal.getcontext().prec == 3,
     ),
-    "judge": (_patch, lambda: hasattr(dubins_study.solvers.attempt.judge, "faults")),
     "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
     "gc": (gc.disable, lambda: not gc.isenabled()),
     "hooks": (
@@ -156,8 +138,7 @@ class Witness(Analytic):
     def solve(self, model, limit):
         solution = super().solve(model, limit)
         found = [name for name, (_, changed) in STATES.items() if changed()]
-        object.__setattr__(solution, "message", " ".join(found))
-        return solution
+        return replace(solution, message=" ".join(found))
 
 
 class HangsAtExit(Analytic):

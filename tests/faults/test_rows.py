@@ -106,12 +106,6 @@ def test_what_solvers_print_stays_theirs(shared):
 
 
 @in_a_quick_run
-def test_a_trap_is_never_sprung(shared):
-    """No text of a plug-in runs code in whoever reads its answer."""
-    assert not (shared.scratch / "sprung").exists()
-
-
-@in_a_quick_run
 def test_words_are_short_and_can_be_shown(shared):
     """Last words and errors fit a row, and hold nothing that a terminal obeys."""
     crashed = shared.rows[shared.rows["outcome"] == "crashed"]

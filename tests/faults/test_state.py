@@ -14,7 +14,6 @@ from tests.faults.launch import experiment, lasting, rows, spec, study
 
 TAINTING = spec("hostile_state", "Tainting")
 WITNESS = spec("hostile_state", "Witness")
-LYING = spec("hostile_answers", "Elsewhere")
 SOMETIMES = spec("hostile", "SomeTimes")
 N = len(STATES)
 
@@ -25,7 +24,7 @@ N = len(STATES)
 def tainted(request, tmp_path_factory):
     """Every state changed, and witnesses in between, in a drawn order."""
     folder = tmp_path_factory.mktemp("tainted")
-    asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS, LYING], 2 * N))
+    asking = experiment(folder, ([TAINTING, SOMETIMES], N), ([WITNESS], 2 * N))
     options = ("--jobs", request.param, "--time-limit", 1, "--out", folder / "out")
     ended = study("run", asking, *options)
     assert ended.code == 0, ended.err
@@ -57,7 +56,6 @@ def test_every_row_is_there(tainted):
         "Tainting": N,
         "SomeTimes": N,
         "Witness": 2 * N,
-        "Elsewhere": 2 * N,
     }
     assert ended.alive == []
 
@@ -74,18 +72,8 @@ def test_nobody_else_notices(tainted):
     found = tainted[1]
     found = found[found["plugin"] == "Witness"]
 
-    # a worker's own judge is believed by nobody, see the next test
-    assert set(found["message"]) <= {"", "judge"}
+    assert set(found["message"]) == {""}
     assert set(found["verdict"]) == {"optimal"}
-
-
-def test_a_judge_that_believes_everything_has_no_say(tainted):
-    """It was put into the workers, where answers that miss were given after it."""
-    found = tainted[1]
-    found = found[found["plugin"] == "Elsewhere"]
-
-    assert set(found["verdict"]) == {"misses"}
-    assert found["false_claim"].all()
 
 
 def test_one_that_dies_now_and_then_dies_exactly_there(tainted):
@@ -118,10 +106,6 @@ LINES = {
     "exits": "raise SystemExit(5)",
     "dies": "os.abort()",
     "leaves": "os._exit(0)",
-    "taints": (
-        "from dubins_study.solvers import attempt; from dubins_study.study.check import verdict; "
-        "verdict.judge = attempt.judge = None"
-    ),
 }
 PLUGIN = """
 import os, sys

@@ -35,7 +35,7 @@ raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 ASK_ALL = """
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, registered
-from dubins_study.solvers.reply import ask
+from dubins_study.asking.reply import ask
 from dubins_study.study.scenario import Scenario
 
 for name in registered():
@@ -125,7 +125,7 @@ def test_an_engine_loads_no_other_engines_package(name):
 def test_an_engine_in_a_process_of_its_own(name):
     """It solves a word, by (4.12) and by multiple shooting; its library enters no other process."""
     for spec in (f"nlp[engine={name}]", f"multiple-shooting[engine={name},n=3]"):
-        answer = solve(PAPER["problem 1"], spec, "RS", isolated=True)
+        answer = solve(PAPER["problem 1"], spec, "RS", limit=10.0, isolated=True)
 
         assert answer.outcome is Outcome.RETURNED, answer.message
         assert (answer.claim, answer.verdict) == (Claim.LOCAL, Verdict.OPTIMAL)
@@ -138,7 +138,7 @@ def test_a_process_that_asks_an_engine_prints_nothing(name):
     """Warnings too: pytest catches those of its own process."""
     question = "Question(Scenario(0, 0, 0, 3, 2, 1))"
     code = f"""
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario
@@ -171,7 +171,7 @@ COMPILED = """
 import pandas as pd
 from numba.core import event
 from dubins_study import Scenario, solve, solve_frame
-from dubins_study.solvers.compile_loops import compile_loops
+from dubins_study.asking.compile_loops import compile_loops
 from dubins_study.study.closed_form.kernel_compile import SMALL
 
 compile_loops()
@@ -181,7 +181,7 @@ for rows in (3, SMALL + 1):
     legs = legs.assign(x=0.0, y=0.0, heading=0.0)
     for frame, word in ((legs, "RS"), (legs.assign(final_heading=1.0), "RSR")):
         for branch in ("best", word):
-            solve_frame(frame, branch=branch, certified=True)
+            solve_frame(frame, branch=branch)
 solve(Scenario(target_x=9, target_y=1, via=[(1, 2), (3, 0)]))
 print([each.data["dispatcher"].py_func.__qualname__ for _, each in compiled.buffer])
 """

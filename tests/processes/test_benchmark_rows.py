@@ -16,8 +16,8 @@ from dubins_study.experiments.plan.cells import chains
 from dubins_study.experiments.solve import solve
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.solvers.registry import load, unavailable
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.verdict import judge
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.schema import ANSWER, CELL, KEY, RUN, SCENARIO, names

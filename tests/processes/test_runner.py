@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from dubins_study import run
+from dubins_study.asking.reply import no_answer
 from dubins_study.experiments.definition.experiment import ExperimentError, read
 from dubins_study.experiments.executors import local
 from dubins_study.experiments.executors.executor import WorkUnit
@@ -22,7 +23,6 @@ from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.store.folder import done, read_rows
 from dubins_study.experiments.store.part_writer import write_part
 from dubins_study.solvers.registry import SolverError
-from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW, names
 from dubins_study.study.words import Outcome
@@ -270,7 +270,7 @@ def test_progress_counts_every_cell(small, tmp_path):
 
 
 LATE = """
-from pathlib import Path
+from dataclasses import replace
 from dubins_study.solvers.paper_nlp.slsqp import Slsqp
 class Warmed(Slsqp):
     def solve(self, model, limit):
@@ -279,8 +279,7 @@ class Warmed(Slsqp):
             raise ValueError("the second fails")
         solution = super().solve(model, limit)
         told = "none" if start is None else f"{start.lengths.sum():.6f}"
-        object.__setattr__(solution, "message", told)
-        return solution
+        return replace(solution, message=told)
 """
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from dubins_study.experiments import solve as asking
-from dubins_study.solvers.registry import ours
+from dubins_study.solvers.protocol import Solver
 
 
 @pytest.fixture(autouse=True, scope="package")
@@ -14,9 +14,9 @@ def _asked_here():
     """
     in_worker = asking._in_worker
 
-    def here(spec, profile, isolated, *, frames=False):
-        chosen = False if isolated is None and ours(spec) else isolated
-        return in_worker(spec, profile, chosen, frames=frames)
+    def here(solver, isolated, *, frames=False):
+        chosen = False if isolated is None and isinstance(solver, Solver) else isolated
+        return in_worker(solver, chosen, frames=frames)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(asking, "_in_worker", here)

@@ -71,8 +71,13 @@ def _audit_paper(as_json: bool) -> bool:
     committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
     print(committed_form if as_json else audit_text(record), flush=True)
     lines = contradictions(record, committed())
-    for line in lines:
-        print(f"dubins-study: contradiction: {line}", file=sys.stderr)
+    if lines:
+        print(
+            "dubins-study: the code contradicts the committed audit:",
+            *lines,
+            sep="\n",
+            file=sys.stderr,
+        )
     return bool(lines)
 
 

@@ -35,10 +35,10 @@ def check_solver(
 
     Asks 40 to 80 questions, by what the solver answers. Exit code 1 if the solver fails a check.
     """
+    from dubins_study.asking.attempt import check_request
     from dubins_study.conformance import CHECKS
     from dubins_study.conformance import check_solver as checked
     from dubins_study.conformance.report import report_text
-    from dubins_study.solvers.attempt import check_request
 
     check_request("best", time_limit, "--time-limit")
     check_request("best", total_time_limit, "--total-time-limit")

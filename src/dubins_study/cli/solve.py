@@ -19,7 +19,7 @@ from dubins_study.cli.terminal.points import read_points
 from dubins_study.study.words import Outcome, short_word
 
 if TYPE_CHECKING:
-    from dubins_study.solvers.attempt import Answer
+    from dubins_study.asking.attempt import Answer
     from dubins_study.study.path import Path
 
 # Fields of an answer in the JSON object, which also has `via`, `final_heading`, `segments` and
@@ -80,8 +80,8 @@ def solve(
     ] = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
+    from dubins_study.asking.attempt import check_request, shorter_answer
     from dubins_study.experiments.solve import solve as ask
-    from dubins_study.solvers.attempt import check_request, shorter_answer
     from dubins_study.study.tolerances import SEARCH_S
     from dubins_study.study.values import unwritable
 
@@ -123,9 +123,11 @@ def solve(
 def _faster(answer: Answer, profile: str) -> str | None:
     """The spec that leaves out words which cannot exist, of a solver that took long over all."""
     from dubins_study.solvers.registry import load, ours, settings, stated_method
+    from dubins_study.study.kinds.table import LEG, kind_of
 
     spec = answer.solver
-    if not (ours(spec) and answer.scenario.one_free_leg and (answer.solve_s or 0.0) > _LONG_S):
+    has_words = kind_of(answer.scenario) is LEG  # that a presolve may leave out
+    if not (ours(spec) and has_words and (answer.solve_s or 0.0) > _LONG_S):
         return None
     solver = load(spec, profile)
     tries_words = "words" in stated_method(solver).columns()["knows"]
@@ -214,6 +216,8 @@ def _letter(curvature: float) -> str:
 
 def answer_text(answer: Answer) -> str:
     """The answer as a few lines for the terminal."""
+    from dubins_study.study.kinds.table import kind_of
+
     lines = [
         _line("verdict", _verdict(answer)),
         _line("claim", f"{answer.claim}  ({answer.solver})"),
@@ -221,7 +225,8 @@ def answer_text(answer: Answer) -> str:
     if answer.presolved and answer.verdict == "none exists":
         lines.append(_line("presolve", "answered, and the engine was not asked"))
     proof = str(answer.proof)
-    if answer.scenario.via and answer.gap is not None and answer.pmp_residual is None:
+    unchecked = answer.gap is not None and answer.pmp_residual is None
+    if kind_of(answer.scenario, answer.branch).searched and unchecked:
         proof += "; Pontryagin's conditions were not checked in time"
     lines.append(_line("proof", proof))
     if answer.length is not None:
@@ -263,13 +268,14 @@ def _optimum(answer: Answer) -> list[str]:
 
     Of a leg these are several intervals where the length jumps within the rounding of the data.
     """
+    from dubins_study.study.kinds.table import kind_of, reference_of
+
+    kind = kind_of(answer.scenario, answer.branch)
     low, high = answer.reference_low, answer.reference_high
-    if answer.scenario.one_free_leg or low is None or high is None:
+    if not kind.by_interval or low is None or high is None:
         return []
     parts: tuple[tuple[float, float], ...] = ((low, high),)
-    if not answer.scenario.via:
-        from dubins_study.study.check.reference import reference_of
-
+    if not kind.searched:
         parts = reference_of(answer.scenario, answer.branch).enclosure.parts
     # as Python writes them: rounded further, they would be no bounds
     text = " or ".join(f"[{begin!r}, {end!r}]" for begin, end in parts)
@@ -279,7 +285,7 @@ def _optimum(answer: Answer) -> list[str]:
 
 def _shorter(answer: Answer) -> list[str]:
     """The length of the check's path where it is shorter than the answer."""
-    from dubins_study.solvers.attempt import shorter_answer
+    from dubins_study.asking.attempt import shorter_answer
 
     found = shorter_answer(answer)
     if found is None or found.length is None:
@@ -314,6 +320,6 @@ def _verdict(answer: Answer) -> str:
     """The verdict, and of a path that misses, why."""
     if answer.verdict != "misses" or answer.path is None:
         return str(answer.verdict)
-    from dubins_study.study.check.verdict import miss_reason
+    from dubins_study.study.judging.judge import miss_reason
 
     return f"{answer.verdict}: {miss_reason(answer.scenario, answer.path, answer.branch)}"

@@ -13,17 +13,18 @@ from itertools import chain
 
 import numpy as np
 
+from dubins_study.asking.attempt import Answer
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.questions import command
 from dubins_study.conformance.report import Finding, Kind, Status
-from dubins_study.solvers.attempt import Answer
 from dubins_study.solvers.protocol import Guarantee
-from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.verdict import judge, miss_reason, words_of
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.visits import visits
-from dubins_study.study.path import FloatArray, Path, drivable
+from dubins_study.study.judging.judge import judge, miss_reason
+from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, LEG, kind_of, reference_of
+from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 _Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
@@ -65,7 +66,7 @@ _RAISED = {
 def problems(interview: Interview, seen: Seen) -> list[Finding]:
     """What is wrong with one answer; empty if nothing is."""
     answer = seen.answer
-    if answer.outcome is Outcome.RETURNED and answer.branch == FROZEN:
+    if answer.outcome is Outcome.RETURNED and answer.branch in BRANCHES_WITHOUT_PATH:
         observations = [*_of_point(answer)]
     elif answer.outcome is Outcome.RETURNED:
         guarantee = str(interview.declared["guarantee"])
@@ -79,7 +80,7 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
         observations = [(Kind.OUTCOME, Status.FAIL, said + answer.message, advice)]
     shown = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
-    if seen.question.initial_guess is None and answer.branch != FROZEN:
+    if seen.question.initial_guess is None and answer.branch not in BRANCHES_WITHOUT_PATH:
         shown = command(answer.solver, seen.question, seen.limit, interview.profile)
     name, trace = seen.question.scenario.label, seen.observed.traceback
     return [
@@ -106,7 +107,7 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
     """What keeps an answer from arriving, or from being what it says."""
     path, claim, tolerances = answer.path, answer.claim, interview.tolerances
     honest = claim not in _SUCCESS
-    absent = answer.scenario.one_free_leg and answer.reference is None
+    absent = not kind_of(answer.scenario, answer.branch).exists(answer.scenario, answer.branch)
     if path is None:
         yield from _without_path(answer)
     elif claim is Claim.INFEASIBLE:
@@ -130,15 +131,13 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
         advice = "return the path with the claim; without one, claim FAILED"
         yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
         return
-    length, word = answer.reference, answer.reference_word
-    if not answer.scenario.one_free_leg:  # no judgement without a path has its reference
-        best = reference_of(answer.scenario, answer.branch)
-        if best.path is not None:
-            length = best.path.length
-            word = words_of(best.path, best.at, answer.scenario.radius)
-    if answer.verdict is Verdict.NONE_EXISTS or length is None:
+    best = reference_of(answer.scenario, answer.branch)
+    if answer.verdict is Verdict.NONE_EXISTS or best.path is None:
         return
-    there = f"there is one, {word or 'of length 0'}, of length {length:.6g}"
+    word = kind_of(answer.scenario, answer.branch).words_of(
+        best.path, best.at, answer.scenario.radius
+    )
+    there = f"there is one, {word or 'of length 0'}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
@@ -192,7 +191,7 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
             "FAILED"
         )
     X, Y = scenario.local()
-    if branch == "best" and scenario.one_free_leg and math.hypot(X, abs(Y) - 1) < 1:
+    if branch == "best" and kind_of(scenario) is LEG and math.hypot(X, abs(Y) - 1) < 1:
         return (
             "inside a turning disc no turn towards the target leads to it: a turn away comes "
             "first (RL or LR), or nearly a full turn (RS or LS); else claim FAILED"

@@ -20,7 +20,8 @@ from dubins_study.conformance.observer import TEMPORARY
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.words import FROZEN, Outcome
+from dubins_study.study.kinds.table import EVERY_KIND
+from dubins_study.study.words import Outcome
 
 Checked = tuple[Iterable[Finding], str]  # what a check has seen, and a few words on what passed
 # part of the message of a solver that does not load -> what to do, where it is not the file
@@ -48,16 +49,13 @@ def loading(interview: Interview) -> Checked:
 
 
 def _question(interview: Interview, place: int) -> Question:
-    """A question that the solver takes, of the simplest kind; else a frozen problem."""
-    for table in (questions.GENERAL, questions.POSES, questions.ROUTES):
-        scenarios = [*interview.taken(table).values()]
-        if not scenarios:
-            continue
-        scenario = scenarios[place % len(scenarios)]
-        branches = [each for each in scenario.branches if interview.answers(each)]
-        if branches and branches[0] != FROZEN:
-            return Question(scenario, branches[0])
-    return Question(questions.FROZEN_PROBLEMS["qp-50-well"], FROZEN)
+    """A question that the solver takes, of the simplest kind."""
+    for kind in EVERY_KIND:
+        scenarios = [*interview.taken(questions.OF_KIND[kind.name]).values()]
+        branches = [each for each in kind.branches if interview.answers(each)]
+        if scenarios and branches:
+            return Question(scenarios[place % len(scenarios)], branches[0])
+    raise NotApplicableError("the solver takes none of the kit's questions")
 
 
 # place of a question in general position, of every table

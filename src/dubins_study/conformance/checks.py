@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
+from dubins_study.asking.attempt import check_request
 from dubins_study.conformance import behaviour, questions
 from dubins_study.conformance.answers import problems, united
 from dubins_study.conformance.behaviour import Checked
@@ -25,15 +26,15 @@ from dubins_study.conformance.interview import (
 from dubins_study.conformance.observer import Observer
 from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Kind, Status
 from dubins_study.errors import DubinsStudyError
-from dubins_study.solvers.attempt import check_request
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import registered_name
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.kinds.table import KINDS, PATHLESS
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import tolerances
 from dubins_study.study.values import did_you_mean, short
-from dubins_study.study.words import FROZEN, Outcome
+from dubins_study.study.words import Outcome
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
 _ALL = (Kind.CONTROLS, Kind.CLAIM, Kind.BOUND, Kind.LENGTH)
@@ -46,18 +47,22 @@ class ConformanceError(DubinsStudyError, ValueError):
 def _asked(
     scenarios: Mapping[str, Scenario],
     kinds: tuple[Kind, ...] = _ALL,
-    frozen: bool = False,
+    pathless: bool = False,
 ) -> Callable[[Interview], Checked]:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
 
-    Only scenarios that the solver takes are asked. If `frozen`, a solver that answers the frozen
-    problems alone is asked for these.
+    Only scenarios that the solver takes are asked. If `pathless`, a solver of a kind without paths
+    is asked for the points of that kind.
     """
 
     def run(interview: Interview) -> Checked:
-        branch, asked = "best", interview.taken(scenarios)
-        if frozen and not interview.answers("best"):
-            branch, asked = FROZEN, questions.FROZEN_PROBLEMS
+        branch = "best"
+        asked = interview.taken(scenarios)
+        if pathless and not interview.answers(branch):
+            for kind in PATHLESS:
+                if interview.answers(kind.branches[0]):
+                    branch = kind.branches[0]
+                    asked = questions.OF_KIND[kind.name]
         if not interview.answers(branch):
             raise NotApplicableError("the solver does not answer `best`")
         if not asked:
@@ -124,7 +129,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     "loading": ("loads, and says what it is", behaviour.loading),
     "outcome": (
         "returns a Solution, and neither raises, crashes nor hangs",
-        _asked(questions.GENERAL, (), frozen=True),
+        _asked(questions.GENERAL, (), pathless=True),
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
@@ -132,15 +137,18 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     ),
     "claims": (
         "claims of optimality, of a lower bound, of no path; paths that are longer",
-        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), frozen=True),
+        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), pathless=True),
     ),
     "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
     "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),
     "circles": ("targets on and near a turning circle", _asked(questions.CIRCLES)),
     "symmetries": ("mirrored, moved and turned questions", _asked(questions.SYMMETRIES)),
     "scale": ("one question larger, smaller, farther, faster", _asked(questions.SCALES)),
-    "poses": ("targets with a final heading", _asked(questions.POSES)),
-    "routes": ("via points, in the order in which they are given", _asked(questions.ROUTES)),
+    **{
+        f"{kind.name}s": (kind.task, _asked(questions.OF_KIND[kind.name]))
+        for kind in KINDS
+        if kind.task
+    },
     "branches": ("the words that it declares", _branches),
     "warm": ("initial guesses, good and bad", _warm),
     "limits": ("returns by its time limit", behaviour.limits),

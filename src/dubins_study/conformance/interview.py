@@ -10,11 +10,11 @@ from tempfile import mkdtemp
 from time import monotonic
 from typing import Any, NamedTuple
 
+from dubins_study.asking.attempt import Answer, judged
 from dubins_study.conformance.observer import MEMORY_BYTES, TEMPORARY, Observation, Observer
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import Allowance, Ended, WorkerProcess
-from dubins_study.solvers.attempt import Answer, judged
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario
@@ -67,13 +67,13 @@ class Worker:
         """As `Observer.ask`; a process that ends meanwhile is replaced at the next question."""
         process, task = self._load(), ["ask", encode_question(question), limit]
         allowance = Allowance(limit, GRACE_S + self._extra_s)
-        event = process.request(task, allowance, _observation)
+        event = process.request(task, allowance)
         self._extra_s = 0.0  # what did not answer once is not waited for longer again
         output = process.last_output()
         if isinstance(event, Ended):
             return Observation(event.reply, output=output)
-        observation: Observation = event.value._replace(output=output)
-        return observation
+        reply, text, changes, loaded = event.value
+        return Observation(decode_reply(reply), text, tuple(changes), loaded, output)
 
     def _load(self) -> WorkerProcess:
         """The process; a new one that has loaded the solver if there is none."""
@@ -83,7 +83,7 @@ class Worker:
             "dubins_study.conformance.observer:serve", self._arguments, MEMORY_BYTES
         )
         allowance = Allowance(LOAD_LIMIT_S, activity="loading the solver")
-        event = self._process.request(["load"], allowance, tuple)
+        event = self._process.request(["load"], allowance)
         if isinstance(event, Ended):
             raise LoadError(f"while it was loaded, {event.reply.solution.message}")
         kind, value, *frames = event.value
@@ -103,11 +103,6 @@ class Worker:
         """End the process and remove its folder."""
         self.restart()
         shutil.rmtree(self.folder, ignore_errors=True)
-
-
-def _observation(values: list[Any]) -> Observation:
-    reply, text, changes, loaded = values
-    return Observation(decode_reply(reply).reply, text, tuple(changes), loaded)
 
 
 class Seen(NamedTuple):

@@ -17,20 +17,16 @@ from typing import Any, NamedTuple
 
 import psutil
 
-from dubins_study.experiments.isolation.messages import (
-    Channel,
-    WorkerReply,
-    decode_question,
-    encode_reply,
-)
+from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
+from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solver
 from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
-from dubins_study.solvers.reply import Reply, ask, exception_text, no_answer
+from dubins_study.study.kinds.table import EVERY_BRANCH
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import EVERY_BRANCH, FINAL_HEADING, FREE_FINAL_HEADING, Outcome
+from dubins_study.study.words import FINAL_HEADING, FREE_FINAL_HEADING, Outcome
 
 MEMORY_BYTES = 4 * 2**30
 TEMPORARY = "temporary"  # folder for temporary files, in the folder of the worker
@@ -41,7 +37,7 @@ _NO_IMPORTS = {
 }
 # Files of this package whose functions call a solver's code.
 _PACKAGE = FilePath(__file__).parents[1]
-_ASKING = {__file__, *(str(_PACKAGE / "solvers" / name) for name in ("reply.py", "registry.py"))}
+_ASKING = {__file__, *(str(_PACKAGE / name) for name in ("asking/reply.py", "solvers/registry.py"))}
 _MAX_TRACEBACK_CHARS = 4000
 
 
@@ -206,6 +202,6 @@ def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
             seen = Observation(no_answer(Outcome.RAISED, exception_text(error)), own_frames(error))
         with suppress(Exception):
             ctypes.CDLL(None).fflush(None)  # what C printed belongs to this question
-        return [encode_reply(WorkerReply(seen.reply)), *seen[1:4]], False
+        return [encode_reply(seen.reply), *seen[1:4]], False
 
     answer_tasks(channel, handle)

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.kinds.table import EVERY_KIND, LEG
 from dubins_study.study.scenario import COLUMNS, Scenario
 from dubins_study.study.scenario_frame import solve_command
 
@@ -122,38 +123,8 @@ SCALES = labelled(
     }
 )
 
-# one leg with a final heading
-POSES = labelled(
-    {
-        "to a heading, far": Scenario(target_x=6, target_y=-3, final_heading=2.0),
-        "to a heading, all at once": Scenario(2, -1, 0.8, -7, 4, 2.5, 3, final_heading=-1.2),
-        "to a heading, near": Scenario(1, 2, -0.6, 1.7, 2.5, 0.4, 3, final_heading=2.4),
-        "to a heading, three arcs": Scenario(target_x=0.3, target_y=1.1, final_heading=3.0),
-    }
-)
-# Routes of 2 to 5 legs in three spacings. The search proves each in less than a second.
-ROUTES = labelled(
-    {
-        "2 legs of 9 R to 17 R": Scenario(-3, 4, 2.2, 9, -5, 0.8, 0.6, via=[(4, 7)]),
-        "3 legs of 2 R to 4 R": Scenario(0, 0, 0.5, 4.8, 3.9, via=[(2.5, 1), (1, 3.2)]),
-        "3 legs, the other order": Scenario(0, 0, 0.5, 4.8, 3.9, via=[(1, 3.2), (2.5, 1)]),
-        "3 legs, the points in line": Scenario(0, 0, -0.9, 9, 3, 1.5, via=[(3, 1), (6, 2)]),
-        "4 legs to a heading": Scenario(
-            *(1, -2, -2.0, -8, -1, 1.3), via=[(-3, -6), (-9, -7), (-12, -3)], final_heading=0.4
-        ),
-        "5 legs of 1 R to 2 R": Scenario(
-            *(2, 1, 1.0, 5.2, 3.6), via=[(2.9, 2.2), (4.1, 1.9), (4.6, 3.4), (6.1, 2.8)]
-        ),
-    }
-)
-
-# routes that convex problems were frozen from, for a solver that answers `frozen` and no path
-FROZEN_PROBLEMS = labelled(
-    {
-        "qp-50-well": Scenario(target_x=25, target_y=6, via=[(6, 3), (9, -4), (15, -2), (18, 5)]),
-        "qp-50-bad": Scenario(target_x=9, target_y=1, via=[(2, 1), (3.5, 2.5), (5.5, 2), (7, 0.5)]),
-    }
-)
+# questions of each kind, by its name
+OF_KIND = {kind.name: labelled(kind.examples) for kind in EVERY_KIND} | {LEG.name: GENERAL}
 
 # word -> questions that have a path of the word
 WORDS = {

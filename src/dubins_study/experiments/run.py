@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from dubins_study.experiments.executors.executor import Executor, unfinished
 from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
+from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.matrix import matrix
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
@@ -171,6 +172,8 @@ def _solve(
                         for rows in row_blocks:
                             writer.add(rows)
                     stop.check()
+        except RunError as error:
+            raise RunError(f"{error}; the rows written so far are kept") from None
         finally:
             writer.flush()
         compact(folder, settings.run_id)

@@ -7,12 +7,12 @@ import signal
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
+from dubins_study.asking.attempt import Answer, QuestionError, attempt, check_branch, check_request
+from dubins_study.asking.reply import DEFAULT_LIMIT
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.attempt import Answer, QuestionError, attempt, check_branch, check_request
-from dubins_study.solvers.protocol import Question
+from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load, ours
-from dubins_study.solvers.reply import DEFAULT_LIMIT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import LARGEST_EXTENT, Scenario
 from dubins_study.study.tolerances import tolerances
@@ -21,6 +21,8 @@ from dubins_study.study.values import short
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from dubins_study.experiments.plan.solver_description import SolverDescription
 
 _LOG = logging.getLogger(__name__)
 
@@ -77,16 +79,18 @@ def solve(
             "initial_guess cannot be driven; expected finite numbers, no negative length, and at "
             f"most {LARGEST_EXTENT:g} for its length in radii and its turn in rad together"
         )
-    if initial_guess is not None and not _is_warm(solver, profile):
-        raise QuestionError(f"solver {solver!r} takes no initial_guess; expected None")
     allowed = tolerances(profile, limit)
-    if _in_worker(solver, profile, isolated):
+    described = _described(solver, profile)
+    if initial_guess is not None and not described.warm:
+        raise QuestionError(f"solver {solver!r} takes no initial_guess; expected None")
+    if _in_worker(described, isolated):
         from dubins_study.experiments.executors.local import ask_isolated
 
         [answer] = ask_isolated(solver, profile, [question], limit)
         return answer
+    asked = described if isinstance(described, Solver) else load(solver, profile)
     with _ctrl_c():
-        return attempt(load(solver, profile), question, limit, allowed, spec=solver)
+        return attempt(asked, question, limit, allowed, spec=solver)
 
 
 def solve_frame(
@@ -111,7 +115,7 @@ def solve_frame(
         profile: `default`, `fast` or `accurate`.
         limit: seconds that the solver is asked to keep to, for each scenario.
         certified: whether a solver that answers the whole frame at once has its answers certified
-            too, at some 0.4 microseconds a row; without, the certificate's numbers are null
+            too, at some 0.15 ms a row; without, the certificate's numbers are null
             and its flags False. One that is asked row by row always has.
         isolated: as for `solve`, with one worker for all rows, which is replaced when it is
             killed. With None, a solver that answers the whole frame at once does so in this
@@ -129,12 +133,12 @@ def solve_frame(
         ScenarioError, SolverError, ProfileError, QuestionError: if the request is not a valid one.
         RunError, ForkServerError: if no worker process can be started.
     """
-    from dubins_study.solvers import frame
+    from dubins_study.asking import frame
 
     check_request(branch, limit)
     limit = float(limit)
     tolerances(profile)
-    if not _in_worker(solver, profile, isolated, frames=True):
+    if not _in_worker(_described(solver, profile), isolated, frames=True):
         with _ctrl_c():
             return frame.solve_frame(
                 scenarios, solver, branch, profile=profile, limit=limit, certified=certified
@@ -148,28 +152,27 @@ def solve_frame(
     return frame.with_others(rows, others)
 
 
-def _is_warm(spec: str, profile: str) -> bool:
-    """Whether a solver uses an initial guess."""
+def _described(spec: str, profile: str) -> Solver | SolverDescription:
+    """The solver of a spec; of a plug-in, which is not loaded here to be asked, its description."""
     if ours(spec):
-        return bool(load(spec, profile).warm)
+        return load(spec, profile)
     from dubins_study.experiments.plan.solver_description import describe_solver
 
-    return describe_solver(spec, profile).warm
+    return describe_solver(spec, profile)
 
 
-def _in_worker(spec: str, profile: str, isolated: bool | None, *, frames: bool = False) -> bool:
-    """Whether a solver is asked in a worker process; a plug-in is not loaded here to find out."""
+def _in_worker(
+    solver: Solver | SolverDescription, isolated: bool | None, *, frames: bool = False
+) -> bool:
+    """Whether a solver is asked in a worker process."""
     if isolated is not None and not isinstance(isolated, bool):
         raise QuestionError(f"isolated is {short(isolated)}; expected True, False or None")
-    if isolated is False:
+    if isinstance(solver, Analytic):
         return False
-    if ours(spec):
-        solver = load(spec, profile)
-        return type(solver) is not Analytic and bool(isolated or not solver.keeps_limit)
-    from dubins_study.experiments.plan.solver_description import describe_solver
-
-    plugin = describe_solver(spec, profile)
-    return bool(isolated) or not (plugin.keeps_limit or (frames and plugin.whole_frames))
+    if isolated is not None:
+        return isolated
+    whole_frames = not isinstance(solver, Solver) and solver.whole_frames
+    return not (solver.keeps_limit or (frames and whole_frames))
 
 
 def _ctrl_c() -> AbstractContextManager[object]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as FilePath
 
+from dubins_study.asking.reply import no_answer
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
-from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.store.folder import read_rows
-from dubins_study.solvers.reply import no_answer
 from dubins_study.study.rows.parts import Row
 from dubins_study.study.words import Outcome, Verdict
 
@@ -51,6 +50,6 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
             asked.append(chain)
             continue
         message = "not asked: it found the shortest route of none with fewer legs"
-        reply = WorkerReply(no_answer(Outcome.NOT_ASKED, message))
+        reply = no_answer(Outcome.NOT_ASKED, message)
         skipped += [row_of(cell, None, unit.settings, reply)[0] for cell in chain]
     return unit._replace(chains=asked), skipped

@@ -15,11 +15,12 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
 from dubins_study.report.topics.paper_figures import plot_paths
 from dubins_study.report.topics.routes import plot_route
-from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import DEFAULT
 from dubins_study.study.values import short, unwritable
-from dubins_study.study.words import BRANCHES, Verdict, short_word
+from dubins_study.study.words import Verdict, short_word
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,7 +101,7 @@ def plot_path(
 
 def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None:
     """Draw the paths of a scenario: of one leg with a free final heading two, else one."""
-    if not scenario.one_free_leg:
+    if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
         plot_route(ax, path, scenario, name)
         return
@@ -135,9 +136,11 @@ def _reference(drawn: object) -> Path | None:
     """The shortest path of the branch of an answer that is longer or misses the target."""
     branch, scenario = getattr(drawn, "branch", None), getattr(drawn, "scenario", None)
     judged_badly = getattr(drawn, "verdict", None) in (Verdict.LONGER, Verdict.MISSES)
-    if not (judged_badly and branch in BRANCHES and isinstance(scenario, Scenario)):
+    if not (judged_badly and isinstance(branch, str) and isinstance(scenario, Scenario)):
         return None
-    return shortest_path(scenario, branch) if scenario.one_free_leg else None
+    kind = kind_of(scenario)
+    compares = kind.drawing == "circles" and branch in kind.branches
+    return kind.reference(scenario, branch, DEFAULT).path if compares else None
 
 
 def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:

@@ -13,16 +13,15 @@ from dubins_study.solvers.protocol import (
     Solution,
     Solver,
 )
-from dubins_study.study.closed_form.pose import pose_path
-from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.kinds.table import PATH_BRANCHES, kind_of
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import NEEDS, PATH_BRANCHES, Claim
+from dubins_study.study.words import NEEDS, Claim
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _NONE = "no {} path exists"
+_OPEN = "the search ended before it had proved the path to be shortest"
 _CLOSED = min(tolerances.gap for tolerances in PROFILES.values())
 
 
@@ -30,8 +29,8 @@ _CLOSED = min(tolerances.gap for tolerances in PROFILES.values())
 class Analytic(Solver):
     """The closed form, and of a route the search with a proof.
 
-    `study.closed_form.shortest`, for frames `study.closed_form.kernel`; with a final heading
-    `study.closed_form.pose`, for frames `pose_kernel`; with via points `study.route`.
+    Each kind of question has its own in `study.kinds`; for frames of legs these are
+    `study.closed_form.kernel` and, with final headings, `pose_kernel`.
     """
 
     name: ClassVar[str] = "analytic"
@@ -46,25 +45,23 @@ class Analytic(Solver):
         return Method("closed form", "closed form")
 
     def build(self, question: Question) -> Question:
-        if question.scenario.via:
-            from dubins_study.study.route.search import compile_loops
-
-            compile_loops()  # seconds after each installation: no part of the search
+        kind_of(question.scenario, question.branch).prepare()  # no part of the search
         return question
 
     def solve(self, model: Question, limit: float) -> Solution:
-        scenario, branch = model.scenario, model.branch
-        if scenario.via:
-            return _searched(scenario, limit)
-        if scenario.final_heading is None:
-            path = shortest_path(scenario, branch)
-        else:
-            end = Pose(scenario.target_x, scenario.target_y, scenario.final_heading)
-            path = pose_path(scenario.start, end, scenario.radius, branch)
+        """Optimal if the proven gap is within every profile's tolerance."""
+        scenario = model.scenario
+        path, low, high = kind_of(scenario, model.branch).exact(scenario, model.branch, limit)
         if path is None:
-            return Solution(Claim.INFEASIBLE, message=_NONE.format(branch))
-        length = path.length
-        return Solution(Claim.OPTIMAL, path, claimed_length=length, lower_bound=length)
+            return Solution(Claim.INFEASIBLE, message=_NONE.format(model.branch))
+        closed = high - low <= _CLOSED * max(low, scenario.radius)
+        return Solution(
+            Claim.OPTIMAL if closed else Claim.FEASIBLE,
+            path,
+            claimed_length=path.length,
+            lower_bound=low,
+            message="" if closed else _OPEN,
+        )
 
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
@@ -96,18 +93,3 @@ class Analytic(Solver):
         length[:, absent] = 0.0
         paths = Paths(curvature, length, ~absent)
         return FrameSolution(claim, paths, rows.length, rows.length.copy(), message=message)
-
-
-def _searched(scenario: Scenario, limit: float) -> Solution:
-    """A route's answer, called optimal if the proven gap is within every profile's tolerance."""
-    from dubins_study.study.route.shortest import shortest_route  # one leg needs no compiled code
-
-    path, _, low, high = shortest_route(scenario, limit)
-    closed = high - low <= _CLOSED * max(low, scenario.radius)
-    return Solution(
-        Claim.OPTIMAL if closed else Claim.FEASIBLE,
-        path,
-        claimed_length=path.length,
-        lower_bound=low,
-        message="" if closed else "the search ended before it had proved the path to be shortest",
-    )

@@ -8,8 +8,9 @@ from time import perf_counter
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Effort
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES
@@ -272,8 +273,12 @@ def costs(runs: Sequence[Run[Any]]) -> dict[str, Any]:
 
 
 def at_start(question: Question, tolerance: float = 0.0) -> Solution | None:
-    """The path of no length where the target is within `tolerance` radii of the start, or None."""
-    if not math.hypot(*question.scenario.local()) <= tolerance:
+    """The path of no length where the target is within `tolerance` radii of the start, or None.
+
+    Only one leg with a free final heading has it.
+    """
+    scenario = question.scenario
+    if not scenario.one_free_leg or not math.hypot(*scenario.local()) <= tolerance:
         return None
     path = Path(question.scenario.start, [], [])
     return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")

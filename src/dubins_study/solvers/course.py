@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-
-FULL_TURN = 2 * math.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,4 +127,4 @@ def heading_gap(heading: Any, final: Any) -> Any:
 
 def wrapped(angle: Any) -> Any:
     """An angle brought to [-pi, pi)."""
-    return (angle + math.pi) % FULL_TURN - math.pi
+    return (angle + math.pi) % TWO_PI - math.pi

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dubins_study.solvers.setting_checks import check_settings
-from dubins_study.study.path import CLAIMS, FloatArray, Path, Paths, drivable
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import CLAIMS, Path, Paths, drivable
 from dubins_study.study.rows.schema import Effort, Reported
 from dubins_study.study.scenario import LARGEST_EXTENT, Pose, Scenario
 from dubins_study.study.values import real_array, real_number, short
@@ -145,10 +146,9 @@ class Solution(Reported):
 
 
 def _path(value: Any) -> Path:
-    """The path, of `Path` itself: a subclass may report another end than its controls have."""
     if not isinstance(value, Path):
         raise TypeError
-    return value if type(value) is Path else Path(value.start, value.curvatures, value.lengths)
+    return value
 
 
 # The largest count that a results folder holds: beyond it doubles leave out whole numbers.

@@ -12,8 +12,9 @@ _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")
 _PI = re.compile(rf"([+-]?)({_NUMBER})?\s*\*?\s*pi(?:\s*/\s*({_NUMBER}))?")
 _NO_UNIT = re.compile(rf"[+-]?{_NUMBER}")
-# rad; a full turn written with few digits, such as 6.2832, is still one
-FULL_TURN = 2 * math.pi * (1 + 1e-4)
+TWO_PI = 2 * math.pi  # rad, a full turn
+# rad, of a number without a unit; a full turn written with few digits, such as 6.2832, is still one
+LARGEST_BARE = TWO_PI * (1 + 1e-4)
 
 
 class AngleError(DubinsStudyError, ValueError):
@@ -45,7 +46,7 @@ def _evaluate(text: str) -> float | None:
     if not _NO_UNIT.fullmatch(text):
         return None
     value = float(text)
-    if FULL_TURN < abs(value) < math.inf:
+    if LARGEST_BARE < abs(value) < math.inf:
         wanted = (
             f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"
         )

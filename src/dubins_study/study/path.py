@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.picture import svg
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.values import doubles, real_number, short
@@ -20,8 +21,6 @@ from dubins_study.study.words import Claim, short_word
 if TYPE_CHECKING:
     import pandas as pd
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
@@ -109,7 +108,7 @@ class Path:
         """Distances along the path of the ends of its arcs, shape (n + 1,); the first is 0."""
         return np.concatenate(([0.0], np.cumsum(self.lengths)))
 
-    def _arc_at(self, distance: FloatArray) -> NDArray[np.intp]:
+    def _arc_at(self, distance: FloatArray) -> IntArray:
         """The arc that each distance lies on; of two arcs that meet there, the later one."""
         arc = np.searchsorted(self._ends, distance, side="right") - 1
         return np.clip(arc, 0, self.lengths.size - 1)

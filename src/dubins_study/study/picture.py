@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from dubins_study.study.arrays import FloatArray
+
 _SIDE, _MARGIN = 300.0, 10.0  # pixels of the longer side, and around it
 _FLAT = 0.05  # pixels between an arc and its chord; a flatter arc is drawn as its chord
 

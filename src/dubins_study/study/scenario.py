@@ -12,21 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.angle import FULL_TURN, AngleError, parse_angle
+from dubins_study.study.angle import LARGEST_BARE, AngleError, parse_angle
 from dubins_study.study.values import real_number, short
-from dubins_study.study.words import (
-    BRANCHES,
-    FINAL_HEADING,
-    FREE_FINAL_HEADING,
-    POSE_BRANCHES,
-    ROUTE_BRANCHES,
-    VIA_POINTS,
-)
+from dubins_study.study.words import NEEDS
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    FloatArray = NDArray[np.float64]
+    from dubins_study.study.arrays import FloatArray
 
 
 class Pose(NamedTuple):
@@ -35,6 +28,14 @@ class Pose(NamedTuple):
     x: float
     y: float
     heading: float
+
+
+class Stop(NamedTuple):
+    """A point that a path passes or ends at, and the heading there (rad); None is free."""
+
+    x: float
+    y: float
+    heading: float | None
 
 
 class ScenarioError(DubinsStudyError, ValueError):
@@ -104,7 +105,7 @@ class Scenario:
         object.__setattr__(self, "final_heading", angle)
         for name, written in (("heading", heading), ("final_heading", final_heading)):
             known = _radians or isinstance(written, str)
-            if not known and abs(getattr(self, name) or 0.0) > FULL_TURN:
+            if not known and abs(getattr(self, name) or 0.0) > LARGEST_BARE:
                 warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())
@@ -133,6 +134,12 @@ class Scenario:
         return Pose(self.x, self.y, self.heading)
 
     @property
+    def stops(self) -> tuple[Stop, ...]:
+        """The via points, then the target."""
+        last = Stop(self.target_x, self.target_y, self.final_heading)
+        return (*(Stop(x, y, None) for x, y in self.via), last)
+
+    @property
     def legs(self) -> int:
         """How many parts the path has from one point to the next."""
         return len(self.via) + 1
@@ -157,21 +164,22 @@ class Scenario:
 
     @property
     def one_free_leg(self) -> bool:
-        """Whether there are no via points and the final heading is free."""
-        return not self.via and self.final_heading is None
+        """Whether this is the paper's problem; for solvers, which may not know the kinds' answers.
+
+        Everything else asks `study.kinds.table`.
+        """
+        return not any(self.given)
 
     @property
-    def branches(self) -> tuple[str, ...]:
-        """The branches that can be asked for."""
-        if self.via:
-            return ROUTE_BRANCHES
-        return BRANCHES if self.final_heading is None else POSE_BRANCHES
+    def given(self) -> tuple[bool, ...]:
+        """Whether each of the fields of `OPTIONAL` has a value."""
+        return bool(self.via), self.final_heading is not None
 
     @property
     def needs(self) -> tuple[str, ...]:
         """What a solver must take to be asked; of `study.words.NEEDS`."""
-        last = FREE_FINAL_HEADING if self.final_heading is None else FINAL_HEADING
-        return (VIA_POINTS, last) if self.via else (last,)
+        has = dict(zip(OPTIONAL, self.given, strict=True))
+        return tuple(need for need, (name, given) in NEEDS.items() if has[name] == given)
 
     def local(self) -> tuple[float, float]:
         """Target in the vehicle's frame in units of the radius: X forward, Y to the left.
@@ -191,6 +199,7 @@ DEFAULTS: dict[str, Any] = {
     **{"x": 0.0, "y": 0.0, "heading": 0.0, "radius": 1.0, "speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
 }
+OPTIONAL = ("via", "final_heading")  # fields that tell the kinds of questions apart
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
 # the same for all numbers, so that Python shows it once a line, of a heading that is integrated too

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dubins_study.study.angle import FULL_TURN
+from dubins_study.study.angle import LARGEST_BARE
 from dubins_study.study.scenario import (
     COLUMNS,
     DEFAULTS,
@@ -69,7 +69,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
         raise ScenarioError("via points are given twice; expected via, or via_x and via_y")
     columns = _columns_of_numbers(frame) or _columns_row_by_row(frame)
     for name in {*HEADINGS} & {*names}:
-        beyond = np.abs(columns[name]) > FULL_TURN
+        beyond = np.abs(columns[name]) > LARGEST_BARE
         if beyond.any() and not all(isinstance(angle, str) for angle in frame[name][beyond]):
             warnings.warn(f"{name} {DEGREES}", stacklevel=5)  # at the call of `solve_frame`
     return pd.DataFrame(columns, index=frame.index, copy=False)
@@ -231,7 +231,7 @@ def solve_command(row: Mapping[Any, Any]) -> str:
     """
     s, words = scenario_of(row), ["dubins-study", "solve"]
     if s.start != (0.0, 0.0, 0.0):
-        unit = "rad" if abs(s.heading) > FULL_TURN else ""  # which a bare number may not exceed
+        unit = "rad" if abs(s.heading) > LARGEST_BARE else ""  # which a bare number may not exceed
         words += ["--from", number_text(s.x), number_text(s.y), number_text(s.heading) + unit]
     for u, v in s.via:
         words += ["--via", number_text(u), number_text(v)]

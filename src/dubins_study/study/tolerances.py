@@ -78,12 +78,20 @@ def tolerances(profile: str, limit: float = math.inf) -> Tolerances:
     return replace(allowed, search_s=min(limit, allowed.search_s), patience=_PATIENCE_OF_ONE)
 
 
+def allowed_miss(miss: float, radius: float, extent: float, length: float) -> float:
+    """How far from a point a path may pass it (length unit), the rounding of driving included.
+
+    `miss` is `Tolerances.miss` (radii), `extent` is `Scenario.extent`, 0 of a path from the origin.
+    """
+    return miss * radius + DRIVEN * (extent + length)
+
+
 def arrives(miss: float, radius: float, extent: float, length: float, allowed: float) -> bool:
     """Whether a path ends at its target, up to the tolerance and the rounding of driving it.
 
     A path that is so long that rounding moves its end by more than a radius cannot be checked.
     `miss` is the distance from its end to the target, `extent` is `Scenario.extent`, `allowed` is
-    `Tolerances.miss` (radii). `check.verdict_frame` compiles this function.
+    `Tolerances.miss` (radii). `judging.verdict_frame` compiles this function.
     """
     rounding = DRIVEN * (extent + length)
     return (miss <= allowed * radius + rounding) & (rounding <= radius)

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from dubins_study.study.arrays import FloatArray
 
 # `float` takes these, or loses a part of them; a text is a number on the command line alone
 _NO_NUMBERS = (
@@ -42,7 +43,7 @@ def number_of_text(text: str) -> float:
     return float(text.replace("_", "?"))
 
 
-def doubles(name: str, values: Any) -> NDArray[np.float64]:
+def doubles(name: str, values: Any) -> FloatArray:
     """Numbers as an array of doubles of this machine; what is masked is NaN."""
     if type(values) is np.ndarray and values.dtype == np.float64 and values.dtype.isnative:
         return values
@@ -64,7 +65,7 @@ def _item(name: str, value: Any) -> float:
         raise TypeError(f"{name} holds {short(value)}; expected a number") from None
 
 
-def real_array(name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def real_array(name: str, values: Any, shape: tuple[int, ...]) -> FloatArray:
     """`doubles` of a given shape; a TypeError names the array, its shape and what was expected."""
     array = doubles(name, values)
     if array.shape != shape:

@@ -11,17 +11,20 @@ from typing import NamedTuple
 TURN = {"L": 1.0, "S": 0.0, "R": -1.0}
 BRANCHES = ("best", "LS", "RS", "LR", "RL")  # of one leg with a free final heading
 POSE_BRANCHES = ("best", "LSL", "RSR", "LSR", "RSL", "RLR", "LRL")  # of one leg that has one given
-# Of several legs; `frozen` is no path, but the convex problem that was frozen from the route and
-# that its label names (study.convex).
+# Of no path, but of the convex problem that was frozen from a route and that its label names
+# (study.convex).
 FROZEN = "frozen"
-ROUTE_BRANCHES = ("best", FROZEN)
-PATH_BRANCHES = tuple(dict.fromkeys((*BRANCHES, *POSE_BRANCHES)))
-EVERY_BRANCH = (*PATH_BRANCHES, FROZEN)
 
 # What scenarios need of a solver, and solvers say that they take.
-FREE_FINAL_HEADING, FINAL_HEADING = "free final heading", "final heading"
 VIA_POINTS = "via points"
-NEEDS = (VIA_POINTS, FREE_FINAL_HEADING, FINAL_HEADING)
+FREE_FINAL_HEADING = "free final heading"
+FINAL_HEADING = "final heading"
+# the field of a scenario that brings the need about, and whether by being given or left out
+NEEDS = {
+    VIA_POINTS: ("via", True),
+    FREE_FINAL_HEADING: ("final_heading", False),
+    FINAL_HEADING: ("final_heading", True),
+}
 
 # Kinds of engines: each reads formulations of its own; they head the table of both.
 EXACT = "exact"

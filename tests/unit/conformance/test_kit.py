@@ -18,8 +18,7 @@ from dubins_study.conformance.questions import (
     CIRCLES,
     DISCS,
     GENERAL,
-    POSES,
-    ROUTES,
+    OF_KIND,
     SCALES,
     SYMMETRIES,
     WITHOUT,
@@ -35,8 +34,8 @@ from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.study.check.reference import reference_of
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.tolerances import DEFAULT, ProfileError
 
 ANSWERS = [name for name in CHECKS if name not in ("limits", "state")]
@@ -575,8 +574,8 @@ def test_only_what_a_solver_takes_is_asked():
     report = checked(OfPoses, CHECKS)
 
     assert report.passed, report
-    assert sum(report.answers.values()) == report.answers["optimal"] == len(POSES) + 9
-    assert report["poses"].summary == f"{len(POSES)} questions"
+    assert sum(report.answers.values()) == report.answers["optimal"] == len(OF_KIND["pose"]) + 9
+    assert report["poses"].summary == f"{len(OF_KIND['pose'])} questions"
     assert report["controls"].summary == "the solver does not take `free final heading`"
     assert report["routes"].summary == "the solver does not take `via points`"
     assert report["limits"].status is report["determinism"].status is Status.PASS
@@ -614,21 +613,21 @@ def test_the_routes_of_the_kit_are_those_that_it_promises():
     """
     spacings = [
         [math.dist(a, b) / route.radius for a, b in itertools.pairwise(route.points.tolist())]
-        for route in ROUTES.values()
+        for route in OF_KIND["route"].values()
     ]
     laws = [
         any(all(low <= leg <= high for leg in legs) for legs in spacings)
         for low, high in ((4, 20), (2, 4), (0.5, 2))
     ]
-    points = [sorted(route.points.tolist()) for route in ROUTES.values()]
-    a, b, c, _ = ROUTES["3 legs, the points in line"].points
+    points = [sorted(route.points.tolist()) for route in OF_KIND["route"].values()]
+    a, b, c, _ = OF_KIND["route"]["3 legs, the points in line"].points
 
-    assert {route.legs for route in ROUTES.values()} == {2, 3, 4, 5}
+    assert {route.legs for route in OF_KIND["route"].values()} == {2, 3, 4, 5}
     assert all(laws), spacings
     assert len(points) - 1 == len(set(map(str, points)))
     assert (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0])
-    assert sum(route.final_heading is not None for route in ROUTES.values()) == 1
-    for route in ROUTES.values():
+    assert sum(route.final_heading is not None for route in OF_KIND["route"].values()) == 1
+    for route in OF_KIND["route"].values():
         found = reference_of(route, "best", replace(DEFAULT, search_s=1.0)).enclosure
         assert found.high <= found.low * (1 + 1e-6), route.label
 

@@ -84,9 +84,10 @@ def test_targets_are_those_of_the_scalar_formulas():
 
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(1, 50))
 def test_logarithmic_axes_are_numpys(first, last, count):
-    found = Block.model_validate({"radius": {"log": [first, last, count]}}).radius
+    axis = {"log": [first, last, count]}
+    found = Block.model_validate({"radius": axis, "target_x": 1, "target_y": 2})
 
-    assert found == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
+    assert found.radius == pytest.approx(np.geomspace(first, last, count), rel=1e-13)
 
 
 def test_sobol_points_are_scipys():

@@ -7,17 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import (
-    WorkerReply,
     decode_question,
     encode_question,
 )
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Question, Solution
-from dubins_study.solvers.reply import Reply
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.parts import row_key, row_path
 from dubins_study.study.rows.schema import Times
@@ -36,7 +35,7 @@ def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
     reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
-    return row_of(one, None, RUN, WorkerReply(reply))[0]
+    return row_of(one, None, RUN, reply)[0]
 
 
 # three easy questions in a row, and one beside them

@@ -13,8 +13,8 @@ import pyarrow.parquet as pq
 from dubins_study.experiments.definition.experiment import packaged, read
 from dubins_study.report.data.results import load as load_folders
 from dubins_study.solvers.registry import SolverError, load, settings
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import ROW, SCENARIO, VERSION, arrow_schema, names
 from dubins_study.study.scenario import Scenario

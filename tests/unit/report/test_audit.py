@@ -1,6 +1,5 @@
 """The audit of the paper and of published routes: against mpmath, Ipopt itself, and brute force."""
 
-from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 
@@ -13,8 +12,15 @@ from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.scenario_columns import scenarios
 from dubins_study.report.paper import exact, routes
 from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.exact import UndecidedError, ball, decide, rounded, truncated
-from dubins_study.report.paper.printed import PRINTED, PROBLEMS, QUANTITIES, committed, misprints
+from dubins_study.report.paper.exact import UndecidedError, ball, rounded, truncated
+from dubins_study.report.paper.printed import (
+    PRINTED,
+    PROBLEMS,
+    QUANTITIES,
+    committed,
+    misprints,
+    segments,
+)
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -79,6 +85,16 @@ def test_every_cell_to_40_digits(found):
         expected = solved(PROBLEMS[path["label"]], path["word"])
         for quantity in QUANTITIES:
             assert mpmath.almosteq(mpmath.mpf(path[quantity]), expected[quantity], 1e-39)
+
+
+def test_the_closed_form_in_doubles_agrees(found):
+    """To a hundred roundings of a double."""
+    for cell in found["cells"]:
+        problem = PROBLEMS[cell["label"]]
+        path = shortest_path(problem.scenario, cell["word"])
+        ours = segments(path, problem.radius)[QUANTITIES.index(cell["quantity"])]
+        scale = max(ours, problem.radius)
+        assert ours == pytest.approx(float(cell["exact"]), rel=0, abs=1e-13 * scale)
 
 
 def test_seven_cells_are_no_correct_roundings():
@@ -260,9 +276,9 @@ def test_statements_by_other_means(found):
 def test_what_the_bounds_do_not_decide_is_not_decided():
     wide = ball(Fraction("1.7349")).union(ball(Fraction("1.7351")))
 
-    assert decide(wide, lambda value: truncated(value, 2)) == Decimal("1.73")
-    with pytest.raises(UndecidedError, match=r"1\.73 or 1\.74"):
-        decide(wide, lambda value: rounded(value, 2))
+    assert str(truncated(wide, 2)) == "1.73"
+    with pytest.raises(UndecidedError, match="cut off after 2 decimals"):
+        rounded(wide, 2)
 
 
 ROUTES = [s for block in read("kaya").experiment.scenarios for s in scenarios(block, "kaya")]

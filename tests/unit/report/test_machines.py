@@ -119,7 +119,6 @@ def test_a_question_with_two_limits_is_named(tmp_path, caplog):
     assert [folder.rows.other_limits for folder in load(folders).folders] == [0, 1]
     assert f"{folders[1]}: {said}" in caplog.text
     assert said in page.read_text(encoding="utf-8")
-    assert said in (page.parent / "report.md").read_text(encoding="utf-8")
 
 
 def test_questions_with_one_limit_are_not(tmp_path, caplog):

@@ -7,14 +7,13 @@ import pandas as pd
 import pytest
 
 from dubins_study import render
-from dubins_study.report.elements.columns import Column
+from dubins_study.report.elements.columns import SOLVER, Column
 from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.style import INK, MUTED, PAPER, RULE, VARIABLES
-from dubins_study.report.page.markup import markdown, to_csv, to_markdown
+from dubins_study.report.page.markup import to_csv, to_tex
 from dubins_study.report.page.render import ReportError
 from dubins_study.report.page.sections import TOPICS
-from dubins_study.report.page.tex import to_tex
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import printable_text
 from dubins_study.study.words import Claim
@@ -169,7 +168,7 @@ def test_the_same_rows_give_the_same_bytes(results, tmp_path):
 
 @pytest.mark.slow
 def test_hostile_names_are_shown_as_they_are(results, tmp_path):
-    """Labels, messages, solvers and manifest are text, in HTML, SVG, Markdown and TeX.
+    """Labels, messages, solvers and manifest are text, in HTML, SVG and TeX.
 
     Control characters are written out; so are halves of pairs, which no file can hold.
     """
@@ -194,24 +193,18 @@ def test_hostile_names_are_shown_as_they_are(results, tmp_path):
     assert "\\x1b" in page
     for svg in (out / "figures").glob("*.svg"):
         assert "mathdefault" not in svg.read_text(encoding="utf-8")
-    for line in (out / "tables" / "failures.md").read_text().splitlines():
-        assert len(re.findall(r"(?<!\\)\|", line)) == 8  # seven cells
     assert printable_text("a\n\tπ ≤ 2\ud800") == "a\n\tπ ≤ 2\\ud800"
 
 
-def test_markdown_escapes():
-    assert markdown("a|b\n<i> *c* _d_ $e$") == r"a\|b &lt;i&gt; \*c\* \_d\_ \$e\$"
+def test_table_in_both_formats():
+    """CSV keeps raw values; TeX shows the formatted ones, and solvers by their short names."""
+    frame = pd.DataFrame({"s": ["x_1"], "v": [0.123456], "w": [None], "u": ["[1]"]})
+    columns = (SOLVER, Column("v", "v", digits(3)), Column("w", "v"), Column("u", "a & b"))
+    table = Table("t", "", frame.rename(columns={"s": "solver"}), columns, labels={"x_1": "Y_1"})
 
-
-def test_table_in_three_formats():
-    """CSV keeps raw values; Markdown and TeX show the formatted ones."""
-    frame = pd.DataFrame({"s": ["x_1"], "v": [0.123456], "w": [None]})
-    columns = (Column("s", "name", kind="code"), Column("v", "v", digits(3)), Column("w", "w"))
-    table = Table("t", "", frame, columns)
-
-    assert to_csv(table) == "s,v,w\nx_1,0.123456,\n"
-    assert to_markdown(table).splitlines()[2] == "| x\\_1 | 0.123 | – |"
-    assert r"\texttt{x\_1} & 0.123 & -- \tabularnewline" in to_tex(table)
+    assert to_csv(table) == "solver,v,w,u\nx_1,0.123456,,[1]\n"
+    assert "solver & v & v & a \\& b \\\\\n" in to_tex(table)
+    assert "Y\\_1 & 0.123 & – & {[}1] \\\\\n" in to_tex(table)
 
 
 @pytest.mark.parametrize(
@@ -306,7 +299,6 @@ def test_an_unfinished_run_says_so(results, tmp_path):
     assert "Not finished" not in render([done], tmp_path / "a").read_text(encoding="utf-8")
     page = render([part], tmp_path / "b")
     assert "Not finished" in page.read_text(encoding="utf-8")
-    assert "Not finished" in (page.parent / "report.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ from dubins_study import render
 from dubins_study.experiments.definition.experiment import packaged, parse, read
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.columns import Column
-from dubins_study.report.elements.content import Section, Table
+from dubins_study.report.elements.content import Table
 from dubins_study.report.page.environment import TEMPLATES
 from dubins_study.report.page.explorer import explorer_section, write_explorer
 from dubins_study.report.page.glossary import WORDS, Glossed
@@ -103,7 +103,6 @@ def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
     both = topic_page([bare, full], tmp_path / "b", "summary")
 
     assert "There is nothing to report yet." in _text(page)
-    assert "There is nothing to report yet." in (page.parent / "report.md").read_text()
     assert _text(page).count("It has no rows") == 2
     assert (page.parent / "tables" / "columns.csv").exists()
     assert 'id="summary"' in _text(both)
@@ -187,7 +186,6 @@ def test_an_unknown_section_is_a_line_on_the_page(results, tmp_path):
     line = "No section of the report is called"
 
     assert line in page.read_text(encoding="utf-8")
-    assert line in (page.parent / "report.md").read_text(encoding="utf-8")
     assert "summary" in section_ids(page)
 
 
@@ -293,9 +291,3 @@ def test_the_map_shows_an_example_of_each_word():
         words.add(best.word)
         assert path.get("class", "").startswith("left" if best.word[0] == "L" else "right")
     assert words == {"LS", "RS", "RL", "LR"}
-
-
-def test_a_printed_document_has_no_explorer():
-    """Nor any other section of which scripts alone show something."""
-    assert not explorer_section(None).printed  # type: ignore[arg-type]
-    assert Section("k", "T", "Text.", ()).printed

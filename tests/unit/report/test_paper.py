@@ -3,18 +3,18 @@
 import math
 from fractions import Fraction
 
+import pandas as pd
 import pytest
 
 from dubins_study.report.elements.style import drawing
 from dubins_study.report.paper.printed import (
+    CORRECT,
     PROBLEMS,
     QUANTITIES,
     committed,
-    compare,
-    misprints,
     segments,
 )
-from dubins_study.report.topics.paper import side_by_side
+from dubins_study.report.topics.paper import scores, side_by_side
 from dubins_study.report.topics.paper_figures import figures_section
 from dubins_study.report.topics.radius import (
     answers,
@@ -24,7 +24,6 @@ from dubins_study.report.topics.radius import (
     warm_section,
     warm_starts,
 )
-from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim
@@ -32,27 +31,19 @@ from tests.unit.report.results_folder import astray, attempt, load_folders, pape
 
 
 @pytest.fixture
-def paths():
-    return {
-        (scenario.label, branch): shortest_path(scenario, branch)
-        for scenario in paper_scenarios()
-        for branch in ("LS", "RS")
-    }
+def cells():
+    return pd.DataFrame(committed()["cells"])
 
 
-@pytest.fixture
-def cells(paths):
-    return compare(paths)
+def test_the_closed_form_prints_26_of_the_33_cells(cells, load_rows):
+    """In doubles; the other seven are those of the audit."""
+    rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
+    rows += [attempt(paper_scenarios()[0], "slsqp", "LS", path=astray(paper_scenarios()[0]))]
+    table = scores(load_rows("paper", rows), cells).set_index("solver")
 
-
-def test_26_of_the_33_printed_cells_are_correct_roundings(cells):
-    """By the closed form in doubles; the other seven are those of the audit."""
-    assert len(cells) == 33
-    assert cells["verdict"].value_counts().to_dict() == {"correct": 26, "misprint": 7}
-    wrong = cells[cells["verdict"] == "misprint"]
-    assert set(zip(wrong["label"], wrong["path"], wrong["quantity"], strict=True)) == {
-        (cell["label"], cell["path"], cell["quantity"]) for cell in misprints(committed())
-    }
+    assert (cells["verdict"] == CORRECT).sum() == 26
+    assert table.loc["analytic"].tolist() == [33, 33, 26, 0, 0]
+    assert table.loc["slsqp", ["cells", "answered", "printed"]].tolist() == [33, 0, 0]
 
 
 def test_the_papers_scenarios_are_those_of_the_experiment():
@@ -82,24 +73,6 @@ def test_a_crossed_number_shows_why(cells):
         wrong = abs(Fraction(printed.removesuffix(" ✗")) - Fraction(exact)) > Fraction("0.005")
         assert wrong == ("✗" in printed), (printed, exact)
         assert len(exact.partition(".")[2]) == (7 if printed == "1.74 ✗" else 6)
-
-
-def test_a_path_off_by_a_hundredth_differs(paths):
-    """A cell that no misprint explains is not excused."""
-    good = paths["problem 2", "LS"]
-    paths["problem 2", "LS"] = Path(good.start, good.curvatures, good.lengths + 0.01)
-    changed = compare(paths)
-
-    differs = changed[changed["verdict"] == "differs"]
-    assert set(differs["label"]) == {"problem 2"}
-    assert set(differs["quantity"]) == {"z1", "z3", "f"}
-
-
-def test_a_row_needs_both_words():
-    scenario = paper_scenarios()[0]
-    cells = compare({("problem 1", "LS"): shortest_path(scenario, "LS")})
-
-    assert set(cells["verdict"]) == {"no answer"}
 
 
 def test_a_turn_at_half_rate_counts_half():

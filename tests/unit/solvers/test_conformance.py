@@ -8,17 +8,17 @@ import pytest
 from cases import PAPER, engine_params, question_for, scenarios
 from hypothesis import assume, given, settings
 
+from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
 from dubins_study.study.closed_form.shortest import as_path, margin, shortest
+from dubins_study.study.kinds.table import PATH_BRANCHES
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import (
     BRANCHES,
     FORMULATIONS,
     FROZEN,
-    PATH_BRANCHES,
     Claim,
     Outcome,
     Verdict,

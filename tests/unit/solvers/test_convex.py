@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.freeze_convex import CASES, frozen
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.convex.engines import ENGINES, Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES, Convex
 from dubins_study.solvers.protocol import Question

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.study.body_coordinates import local
-from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import Segments, as_path, shortest
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.adversary.generators import FOUND

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dubins_study.solvers.attempt import Answer, attempt
+from dubins_study.asking.attempt import Answer, attempt
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.study.scenario import Scenario

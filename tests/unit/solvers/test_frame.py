@@ -9,16 +9,16 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 
-from dubins_study.solvers import frame as solvers_frame
+from dubins_study.asking import frame as solvers_frame
+from dubins_study.asking.attempt import QuestionError, attempt
+from dubins_study.asking.frame import COLUMNS, solve_frame
 from dubins_study.solvers.analytic import Analytic
-from dubins_study.solvers.attempt import QuestionError, attempt
-from dubins_study.solvers.frame import COLUMNS, solve_frame
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.study.check import verdict_frame
 from dubins_study.study.check.extremal import MEASURED
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.judging import verdict_frame
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
 from dubins_study.study.scenario import ScenarioError
 from dubins_study.study.scenario_frame import check_frame, scenarios

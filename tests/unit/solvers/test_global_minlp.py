@@ -12,7 +12,7 @@ from cases import PAPER, scenarios
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.course import body_course
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, Engine
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive

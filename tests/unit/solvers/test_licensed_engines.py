@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, canonical, entry, load

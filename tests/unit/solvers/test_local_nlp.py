@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.paper_nlp.local_nlp import Case
@@ -22,6 +21,7 @@ from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.paper_nlp.program import solve_in_pyomo
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import load, stated_method
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -178,7 +178,7 @@ def test_knitro_without_a_licence_says_exactly_that(capfd):
 
 
 def _ls(scenario: Scenario) -> Case:
-    upper = np.array((FULL_TURN, 0.0, math.inf))
+    upper = np.array((TWO_PI, 0.0, math.inf))
     return Case(SUBPROBLEMS["LS"], upper, target(scenario, False))
 
 

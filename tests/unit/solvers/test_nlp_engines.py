@@ -14,7 +14,6 @@ from cases import PAPER
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.nlp_engines.expressions import UnknownOperationError, rebuilt
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, Program
@@ -22,6 +21,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, target
 from dubins_study.solvers.paper_nlp.program import program, solve
 from dubins_study.solvers.registry import entries, load
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim
@@ -48,7 +48,7 @@ NEVER_SAY_INFEASIBLE = {"trust-constr", "slsqp", "cobyqa"}
 
 def case(name: str, scenario: Scenario, unit: float = 1.0) -> Case:
     subproblem = SUBPROBLEMS[name]
-    upper = np.where(subproblem.mask, (FULL_TURN, FULL_TURN, math.inf), 0.0)
+    upper = np.where(subproblem.mask, (TWO_PI, TWO_PI, math.inf), 0.0)
     return Case(subproblem, upper, target(scenario, subproblem.mirrored), unit)
 
 

@@ -17,7 +17,7 @@ import pytest
 import scipy.optimize
 from cases import PAPER, engine_params
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Program

@@ -8,7 +8,7 @@ import pytest
 from cases import EDGES, PAPER
 from threadpoolctl import threadpool_limits
 
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
 from dubins_study.solvers.protocol import Question

@@ -9,13 +9,13 @@ from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dubins_study.asking.attempt import attempt
+from dubins_study.asking.reply import ask
 from dubins_study.cli.solve import answer_json, answer_text
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.presolve import WORDS, unreachable
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import available_solvers, load
 from dubins_study.solvers.registry import settings as settings_of
-from dubins_study.solvers.reply import ask
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario

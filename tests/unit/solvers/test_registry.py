@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from cases import PAPER
 
+from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.solve import solve, solve_frame
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.paper_nlp.nlp import Nlp
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError, canonical, load, registered, settings

@@ -16,14 +16,14 @@ from scipy.optimize import linprog
 from threadpoolctl import threadpool_limits
 
 from dubins_study import solve
-from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_reply
-from dubins_study.solvers.attempt import attempt
+from dubins_study.asking.attempt import attempt
+from dubins_study.asking.reply import ask
+from dubins_study.experiments.isolation.messages import decode_reply, encode_reply
 from dubins_study.solvers.course import body_course, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.optimal_control.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, available_solvers, load
-from dubins_study.solvers.reply import ask
 from dubins_study.solvers.route import headings, joint
 from dubins_study.solvers.route.grid import HeadingMilp, flow_of, layers
 from dubins_study.solvers.route.legs import WORD_TURNS, route_of
@@ -115,7 +115,7 @@ def test_every_engine_answers_or_says_that_it_does_not(spec, scenario):
     """
     engine = ENGINES[load(spec).engine]
     # in this process nothing would end, say, fatrop, which goes on for minutes
-    answer = solve(scenario, spec, limit=10.0, isolated=not engine.keeps_limit)
+    answer = solve(scenario, spec, limit=3.0, isolated=not engine.keeps_limit)
     solved = answer.claim in (Claim.LOCAL, Claim.FEASIBLE)
 
     stopped = answer.outcome is Outcome.TIMEOUT and not engine.keeps_limit
@@ -512,7 +512,7 @@ def test_a_trace_travels_with_its_reply():
     """As plain values, path by path."""
     reply = ask(load("headings[engine=nelder-mead,trace=true]"), Question(TRACED_ROUTE))
 
-    sent = decode_reply(encode_reply(WorkerReply(reply)))
+    sent = decode_reply(encode_reply(reply))
 
-    assert sent.reply.solution.trace == reply.solution.trace
+    assert sent.solution.trace == reply.solution.trace
     assert len(reply.solution.trace) > 3

@@ -15,8 +15,8 @@ from hard_cases import hard_frame
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES as TABLE
 from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control.arcs import RATES
@@ -25,8 +25,8 @@ from dubins_study.solvers.optimal_control.turn_rate_template import EngineError,
 from dubins_study.solvers.optimal_control.turn_rates import expressions
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import load
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Pose, Scenario
@@ -124,7 +124,8 @@ def test_a_useless_warm_start_does_no_harm(spec, curvature, length):
     """More arcs than elements, a broken path, one of no length, one that turns too hard."""
     behind = EDGES["behind"]
 
-    answer = solve(behind, spec, initial_guess=Path(behind.start, curvature, length))
+    guess = Path(behind.start, curvature, length)
+    answer = attempt(load(spec), Question(behind, initial_guess=guess), 10.0)
 
     assert answer.verdict is Verdict.OPTIMAL
 

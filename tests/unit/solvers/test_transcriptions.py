@@ -13,9 +13,9 @@ from cases import EDGES, PAPER, engine_params
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dubins_study.asking.attempt import attempt
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.solve import solve
-from dubins_study.solvers.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, Elements

@@ -7,17 +7,14 @@ import math
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, scenario_frame
+from cases import EDGES, PAPER
 
-from dubins_study.study.check.certificate import PMP_TOLERANCE, certify
-from dubins_study.study.check.certificate_frame import certify_frame
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.check.verdict_frame import judge_frame
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certify import PMP_TOLERANCE, certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.rows.schema import Certificate
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import BRANCHES, Claim, Proof, Verdict
 
@@ -202,12 +199,12 @@ def test_a_path_that_cannot_be_driven_has_no_certificate():
     """Found by an adversary: a length of -4.59 had a cut margin of 5.4, a NaN piece a residual."""
     curvature = np.array([[1, 1, 1, np.nan, 1, np.inf, 1, 0], [0, 0, 0, 0, np.nan, 0, 0, 0.0]])
     length = np.array([[1, -4.59, np.nan, 1, 1, 1, np.inf, 1e308], [2, 2, 2, 2, 1e-9, 2, 2, 1e308]])
-    frame = check_frame(scenario_frame([Scenario(*START, 3, 1, 1)] * 8))
+    scenario = Scenario(*START, 3, 1, 1)
     paths = Paths(curvature, length)
-    found = certify_frame(frame, paths, judge_frame(frame, paths))
+    found = [certified(scenario, paths.path(row, scenario)) for row in range(8)]
 
-    assert np.isfinite(found.measured[:, 0]).all()
-    assert np.isnan(found.measured[:, 1:]).all()
+    assert found[0].pmp_residual is not None
+    assert all(each.pmp_residual is None and each.cut_margin is None for each in found[1:])
 
 
 def test_a_path_that_nothing_but_its_size_makes_extremal_has_no_costates():

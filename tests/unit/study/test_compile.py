@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from dubins_study.study.check import certificate_frame  # noqa: F401  # loads the loops of frames
 from dubins_study.study.closed_form import kernel_compile
 from dubins_study.study.closed_form.kernel_compile import PIECE, PIECES, SMALL, threaded
+from dubins_study.study.judging import verdict_frame  # noqa: F401  # loads the loops of frames
 from dubins_study.study.route import search  # noqa: F401  # loads those of routes
 
 PACKAGE = Path(kernel_compile.__file__).parents[2]

@@ -14,13 +14,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dubins_study.study.check.certificate import certify
 from dubins_study.study.check.extremal import extremal, measure, pieces
 from dubins_study.study.check.route_extremal import route_costates, route_extremal, route_legs
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, path_word
-from dubins_study.study.check.verdict import judge
 from dubins_study.study.closed_form.pose import pose_path, pose_shortest
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.route.shortest import shortest_route
 from dubins_study.study.scenario import Pose, Scenario

@@ -233,27 +233,6 @@ def test_angles_hold_what_balls_say():
                 assert abs(arb.atan2(y, x) - mid) <= rad, (i, p, q)
 
 
-@compiled
-def _lesser(a, b, out):
-    out[0], out[1] = ik.lesser(Interval(a[0], a[1]), Interval(b[0], b[1]))
-
-
-@pytest.mark.parametrize(
-    ("a", "b", "expected"),
-    [
-        ((1.0, 0.5), (2.0, 0.25), (1.0, 0.5)),
-        ((1.0, 0.25), (1.1, 0.5), (1.0, 0.5)),
-        ((1.0, math.nan), (2.0, 0.25), (1.0, math.inf)),
-        ((1.0, 0.25), (2.0, math.nan), (1.0, math.inf)),
-    ],
-)
-def test_the_lesser_of_two_is_no_surer_than_either(a, b, expected):
-    out = np.empty(2)
-    _lesser(np.array(a), np.array(b), out)
-
-    assert tuple(out) == expected
-
-
 def test_a_quotient_by_what_may_be_zero_is_not_known():
     out = np.empty((6, 2, 3))
     _operations(np.array([[1.0] * 3, [0.0] * 3]), np.array([[0.0, 1e-9, 1], [0.0, 1e-9, 2]]), out)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study import solve
-from dubins_study.study.check.verdict import judge
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario, ScenarioError
 from dubins_study.study.words import BRANCHES, Claim, Verdict

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from dubins_study import solve
-from dubins_study.solvers.attempt import judged, shorter_answer
+from dubins_study.asking.attempt import judged, shorter_answer
+from dubins_study.asking.reply import Reply
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.reply import Reply
-from dubins_study.study.check import certificate, verdict
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.verdict import judge, miss_reason
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge, miss_reason
 from dubins_study.study.path import Path
 from dubins_study.study.route import shortest
 from dubins_study.study.rows.schema import Times
@@ -231,8 +230,7 @@ def test_a_search_that_is_cut_short_claims_no_optimum():
 
 
 def test_no_path_is_judged_without_a_search(monkeypatch):
-    for module in (certificate, verdict):
-        monkeypatch.setattr(module, "reference_of", None)
+    monkeypatch.setattr(shortest, "search", None)
     nothing = Reply(Outcome.RETURNED, Solution(Claim.FAILED), Times())
 
     answer = judged("nobody", Question(FREE), nothing)

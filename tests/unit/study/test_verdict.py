@@ -14,8 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import Local, local
-from dubins_study.study.check.verdict import curvature_excess, judge
-from dubins_study.study.check.verdict_frame import VERDICTS, judge_frame
+from dubins_study.study.check.verdict import curvature_excess
 from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
@@ -26,6 +25,8 @@ from dubins_study.study.closed_form.shortest import (
     shortest_local,
     shortest_path,
 )
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.judging.verdict_frame import VERDICTS, judge_frame
 from dubins_study.study.path import Path, Paths
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.tolerances import Tolerances
@@ -266,7 +267,7 @@ def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch)
     """Ordinary rows take the quick way: the tolerance for what is not is one row in a hundred."""
     calls = []
     monkeypatch.setattr(
-        "dubins_study.study.check.verdict_frame.judge",
+        "dubins_study.study.judging.verdict_frame.judge",
         lambda *args: calls.append(1) or judge(*args),
     )
     rows = shortest_rows(*(HARD[name].to_numpy() for name in NUMBERS[:6]))

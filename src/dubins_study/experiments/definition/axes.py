@@ -14,6 +14,7 @@ from pydantic import (
     Discriminator,
     Field,
     Tag,
+    ValidationInfo,
     WithJsonSchema,
 )
 
@@ -37,6 +38,16 @@ Gibibytes = Annotated[float, Field(ge=0.25, le=2**20, strict=True)]
 Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 # Name of a section of the report. Only the report knows which sections exist.
 SectionName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
+
+
+def _checked_spec(spec: str, info: ValidationInfo) -> str:
+    """The spec, if the caller's check (the context of the validation) does not refuse it."""
+    if info.context is not None:
+        info.context(spec)
+    return spec
+
+
+SolverSpecs = Annotated[list[Annotated[str, AfterValidator(_checked_spec)]], Field(min_length=1)]
 
 
 class StrictModel(BaseModel):

@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import (
@@ -16,9 +16,10 @@ from dubins_study.experiments.definition.axes import (
     Seconds,
     SectionName,
     Seed,
+    SolverSpecs,
     StrictModel,
 )
-from dubins_study.experiments.definition.messages import Problem, problems_of, refusal
+from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
     Block,
@@ -26,7 +27,6 @@ from dubins_study.experiments.definition.scenario_block import (
     GuessLengths,
     Route,
     Sample,
-    key_conflicts,
 )
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
@@ -93,7 +93,7 @@ class First(StrictModel):
 
     scenarios: Count
     """How many of the first scenarios of each sample, and of each number of legs."""
-    solvers: list[str] = Field(min_length=1)
+    solvers: SolverSpecs
     """The solvers that are asked these only."""
 
 
@@ -108,7 +108,7 @@ class Experiment(StrictModel):
     """Key of a section of the report about this kind of experiment, such as `benchmark`."""
     scenarios: list[Block] = Field(min_length=1)
     """The scenarios, block by block."""
-    solvers: list[str] = Field(min_length=1)
+    solvers: SolverSpecs
     """Specs of the solvers; `*` is every registered one, `{a,b}` one with a and one with b."""
     branches: Branches = Field(default=["best"])
     """Which paths are asked for: `best`, or words, such as `LS`; with a final heading `LSL`."""
@@ -133,6 +133,18 @@ class Experiment(StrictModel):
     first: First | None = None
     """Solvers that are asked only a part of each sample."""
 
+    @field_validator("first")
+    @classmethod
+    def _check_first(cls, first: First | None, info: ValidationInfo) -> First | None:
+        blocks: list[Block] = info.data.get("scenarios", [])
+        sampled = any(block.drawn is not None and block.solvers is None for block in blocks)
+        if first is not None and blocks and not sampled:
+            raise ValueError(
+                "expected a block with a sample or a route, without solvers of its own, "
+                "and there is none"
+            )
+        return first
+
     @property
     def blocks(self) -> list[Block]:
         """All blocks: those of the file, and the first scenarios of those that `first` is about."""
@@ -141,12 +153,11 @@ class Experiment(StrictModel):
             return self.scenarios
         firsts = []
         for block in self.scenarios:
-            for name in ("sample", "route"):
-                drawn: Sample | Route | None = getattr(block, name)
-                if drawn is not None and block.solvers is None:
-                    fewer = drawn.model_copy(update={"count": min(drawn.count, first.scenarios)})
-                    changes = {name: fewer, "solvers": first.solvers}
-                    firsts.append(block.model_copy(update=changes))
+            drawn = block.drawn
+            if drawn is not None and block.solvers is None:
+                fewer = drawn.model_copy(update={"count": min(drawn.count, first.scenarios)})
+                name = "route" if drawn is block.route else "sample"
+                firsts.append(block.model_copy(update={name: fewer, "solvers": first.solvers}))
         return [*self.scenarios, *firsts]
 
 
@@ -181,17 +192,8 @@ def read(name: str) -> ExperimentFile:
 
 def parse(name: str, file: str, text: str) -> ExperimentFile:
     """Read an experiment from the text of its file; `file` is named in messages."""
-    experiment, problems = validated(fields_of(file, text))
-    if experiment is None:
-        raise ExperimentError(refusal(file, problems, text))
-    return ExperimentFile(name, file, text, experiment)
-
-
-def validated(fields: dict[str, Any]) -> tuple[Experiment | None, list[Problem]]:
-    """The experiment of a file's fields, or None and every mistake of its keys."""
-    problems = key_conflicts(fields)
     try:
-        experiment = Experiment.model_validate(fields)
+        experiment = Experiment.model_validate(fields_of(file, text))
     except ValidationError as error:
-        return None, problems_of(error, TABLE_KEYS) + problems
-    return None if problems else experiment, problems
+        raise ExperimentError(refusal(file, problems_of(error, TABLE_KEYS), text)) from None
+    return ExperimentFile(name, file, text, experiment)

@@ -41,6 +41,7 @@ def line_of(path: KeyPath, text: str) -> int | None:
 
 _MAX_KEY_CHARS, _MAX_MESSAGE_CHARS = 120, 320
 _MAX_PROBLEMS = 20  # that one refusal lists
+SOLVER_ERROR = "solver"  # pydantic's type of an error about a solver's spec
 # Name of a table of the file, "" for the file itself -> the keys that it may have.
 TableKeys = Mapping[str, Iterable[str]]
 
@@ -75,7 +76,10 @@ def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
     }
     problems = []
     for path, each in errors:
-        if each["type"] != "missing":
+        if each["type"] == SOLVER_ERROR:  # on the line of the spec, in a list of several lines
+            sentence = f"{_key(path[:-1])}: {each['msg']}"
+            problems.append(Problem((*path[:-1], each["input"]), sentence))
+        elif each["type"] != "missing":
             problems.append(Problem(path, _sentence(path, each, known)))
         elif path not in misspelt:  # a key that is missing because it is misspelt is one mistake
             problems.append(Problem(path[:-1], f"{_key(path)}: missing"))

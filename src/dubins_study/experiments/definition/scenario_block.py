@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
@@ -22,12 +23,12 @@ from dubins_study.experiments.definition.axes import (
     Range,
     Seconds,
     Seed,
+    SolverSpecs,
     StrictModel,
     ViaLists,
 )
-from dubins_study.experiments.definition.messages import Problem
-from dubins_study.study.angle import FULL_TURN, parse_angle
-from dubins_study.study.words import EVERY_BRANCH
+from dubins_study.study.angle import LARGEST_BARE, parse_angle
+from dubins_study.study.kinds.table import EVERY_BRANCH
 
 # The fields of the three ways to write a target.
 CARTESIAN = ("target_x", "target_y")
@@ -80,7 +81,7 @@ class _Fields(StrictModel):
         items = items if isinstance(items, list) else [items]
         if name in _ANGLES:
             for number in items[:2] if isinstance(written, dict) else items:
-                if isinstance(number, int | float) and abs(number) > FULL_TURN:
+                if isinstance(number, int | float) and abs(number) > LARGEST_BARE:
                     parse_angle(number)  # refuses it, and says what to write
         elif name in FIELDS and any(isinstance(item, str) for item in items):
             angles = ", ".join(_ANGLES)
@@ -218,7 +219,7 @@ class Block(_Fields):
     """Scenarios drawn over ranges instead of combined from axes."""
     route: Route | None = None
     """Routes drawn at random, instead of targets."""
-    solvers: list[str] | None = Field(default=None, min_length=1)
+    solvers: SolverSpecs | None = None
     """Replaces the experiment's solvers for this block."""
     branches: Branches | None = None
     """Replaces the experiment's branches for this block."""
@@ -226,6 +227,31 @@ class Block(_Fields):
     """Replaces the experiment's time limit for this block."""
     guess_lengths: GuessLengths | None = None
     """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
+
+    @model_validator(mode="after")
+    def _check_target(self) -> Block:
+        """Refuse a block with no target or several, and keys that say what a route draws."""
+        if isinstance(self, ListedBlock):
+            return self
+        ranges = {} if self.sample is None else self.sample.ranges
+        keys = self.model_fields_set.union(ranges)
+        target = keys.intersection(itertools.chain(*_WAYS))
+        if self.route is None:
+            if target not in map(set, _WAYS):
+                ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route"])
+                raise ValueError(f"expected {ways}")
+            return self
+        twice = target | keys & {"via", "sample"}
+        if self.route.final_heading == "sampled":
+            twice |= keys & {"final_heading"}
+        if twice:
+            raise ValueError(f"{', '.join(sorted(twice))}; expected none beside route")
+        return self
+
+    @property
+    def drawn(self) -> Sample | Route | None:
+        """What draws scenarios or routes at random, if anything does."""
+        return self.sample or self.route
 
     def axis(self, field: str) -> Axis | None:
         """The values of one of `FIELDS`, or None if the block does not give that field."""
@@ -236,42 +262,4 @@ class Block(_Fields):
 class ListedBlock(Block):
     """Scenarios listed one by one in a file of their own; no experiment's file writes this."""
 
-    listed: Any = Field(exclude=True)  # a frame with the columns of `study.scenario.COLUMNS`
-
-
-def key_conflicts(fields: dict[str, Any]) -> list[Problem]:
-    """Blocks of a file with no target or several, and a `first` that is about no block."""
-    problems = []
-    for number, block in tables(fields):
-        sample = block.get("sample")
-        ranges = sample.get("ranges") if isinstance(sample, dict) else None
-        keys = {*block, *(ranges if isinstance(ranges, dict) else ())}
-        target = keys & {field for way in _WAYS for field in way}
-        if "route" in block:
-            route = block["route"]
-            twice = target | keys & {"via", "sample"}
-            if isinstance(route, dict) and route.get("final_heading") == "sampled":
-                twice |= keys & {"final_heading"}
-            if twice:
-                sentence = (
-                    f"scenarios.{number}: {', '.join(sorted(twice))}; expected none beside route"
-                )
-                problems.append(Problem(("scenarios", number), sentence))
-        # an unknown key may be a part of the target
-        elif keys <= {*Block.model_fields} and target not in map(set, _WAYS):
-            ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route"])
-            problems.append(Problem(("scenarios", number), f"scenarios.{number}: expected {ways}"))
-    blocks = [block for _, block in tables(fields)]
-    sampled = any({"sample", "route"} & {*block} and "solvers" not in block for block in blocks)
-    if isinstance(fields.get("first"), dict) and blocks and not sampled:
-        expected = "expected a block with a sample or a route, without solvers of its own"
-        problems.append(Problem(("first",), f"first: {expected}, and there is none"))
-    return problems
-
-
-def tables(fields: dict[str, Any]) -> Iterator[tuple[int, dict[str, Any]]]:
-    """The number and the keys of every block that is a table."""
-    blocks = fields.get("scenarios")
-    for number, block in enumerate(blocks if isinstance(blocks, list) else ()):
-        if isinstance(block, dict):
-            yield number, block
+    listed: Any = Field(exclude=True)  # a list of `Scenario`, which are valid

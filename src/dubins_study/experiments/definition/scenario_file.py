@@ -5,18 +5,18 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-from collections.abc import Hashable, Sequence
+from collections.abc import Iterator, Sequence
+from operator import attrgetter
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.study.scenario import COLUMNS, DEFAULTS, NUMBERS, VIA, Scenario, ScenarioError
-from dubins_study.study.scenario_frame import check_frame, column_problems, numbers_of, scenario_of
+from dubins_study.study.scenario_frame import column_problems, numbers_of, scenario_of
 from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import nearest, number_of_text, plain, short
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
@@ -30,8 +30,8 @@ class ScenarioFileError(ScenarioError):
     """A file of scenarios that cannot be used; names every line, column, value and rule."""
 
 
-def read_scenarios(file: str | FilePath) -> pd.DataFrame:
-    """The scenarios of a file, one row each, with the columns of `study.scenario.COLUMNS`.
+def read_scenarios(file: str | FilePath) -> list[Scenario]:
+    """The scenarios of a file, one of each row.
 
     The columns of `study.scenario.DEFAULTS` may be left out, and cells of `_MAY_BE_EMPTY` may be
     empty. `via_x` and `via_y` hold lists of numbers; in a CSV file a text such as `4 6`. The error
@@ -53,38 +53,35 @@ def read_scenarios(file: str | FilePath) -> pd.DataFrame:
     if not 0 < len(rows) <= MOST_SCENARIOS:
         found = f"more than {MOST_SCENARIOS} scenarios; expected fewer"
         raise ScenarioFileError(f"{file}: {found if rows else 'no scenarios; expected a row each'}")
-    frame = _checked(str(file), rows)
-    lists = {name: frame[name].astype(object).map(str) for name in VIA}  # which pandas can compare
-    if copies := int(frame.assign(**lists).duplicated().sum()):
-        _LOG.warning(
-            "dubins-study: %s: of %d rows %d repeat an earlier one; each scenario is asked once",
-            *(plain(str(file)), len(frame), copies),
+    scenarios = _scenarios(str(file), rows)
+    for remark in _remarks(scenarios):
+        _LOG.warning("dubins-study: %s: %s", plain(str(file)), remark)
+    return scenarios
+
+
+def _scenarios(file: str, rows: list[_Row]) -> list[Scenario]:
+    """The scenarios of the rows; all rows that are not valid are refused together."""
+    scenarios: list[Scenario] = []
+    problems: list[Problem] = []
+    for place, row in rows:
+        try:
+            scenarios.append(scenario_of({name: _value(name, row) for name in COLUMNS}))
+        except ScenarioError:  # the first mistake of this row; all of them are looked for
+            problems += [Problem((), f"{place}: {sentence}") for sentence in _wrong(row)]
+    if problems:
+        raise ScenarioFileError(refusal(file, problems))
+    return scenarios
+
+
+def _remarks(scenarios: list[Scenario]) -> Iterator[str]:
+    """What may be a slip in valid rows: rows that repeat, and doubtful units."""
+    if copies := len(scenarios) - len(set(scenarios)):
+        yield (
+            f"of {len(scenarios)} rows {copies} repeat an earlier one; each scenario is asked once"
         )
-    records = frame.to_dict("records")
-    doubts = [doubt for record in records if (doubt := _doubt(record))]
+    doubts = [doubt for each in scenarios if (doubt := doubtful_units(each))]
     if doubts:
-        _LOG.warning(
-            "dubins-study: %s: in %d of %d rows %s",
-            *(plain(str(file)), len(doubts), len(frame), doubts[0]),
-        )
-    return frame
-
-
-def _doubt(row: dict[Hashable, Any]) -> str | None:
-    """What is odd about the units of a route's row."""
-    return doubtful_units(scenario_of(row)) if len(row["via_x"] or ()) else None
-
-
-def _checked(file: str, rows: list[_Row]) -> pd.DataFrame:
-    """The rows as a checked frame; all rows that are not valid are refused together."""
-    import pandas as pd
-
-    try:
-        columns = {name: [_value(name, values) for _, values in rows] for name in COLUMNS}
-        return check_frame(pd.DataFrame(columns))
-    except ScenarioError:  # the first mistake; all of them are looked for below
-        problems = [Problem((), f"{place}: {text}") for place, row in rows for text in _wrong(row)]
-    raise ScenarioFileError(refusal(file, problems))
+        yield f"in {len(doubts)} of {len(scenarios)} rows {doubts[0]}"
 
 
 def _wrong(row: dict[str, Any]) -> list[str]:
@@ -174,18 +171,21 @@ def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:
 
 
 def text_about(scenarios: str) -> tuple[str, str, str]:
-    """As `text_of`, an experiment about a file of scenarios, whose solvers are told elsewhere."""
+    """The experiment (as `text_of`) that asks about a file of scenarios; it names no solvers."""
     name = FilePath(scenarios).stem
     question = "How well do the chosen solvers answer these scenarios?"
     keys = {"title": f"Scenarios of {name}", "question": question}
     return name, scenarios, "".join(f"{key} = {json.dumps(text)}\n" for key, text in keys.items())
 
 
-def comment_on(frame: pd.DataFrame) -> str:
+_numbers = attrgetter(*NUMBERS)
+_route = attrgetter("via", "final_heading")
+
+
+def comment_on(scenarios: list[Scenario]) -> str:
     """A comment that tells scenarios apart, since a folder with rows about others is another's."""
-    digest = hashlib.sha256(frame[list(NUMBERS)].to_numpy().tobytes())
-    digest.update("\0".join(frame["label"]).encode())
-    route = frame[[*VIA, "final_heading"]]
-    if not route.isna().all(axis=None):
-        digest.update(repr(route.astype(object).to_numpy().tolist()).encode())
-    return f"# about {len(frame)} scenarios with the digest {digest.hexdigest()[:16]}\n"
+    digest = hashlib.sha256(np.array([_numbers(each) for each in scenarios]).tobytes())
+    digest.update("\0".join(each.label for each in scenarios).encode())
+    if not all(each.one_free_leg for each in scenarios):
+        digest.update(repr([_route(each) for each in scenarios]).encode())
+    return f"# about {len(scenarios)} scenarios with the digest {digest.hexdigest()[:16]}\n"

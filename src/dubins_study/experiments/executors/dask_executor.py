@@ -12,12 +12,12 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
+from dubins_study.asking.reply import exception_text
 from dubins_study.experiments.executors.dask_worker import UnitReply, in_worker
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
-from dubins_study.solvers.reply import exception_text
 from dubins_study.study.rows.parts import Row, row_key, row_path
 
 _LOG = logging.getLogger(__name__)
@@ -39,8 +39,7 @@ _YIELD_INTERVAL_S = 0.2
 _COUNT_INTERVAL_S = 1.0
 # Seconds to wait for a result, and for an answer of the scheduler or of every worker.
 _FETCH_WAIT_S, _ANSWER_WAIT_S = 30.0, 10.0
-_KEPT = "the rows written so far are kept"
-_LOST = f"the connection to the Dask scheduler is lost; {_KEPT}"
+_LOST = "the connection to the Dask scheduler is lost"
 
 
 @contextmanager
@@ -124,7 +123,7 @@ class _Submission:
             rows: list[Row] = reply.rows.to_pylist()
             yield rows
             if reply.refusal:
-                raise RunError(f"{reply.refusal}; {_KEPT}")
+                raise RunError(reply.refusal)
             if not (stopping or stop.requested):
                 # what the worker has not solved comes first again
                 rest = unit.remaining({row_key(row): row_path(row) for row in rows})
@@ -208,4 +207,4 @@ def _explanation(error: Exception) -> str:
             f"dubins-study is not on a Dask worker, or of another version ({message}); expected "
             "the same versions of it, of Python and of Dask there as here"
         )
-    return f"a Dask worker failed: {message}; {_KEPT}"
+    return f"a Dask worker failed: {message}"

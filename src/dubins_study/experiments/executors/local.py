@@ -6,16 +6,16 @@ import itertools
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 
+from dubins_study.asking.attempt import Answer, judged, judged_row
+from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
-from dubins_study.experiments.isolation.messages import WorkerReply
 from dubins_study.experiments.isolation.pool import Job, RunError, WorkerPool, worker_group
 from dubins_study.experiments.isolation.process_state import THREADS
 from dubins_study.experiments.plan.cells import Cell, given_guess
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
-from dubins_study.solvers.attempt import Answer, judged, judged_row
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
 from dubins_study.study.path import Path
@@ -35,10 +35,7 @@ def local_executor(jobs: int) -> Iterator[Executor]:
     ) -> Generator[list[Row], None, None]:
         memory = unit.settings.memory_limit_gib
         with WorkerPool(jobs, memory, probed=lambda seconds: probed(seconds, 0)) as pool:
-            try:
-                yield from solve_chains(pool, unit, stop)
-            except RunError as error:
-                raise RunError(f"{error}; the rows written so far are kept") from None
+            yield from solve_chains(pool, unit, stop)
 
     yield Executor(jobs, {}, solve)
 
@@ -54,10 +51,10 @@ def solve_chains(
     )
     for results in pool.solve(jobs, stop, unit.settings.time_limit_s):
         rows = []
-        for job, answer in results:
+        for job, reply in results:
             cell, following, earlier_path = job.tag
-            check_code(cell, answer, unit.settings.executor)
-            row, path = row_of(cell, job.question.initial_guess, unit.settings, answer)
+            check_code(cell, reply, unit.settings.executor)
+            row, path = row_of(cell, job.question.initial_guess, unit.settings, reply)
             rows.append(row)
             pool.put_first(_next_job(following, path or earlier_path))
         yield rows
@@ -71,15 +68,15 @@ def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
         yield Job(cell.solver, cell.profile, question, (cell, cells, path))
 
 
-def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
+def check_code(cell: Cell, reply: Reply, executor: str) -> None:
     """Refuse a reply whose code has another digest than its cell."""
-    digest = answer.code_digest
-    if not (answer.started and cell.code_digest) or digest == cell.code_digest:
+    digest = reply.code_digest
+    if not (reply.started and cell.code_digest) or digest == cell.code_digest:
         return
     # A solver that loads on the asking machine but not on the Dask worker is different code too.
     if not digest and executor == "local":
         return
-    message = answer.reply.solution.message
+    message = reply.solution.message
     raise RunError(
         f"the code of {cell.solver} is not what was asked: its digest was {cell.code_digest} and "
         f"{f'is {digest} now' if digest else f'does not load: {message}'}; its files, its settings "
@@ -88,26 +85,26 @@ def check_code(cell: Cell, answer: WorkerReply, executor: str) -> None:
 
 
 def row_of(
-    cell: Cell, initial_guess: Path | None, settings: RunSettings, answer: WorkerReply
+    cell: Cell, initial_guess: Path | None, settings: RunSettings, reply: Reply
 ) -> tuple[Row, Path | None]:
     """The row for a worker's reply to a cell, and the path if it reaches the target."""
     known: Row = dict(zip(_KEY, cell.key, strict=True))
     known |= {
-        "versions": answer.versions,
+        "versions": reply.versions,
         "machine": host(),
         "threads": THREADS,
         "jobs": settings.jobs,
         "limit_s": settings.time_limit_s,
-        "floor_s": answer.floor_s,
-        "memory_mib": answer.memory_mib,
+        "floor_s": reply.floor_s,
+        "memory_mib": reply.memory_mib,
         "executor": settings.executor,
         "run_id": settings.run_id,
-        "started": answer.started or now(),
+        "started": reply.started or now(),
     }
     question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
-    row = judged_row(cell.solver, question, answer.reply, tolerances(cell.profile), cell.method)
+    row = judged_row(cell.solver, question, reply, tolerances(cell.profile), cell.method)
     row.update(known)
-    return row, answer.reply.solution.path if row["gap"] is not None else None
+    return row, reply.solution.path if row["gap"] is not None else None
 
 
 def ask_isolated(
@@ -119,5 +116,5 @@ def ask_isolated(
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
     with WorkerPool(1, warm_up=ours(solver)) as pool:
         for results in pool.solve(jobs, Interruption(), limit):
-            for job, worker_reply in results:  # in their order, as there is one worker
-                yield judged(solver, job.question, worker_reply.reply, *known)
+            for job, reply in results:  # in their order, as there is one worker
+                yield judged(solver, job.question, reply, *known)

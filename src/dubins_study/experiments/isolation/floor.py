@@ -14,14 +14,14 @@ import numpy as np
 
 from dubins_study.solvers.convex.engines import Ask, prepare
 from dubins_study.solvers.convex.solver import Convex
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, end_point
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import read
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
 # The first call loads and compiles; the least of the others counts.
@@ -64,7 +64,7 @@ def _word(solver: LocalNlp) -> Callable[[], Any]:
     """The word LS, begun at its solution."""
     z = np.array((0.5, 0.0, 1.0))
     word = SUBPROBLEMS["LS"]
-    upper = np.where(word.mask, (FULL_TURN, FULL_TURN, math.inf), 0.0)
+    upper = np.where(word.mask, (TWO_PI, TWO_PI, math.inf), 0.0)
     adapter, case = solver.adapter(), Case(word, upper, end_point(0.5, 0.5, 1.0, math))
     return lambda: adapter(case, z, _LIMIT_S)
 

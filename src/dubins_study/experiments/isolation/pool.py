@@ -11,10 +11,11 @@ from functools import cache
 from time import monotonic
 from typing import Any, NamedTuple, Self
 
+from dubins_study.asking.reply import Reply, no_answer, with_possible_times
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.fork_server import ForkServerError
-from dubins_study.experiments.isolation.messages import WorkerReply, decode_reply, encode_question
+from dubins_study.experiments.isolation.messages import decode_reply, encode_question
 from dubins_study.experiments.isolation.worker_process import (
     POLL_INTERVAL_S,
     Allowance,
@@ -26,8 +27,9 @@ from dubins_study.experiments.isolation.worker_process import (
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load, ours
-from dubins_study.solvers.reply import Reply, no_answer, with_possible_times
 
+# Kinds of tasks (see `worker`), the first item of their messages.
+_WARM_UP, _SOLVE = "warm up", "solve"
 # Seconds beyond the time limit: a solver that respects the limit needs a moment to send its answer.
 # With the poll interval and the kill itself, a solve ends within 0.3 s of its limit.
 GRACE_S = 0.1
@@ -72,7 +74,7 @@ class Job(NamedTuple):
 
 
 # Jobs and the replies to them.
-Results = list[tuple[Job, WorkerReply]]
+Results = list[tuple[Job, Reply]]
 
 
 @cache
@@ -86,6 +88,11 @@ def worker_group(solver: str) -> str:
     if not ours(solver):
         return solver
     return "" if load(solver).keeps_limit else solver
+
+
+def _solves(task: Task) -> bool:
+    """Whether a task is to answer a job's question, not to load or warm up a solver."""
+    return task.message[:1] == [_SOLVE]
 
 
 class _Worker(WorkerProcess):
@@ -161,12 +168,6 @@ class WorkerPool:
         """
         self.drop_waiting()
         self._time_limit_s = time_limit_s
-        # A task's allowance tells its kind: these, `_LOADING` and `_PROBING`.
-        self._solving = Allowance(time_limit_s, GRACE_S)
-        self._warming_up = tuple(
-            Allowance(time_limit_s + _WARM_UP_S, activity=f"warming up on a {what}")
-            for what in ("leg", "route")
-        )
         self._later = iter(jobs)
         yielded_s = monotonic()
         while True:
@@ -181,8 +182,7 @@ class WorkerPool:
                     results += self._ended(worker, event)
                     continue
                 results += self._answered(worker, event)
-                solved = event.task.allowance is self._solving
-                if event.changed or (solved and stop.requested):
+                if event.changed or (_solves(event.task) and stop.requested):
                     self._remove(worker)
             if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
                 yield results
@@ -205,7 +205,7 @@ class WorkerPool:
         while (job := self._next_job()) is not None:
             reply = self._unloadable.get(job.solver_key)
             if reply is not None:
-                return [(self._first.popleft(), WorkerReply(reply))]
+                return [(self._first.popleft(), reply)]
             worker = self._free_worker(worker_group(job.solver))
             if worker is None:
                 break
@@ -213,7 +213,7 @@ class WorkerPool:
         first = self._workers[0]
         if first is not None and self._probed is not None and monotonic() > self._next_probe_s:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
-            first.put(["probe"], _PROBING, float)
+            first.put(["probe"], _PROBING)
         return []
 
     def _free_worker(self, group: str) -> _Worker | None:
@@ -248,7 +248,7 @@ class WorkerPool:
 
     def _expected_task_s(self, task: Task) -> float:
         """Seconds that a task is expected to take; beside one that is no solve no job waits."""
-        if task.allowance is not self._solving:
+        if not _solves(task):
             return AHEAD_S
         return self._expected_s.get(task.tag.solver_key, AHEAD_S)
 
@@ -257,14 +257,16 @@ class WorkerPool:
         key = job.solver_key
         if key not in worker.loaded:
             worker.loaded.add(key)
-            worker.put(["load", *key], _LOADING, tag=job)
+            worker.put(["load", *key], _LOADING, job)
         for route in _LEG_ROUTE if job.question.scenario.via else _LEG_ROUTE[:1]:
             if self._warm_up and (key, route) not in worker.warmed | self._without_warm_up:
                 worker.warmed.add((key, route))
-                message = ["warm up", *key, self._time_limit_s, route, self._probed is not None]
-                worker.put(message, self._warming_up[route], tag=job)
-        message = ["solve", *key, encode_question(job.question), self._time_limit_s]
-        worker.put(message, self._solving, decode_reply, job)
+                message = [_WARM_UP, *key, route, self._time_limit_s, self._probed is not None]
+                activity = f"warming up on a {'route' if route else 'leg'}"
+                limit_s = self._time_limit_s + _WARM_UP_S
+                worker.put(message, Allowance(limit_s, activity=activity), job)
+        message = [_SOLVE, *key, encode_question(job.question), self._time_limit_s]
+        worker.put(message, Allowance(self._time_limit_s, GRACE_S), job)
 
     def _answered(self, worker: _Worker, answer: Answer) -> Results:
         """The job that was answered with its reply, if the task was to solve one."""
@@ -274,11 +276,11 @@ class WorkerPool:
         possible = task.allowance is _PROBING and 0 < value <= waited_s
         if possible and self._probed is not None:  # else a library has replaced the worker's clock
             self._probed(value)
-        if task.allowance is not self._solving:
+        if not _solves(task):
             return []
-        reply = with_possible_times(value.reply, waited_s)
+        reply = with_possible_times(decode_reply(value), waited_s)
         self._expected_s[task.tag.solver_key] = reply.times.wall_s or 0.0
-        return [(task.tag, value._replace(reply=reply))]
+        return [(task.tag, reply)]
 
     def _ended(self, worker: _Worker, ended: Ended) -> Results:
         """Replace a worker that has ended; return the reply to the job that it was at, if any."""
@@ -293,21 +295,22 @@ class WorkerPool:
             return []
         self._false_starts = 0
         key = task.tag.solver_key
-        if task.allowance in self._warming_up:  # load the solver again, without this warm-up
-            self._without_warm_up.add((key, task.allowance is self._warming_up[True]))
+        if task.message[0] == _WARM_UP:  # load the solver again, without this warm-up
+            route = task.message[3]
+            self._without_warm_up.add((key, route))
             return []
         if task.allowance is _LOADING:
-            outcome, (_, solution, _) = reply.outcome, reply
+            solution = reply.solution
             message = f"{solution.message}, while it was loaded"
-            reply = no_answer(outcome, message, status=solution.native_status)
+            reply = no_answer(reply.outcome, message, status=solution.native_status)
             if key not in self._expected_s:
                 self._unloadable[key] = reply
         self._first.popleft()  # the job, which comes first among those that were put back
-        return [(task.tag, WorkerReply(reply))]
+        return [(task.tag, reply)]
 
     def _remove(self, worker: _Worker) -> None:
         """End a worker and free its place; put its unanswered jobs back in the queue."""
         self._workers[self._workers.index(worker)] = None
         worker.close()
         tasks = worker.pending
-        self.put_first(task.tag for task in tasks if task.allowance is self._solving)
+        self.put_first(task.tag for task in tasks if _solves(task))

@@ -1,7 +1,8 @@
 """The limits that a worker process sets itself, and the state that all its solves share.
 
-If a solve changes the state, the worker ends. The state is not restored instead: a part that we
-forget to restore would affect the answers of other solvers.
+If a plug-in's solve changes the state, the worker ends. The state is not restored instead: a part
+that we forget to restore would affect later answers. Our own solvers are not watched in a run:
+`check-solver` tests that they change nothing.
 """
 
 from __future__ import annotations

@@ -13,13 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.asking.reply import ask, exception_text, no_answer
 from dubins_study.experiments.code_digest import code_digest
-from dubins_study.experiments.isolation.messages import (
-    Channel,
-    WorkerReply,
-    decode_question,
-    encode_reply,
-)
+from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import (
     ProcessState,
     bound_process,
@@ -28,8 +24,7 @@ from dubins_study.experiments.isolation.process_state import (
 )
 from dubins_study.experiments.provenance import now, versions
 from dubins_study.solvers.protocol import Question, Solver
-from dubins_study.solvers.registry import load, reported_versions, unavailable
-from dubins_study.solvers.reply import ask, exception_text, no_answer
+from dubins_study.solvers.registry import load, ours, reported_versions, unavailable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import VIA_POINTS, Outcome
 
@@ -52,7 +47,6 @@ def answer_tasks(channel: Channel, handle: Callable[[list[Any]], tuple[Any, bool
     process, value, changed = os.getpid(), None, False
     while True:
         channel.put([value, changed])
-        channel.line.setblocking(True)  # a solver may have made the socket non-blocking
         channel.flush()
         while changed:  # this process answers no further task; its owner will replace it
             signal.pause()
@@ -89,7 +83,7 @@ class _Worker:
         self._state = ProcessState(memory_limit)
 
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
-        """The answer to a task, and whether the process was changed by it."""
+        """The answer to a task, and whether a plug-in has changed the process."""
         kind, *arguments = task
         if kind == "probe":
             return probe(), False
@@ -105,10 +99,11 @@ class _Worker:
                 reply = _reply(self._solvers[key], *arguments)
         except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
             outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-            answer = no_answer(outcome, exception_text(error))
-            reply = encode_reply(WorkerReply(answer, started, "", _digest(spec, profile)))
+            failed = no_answer(outcome, exception_text(error))
+            digest = _digest(spec, profile)
+            reply = encode_reply(failed._replace(started=started, code_digest=digest))
         if kind == "solve":
-            return reply, bool(self._state.changes())
+            return reply, not ours(spec) and bool(self._state.changes())
         if reply is not None:
             self._refused[key] = reply
         self._state.accept()
@@ -129,7 +124,7 @@ def _load(spec: str, profile: str) -> _LoadedSolver:
     return _LoadedSolver(solver, json.dumps(packages), code_digest(spec, profile))
 
 
-def _warmed_up(loaded: _LoadedSolver, limit: float, route: bool, floors: bool) -> _LoadedSolver:
+def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -> _LoadedSolver:
     """Ask an easy question, so that imports and caches are ready; measure the floor of a leg."""
     seed()
     solver, branch = loaded.solver, loaded.solver.branches[0]
@@ -151,9 +146,15 @@ def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> list
     before, started = peak_kib(reset=True), now()
     reply = ask(loaded.solver, question, time_limit)
     peak = peak_kib() if before else 0
-    memory_mib = (peak - before) / _KIB_PER_MIB if peak else None
-    texts = started, loaded.versions, loaded.code_digest
-    return encode_reply(WorkerReply(reply, *texts, memory_mib, loaded.floor_s))
+    return encode_reply(
+        reply._replace(
+            started=started,
+            versions=loaded.versions,
+            code_digest=loaded.code_digest,
+            memory_mib=(peak - before) / _KIB_PER_MIB if peak else None,
+            floor_s=loaded.floor_s,
+        )
+    )
 
 
 def probe() -> float:

@@ -10,15 +10,15 @@ import os
 import select
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import monotonic
 from typing import Any, NamedTuple, TypeVar
 
 import psutil
 
+from dubins_study.asking.reply import Reply, no_answer
 from dubins_study.experiments.isolation.fork_server import fork
-from dubins_study.solvers.reply import Reply, no_answer
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.words import Outcome
 
@@ -50,8 +50,8 @@ _WAKING = Allowance(_STALL_S, activity="waiting for it to begin")
 class Task(NamedTuple):
     """A task that a worker has received, with any object of the caller's as `tag`."""
 
+    message: list[Any]
     allowance: Allowance
-    decode: Callable[[Any], Any]  # makes a value of what the worker answers; may raise anything
     put_s: float  # when the owner handed it over
     tag: Any = None
 
@@ -71,10 +71,6 @@ class Ended(NamedTuple):
     task: Task | None
 
 
-def _as_sent(value: Any) -> Any:
-    return value
-
-
 class WorkerProcess:
     """A process that answers tasks (see `worker.answer_tasks`) until it is closed."""
 
@@ -83,34 +79,26 @@ class WorkerProcess:
         self._memory_bytes = memory_bytes
         self._checked_s, self._checks = monotonic(), 0
         # The tasks that it has received but not answered, in order.
-        self.pending = deque([Task(_STARTING, _as_sent, self._checked_s)])
+        self.pending = deque([Task([], _STARTING, self._checked_s)])
         self.closed = False
         # Whether the current task has begun, and since when it runs, or waits for the worker.
         self._begun, self._since_s = True, self._checked_s
         self._output = b""
         self._open = {self._process.channel.line.fileno(), self._process.output}
 
-    def put(
-        self,
-        message: list[Any],
-        allowance: Allowance,
-        decode: Callable[[Any], Any] = _as_sent,
-        tag: Any = None,
-    ) -> None:
+    def put(self, message: list[Any], allowance: Allowance, tag: Any = None) -> None:
         """Add a task; `wait` sends it."""
         now_s = monotonic()
         if not self.pending:
             self._begun, self._since_s = False, now_s
-        self.pending.append(Task(allowance, decode, now_s, tag))
+        self.pending.append(Task(message, allowance, now_s, tag))
         self._process.channel.put(message)
 
-    def request(
-        self, message: list[Any], allowance: Allowance, decode: Callable[[Any], Any]
-    ) -> Answer | Ended:
+    def request(self, message: list[Any], allowance: Allowance) -> Answer | Ended:
         """Put one task and wait for its answer, or for the end of the worker."""
         self._read_output()
         self._output = b""
-        self.put(message, allowance, decode)
+        self.put(message, allowance)
         task = self.pending[-1]
         while True:
             for _, event in wait([self], POLL_INTERVAL_S):
@@ -159,11 +147,9 @@ class WorkerProcess:
                     self._begun = True
                     continue
                 value, changed = message
-                task = self.pending[0]
-                answer = Answer(task, task.decode(value), bool(changed))
-                self.pending.popleft()
+                task = self.pending.popleft()
                 self._begun = bool(self.pending)
-                yield answer
+                yield Answer(task, value, bool(changed))
                 if self.closed:
                     return
         except (EOFError, OSError):  # the worker closed its end: it has ended, or its limit will

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.asking.attempt import QuestionError, check_branch
 from dubins_study.experiments.definition.experiment import (
     Experiment,
     ExperimentError,
@@ -22,7 +23,6 @@ from dubins_study.experiments.plan.solver_description import (
     describe_solver,
     expand_solvers,
 )
-from dubins_study.solvers.attempt import QuestionError, check_branch
 from dubins_study.solvers.protocol import Method
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
@@ -30,7 +30,7 @@ from dubins_study.study.scenario import Scenario
 
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
-_MOST_SEARCHED = 100_000  # scenarios of a block, which take a second
+_MOST_SEARCHED = 100_000  # scenarios of a block that are looked through for more problems
 
 
 class BlockPlan(NamedTuple):
@@ -81,7 +81,8 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
     for number, block in enumerate(experiment.blocks):
         path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
         profile = experiment.profile
-        specs = expand_solvers(block.solvers or experiment.solvers, profile)
+        named = block.solvers or experiment.solvers
+        specs = expand_solvers(named, profile)
         plan = BlockPlan(
             path,
             block,
@@ -91,6 +92,10 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
             block.time_limit_s or experiment.time_limit_s,
             tuple(describe_solver(spec, profile) for spec in specs),
         )
+        cold = [solver.spec for solver in plan.solvers if not solver.warm]
+        if block.guess_lengths is not None and cold and "*" not in named:
+            sentence = f"{plan.key}: {cold[0]} takes no initial guess"
+            problems.append(Problem(path, f"{sentence}; expected only solvers that do, or *"))
         if total + plan.cells <= MOST_CELLS:
             plans.append(plan)
             total += plan.cells
@@ -145,21 +150,19 @@ class Cell(NamedTuple):
 Chain = tuple[Cell, ...]
 
 
-def chains(experiment: Experiment, problems: list[Problem] | None = None) -> list[Chain]:
+def chains(experiment: Experiment, file: str = "the experiment", text: str = "") -> list[Chain]:
     """All cells of an experiment in the order of its file, grouped into chains.
 
-    A cell that several blocks ask for is listed once. Blocks that are not valid are appended to
-    `problems`, which may hold others; without that list they are raised together. Once there is a
-    problem, large blocks are not looked through.
+    A cell that several blocks ask for is listed once. Blocks that are not valid are refused
+    together, by their lines in the file's text. Once there is a problem, large blocks are not
+    looked through.
     """
-    plans, found = block_plans(experiment)
-    collected = [] if problems is None else problems
-    collected += found
+    plans, problems = block_plans(experiment)
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
     for plan in plans:
         repeats_others = plan.path == ("first",)
-        if collected and (repeats_others or block_size(plan.block) > _MOST_SEARCHED):
+        if problems and (repeats_others or block_size(plan.block) > _MOST_SEARCHED):
             continue
         try:
             for chain in _block_chains(plan, experiment.profile):
@@ -170,9 +173,9 @@ def chains(experiment: Experiment, problems: list[Problem] | None = None) -> lis
                     _add_sweep(sweeps, keys, plan.key)
                 unique[keys] = chain
         except ExperimentError as error:
-            collected.append(Problem(plan.path, str(error)))
-    if collected and problems is None:
-        raise ExperimentError(refusal("the experiment", collected))
+            problems.append(Problem(plan.path, str(error)))
+    if problems:
+        raise ExperimentError(refusal(file, problems, text))
     return list(unique.values())
 
 

@@ -4,38 +4,36 @@ from __future__ import annotations
 
 import logging
 import shlex
-from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
+from pydantic import ValidationError
 
 from dubins_study.experiments.definition.experiment import (
+    TABLE_KEYS,
     Experiment,
     ExperimentError,
     ExperimentFile,
     fields_of,
     text_of,
-    validated,
 )
-from dubins_study.experiments.definition.messages import Problem, refusal
-from dubins_study.experiments.definition.scenario_block import ListedBlock, tables
+from dubins_study.experiments.definition.messages import problems_of, refusal
+from dubins_study.experiments.definition.scenario_block import ListedBlock
 from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
-    describe_solver,
+    check_spec,
     expand_solvers,
-    solver_problems,
+    why_unavailable,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
-from dubins_study.study.scenario_frame import scenarios as listed_scenarios
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _LOG = logging.getLogger(__name__)
 # The executors that can solve cells: worker processes of this machine, or a Dask cluster.
@@ -159,26 +157,16 @@ def plan_run(request: Request) -> RunPlan:
     request.check()
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
-    listed = None if request.scenarios is None else str(request.scenarios)
-    frame = None if listed is None else read_scenarios(listed)
+    listed_in = None if request.scenarios is None else str(request.scenarios)
     if request.experiment is None:
-        source = text_about(str(listed))
+        source = text_about(str(listed_in))
     else:
         source = text_of(str(request.experiment))
-    if frame is not None:
-        blocks = _listed_blocks(frame, source, changes)
-        changes |= {"scenarios": blocks, "first": None, "section": None, "matrix": False}
-    file = _checked(source, request.trust_plugins, changes)
-    if listed is not None and frame is not None:
-        name, title = FilePath(listed).stem, file.experiment.title
-        if request.experiment is not None:
-            title = f"{title}: scenarios of {name}"
-        experiment = file.experiment.model_copy(update={"title": title})
-        file = ExperimentFile(name, listed, comment_on(frame) + file.text, experiment)
-    problems: list[Problem] = []
-    cell_chains = chains(file.experiment, problems)
-    if problems:
-        raise ExperimentError(refusal(file.path, problems, file.text))
+    if listed_in is None:
+        file = _checked(source, request.trust_plugins, changes)
+    else:
+        file = _about_a_file(listed_in, source, request, changes)
+    cell_chains = chains(file.experiment, file.path, file.text)
     if request.executor == "local":
         _refuse_unavailable(request.solvers or (), file.experiment.profile)
     folder = FilePath("results") / file.name if request.out is None else FilePath(request.out)
@@ -189,8 +177,24 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
     named = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(named, profile):
-        if reason := describe_solver(spec, profile).unavailable:
+        if reason := why_unavailable(spec, profile):
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
+
+
+def _about_a_file(
+    listed_in: str, source: tuple[str, str, str], request: Request, changes: dict[str, Any]
+) -> ExperimentFile:
+    """An experiment about the scenarios of a file instead of its own."""
+    listed = read_scenarios(listed_in)
+    blocks = _listed_blocks(listed, source, changes)
+    replaced = {"scenarios": blocks, "first": None, "section": None, "matrix": False}
+    file = _checked(source, request.trust_plugins, changes | replaced)
+    name = FilePath(listed_in).stem
+    title = file.experiment.title
+    if request.experiment is not None:
+        title = f"{title}: scenarios of {name}"
+    experiment = file.experiment.model_copy(update={"title": title})
+    return ExperimentFile(name, listed_in, comment_on(listed) + file.text, experiment)
 
 
 # Keys of a block that say how its scenarios are asked.
@@ -198,38 +202,42 @@ _HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
 
 
 def _listed_blocks(
-    frame: pd.DataFrame, source: tuple[str, str, str], changes: Mapping[str, Any]
+    listed: list[Scenario], source: tuple[str, str, str], changes: Mapping[str, Any]
 ) -> list[ListedBlock]:
     """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
 
     A sample of a suite so keeps the time limit and the branches of each of its questions.
     """
     name, path, text = source
-    experiment, _ = validated(fields_of(path, text))
-    kept = [key for key in _HOW_ASKED if key not in changes]
-    settings = [
-        {key: value for key in kept if (value := getattr(block, key)) is not None}
-        for block in (experiment.scenarios if experiment else ())
-    ]
-    if experiment is None or not any(settings):
-        return [ListedBlock(listed=frame)]
-    ids = [scenario_id(each) for each in listed_scenarios(frame)]
-    rest = np.ones(len(ids), dtype=bool)
+    try:
+        experiment = Experiment.model_validate(fields_of(path, text))
+    except ValidationError:  # it has no scenarios, or mistakes that are told later
+        return [ListedBlock(listed=listed)]
+    settings = []
+    for block in experiment.scenarios:
+        given = {key: getattr(block, key) for key in _HOW_ASKED if key not in changes}
+        settings.append({key: value for key, value in given.items() if value is not None})
+    if not any(settings):
+        return [ListedBlock(listed=listed)]
+    ids = [scenario_id(each) for each in listed]
+    known: set[str] = set()
     blocks = []
     for number, (block, own) in enumerate(zip(experiment.scenarios, settings, strict=True)):
-        asked = [scenario_id(each) for each in scenarios(block, f"scenarios.{number}")]
-        among = np.isin(ids, asked)
-        rest &= ~among
-        if among.any():
-            blocks.append(ListedBlock(listed=frame[among], **own))
-    if not rest.any():
-        return blocks
-    _LOG.warning(
-        "dubins-study: %d of %d scenarios are none of %s; they are asked with its general settings "
-        "(time_limit_s = %g)",
-        *(rest.sum(), len(frame), name, changes.get("time_limit_s", experiment.time_limit_s)),
-    )
-    return [*blocks, ListedBlock(listed=frame[rest])]
+        asked = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
+        among = [each for each, id_ in zip(listed, ids, strict=True) if id_ in asked]
+        if among:
+            blocks.append(ListedBlock(listed=among, **own))
+        known |= asked
+    rest = [each for each, id_ in zip(listed, ids, strict=True) if id_ not in known]
+    if rest:
+        blocks.append(ListedBlock(listed=rest))
+        _LOG.warning(
+            "dubins-study: %d of %d scenarios are none of %s; they are asked with its general "
+            "settings (time_limit_s = %g)",
+            *(len(rest), len(listed), name),
+            changes.get("time_limit_s", experiment.time_limit_s),
+        )
+    return blocks
 
 
 def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
@@ -240,54 +248,37 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
 def _checked(
     source: tuple[str, str, str], trust_plugins: bool, changes: dict[str, Any]
 ) -> ExperimentFile:
-    """The experiment of a file with some of its keys changed, all of it checked."""
+    """The experiment of a file with some of its keys changed; its scenarios are not looked at."""
     _, path, text = source
     fields = fields_of(path, text) | changes
     if "solvers" in changes:
         fields.pop("first", None)
-    for _, block in tables(fields):
-        for key in {"solvers", "time_limit_s"} & changes.keys():
-            block.pop(key, None)
-    experiment, problems = validated(fields)
-    requested = [(str(p.path[0]), p.sentence) for p in problems if {*p.path[:1]} & changes.keys()]
-    if requested:  # the caller is to blame, not the file
-        sentences = [sentence.replace(key, _ARGUMENTS[key], 1) for key, sentence in requested]
-        raise ExperimentError("; ".join(sentences))
-    if experiment is not None and "solvers" in changes:
-        expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
-    problems += solver_problems(fields, trust_plugins or "solvers" in changes)
-    if experiment is not None and not problems:
-        return ExperimentFile(*source, experiment)
-    if (usable := _usable(fields, problems)) is not None:
-        chains(usable, problems)
-    # a value that is not the file's has no line
-    placed = [
-        Problem(() if {*p.path[:1]} & changes.keys() else p.path, p.sentence) for p in problems
-    ]
-    raise ExperimentError(refusal(path, placed, text))
-
-
-def _usable(fields: dict[str, Any], problems: list[Problem]) -> Experiment | None:
-    """The experiment without its wrong keys, blocks and lists of solvers; None if no block is left.
-
-    Blocks keep their numbers. One whose solvers alone are wrong is left to those of the experiment.
-    """
     blocks = fields.get("scenarios")
-    wrong: dict[Any, set[Any]] = defaultdict(set)  # number of a block -> its wrong keys
-    for path, _ in problems:
-        if path[:1] == ("scenarios",):
-            wrong[path[1:2]].add(path[2:3])
-    if not isinstance(blocks, list) or len(wrong.keys() - {()}) == len(blocks):
-        return None
-    mended = []
-    for number, block in enumerate(blocks):
-        keys = wrong[number,]
-        if keys - {("solvers",)}:
-            block = {"label": f"in place of block {number}", "target_x": 10, "target_y": 0}
-        elif keys:
-            block = {key: value for key, value in block.items() if key != "solvers"}
-        mended.append(block)
-    keys = {path[0] for path, _ in problems if path}
-    kept = {key: value for key, value in fields.items() if key not in keys}
-    stand_ins = {"title": "t", "question": "q", "solvers": ["slsqp"]}
-    return Experiment.model_validate(stand_ins | kept | {"scenarios": mended})
+    for block in blocks if isinstance(blocks, list) else ():
+        for key in {"solvers", "time_limit_s"} & changes.keys():
+            if isinstance(block, dict):
+                block.pop(key, None)
+    profile = fields.get("profile")
+    known = profile if isinstance(profile, str) and profile in PROFILES else "default"
+    check = partial(check_spec, profile=known, trust_plugins=trust_plugins)
+    try:
+        context = None if "solvers" in changes else check
+        experiment = Experiment.model_validate(fields, context=context)
+    except ValidationError as error:
+        raise ExperimentError(_mistakes(error, path, text, changes)) from None
+    if "solvers" in changes:
+        expand_solvers(experiment.solvers, experiment.profile)  # refused without the file's name
+    return ExperimentFile(*source, experiment)
+
+
+def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
+    """The mistakes of a request, which are not the file's; without any, those of the file."""
+    problems = problems_of(error, TABLE_KEYS)
+    requested = [each for each in problems if {*each.path[:1]} & _ARGUMENTS.keys() & changes.keys()]
+    if not requested:
+        return refusal(path, problems, text)
+    sentences = []
+    for problem in requested:
+        key = str(problem.path[0])
+        sentences.append(problem.sentence.replace(key, _ARGUMENTS[key], 1))
+    return "; ".join(sentences)

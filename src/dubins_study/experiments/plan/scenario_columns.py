@@ -28,9 +28,8 @@ from dubins_study.experiments.definition.scenario_block import (
     Route,
     Sample,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
-from dubins_study.study.scenario_frame import scenarios as listed_scenarios
 
 _ID_DIGITS = 16
 _PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
@@ -45,10 +44,10 @@ def scenario_id(scenario: Scenario) -> str:
     """
     packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
     packed += scenario.label.encode()
-    if not scenario.one_free_leg:
-        numbers = [coordinate for point in scenario.via for coordinate in point]
-        if scenario.final_heading is not None:  # the number of numbers tells it from a point's
-            numbers.append(scenario.final_heading)
+    numbers = [coordinate for point in scenario.via for coordinate in point]
+    if scenario.final_heading is not None:  # the number of numbers tells it from a point's
+        numbers.append(scenario.final_heading)
+    if numbers:
         packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
     return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
 
@@ -155,7 +154,7 @@ def _vias(block: Block, numbers: Columns) -> Iterator[Points]:
 def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     """All scenarios of a block, one by one; one that is not valid is named by the block's key."""
     if isinstance(block, ListedBlock):
-        yield from listed_scenarios(block.listed)
+        yield from block.listed
         return
     found = columns(block)
     values = (array.tolist() for array in found.values())

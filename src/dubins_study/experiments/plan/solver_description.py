@@ -11,17 +11,23 @@ import itertools
 import math
 import re
 import sys
-from collections.abc import Iterator
 from contextlib import closing
 from functools import cache
 from typing import Any, NamedTuple
 
+from pydantic_core import PydanticCustomError
+
+from dubins_study.asking.reply import exception_text
 from dubins_study.experiments.code_digest import code_digest, plain_settings
-from dubins_study.experiments.definition.messages import KeyPath, Problem
-from dubins_study.experiments.definition.scenario_block import tables
+from dubins_study.experiments.definition.messages import SOLVER_ERROR
 from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
-from dubins_study.experiments.isolation.worker_process import Allowance, Answer, WorkerProcess
+from dubins_study.experiments.isolation.worker_process import (
+    Allowance,
+    Answer,
+    Ended,
+    WorkerProcess,
+)
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import (
@@ -33,10 +39,9 @@ from dubins_study.solvers.registry import (
     stated_method,
     unavailable,
 )
-from dubins_study.solvers.reply import exception_text
-from dubins_study.study.tolerances import PROFILES
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
+_UNAVAILABLE_LIMIT_S = 10.0  # Seconds that a plug-in may take to say whether it can run.
 
 
 class SolverDescription(NamedTuple):
@@ -51,7 +56,6 @@ class SolverDescription(NamedTuple):
     runs: str | None  # the program on PATH that it starts
     keeps_limit: bool  # its own class promises `Solver.keeps_limit`
     whole_frames: bool  # it answers whole frames at once
-    unavailable: str | None  # why it cannot run here
 
     @property
     def versions(self) -> dict[str, str]:
@@ -64,9 +68,7 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec; refused as by `solvers.registry.load`."""
     if ours(spec):
         return _describe(spec, profile)
-    with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
-        allowance = Allowance(_LOAD_LIMIT_S, activity="loading it")
-        event = worker.request([spec, profile], allowance, tuple)
+    event = _asked_apart("serve_description", [spec, profile], _LOAD_LIMIT_S)
     if isinstance(event, Answer):
         fields, message = event.value
         if message is not None:
@@ -74,6 +76,25 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
         packages, method = tuple(fields["packages"]), Method(*fields["method"])
         return SolverDescription(**(fields | {"packages": packages, "method": method}))
     raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
+
+
+def why_unavailable(spec: str, profile: str = "default") -> str | None:
+    """Why the solver of a spec cannot run here; None too where a plug-in does not say in time."""
+    if ours(spec):
+        return unavailable(load(spec, profile))
+    event = _asked_apart("serve_availability", [spec, profile], _UNAVAILABLE_LIMIT_S)
+    return event.value[0] if isinstance(event, Answer) else None
+
+
+def _asked_apart(function: str, task: list[Any], limit_s: float) -> Answer | Ended:
+    """What a function of this module says of a plug-in, in a process of its own."""
+    with closing(WorkerProcess(f"{__name__}:{function}", [], sys.maxsize)) as worker:
+        return worker.request(task, Allowance(limit_s, activity="loading it"))
+
+
+def serve_availability(channel: Channel) -> None:
+    """Say of plug-ins why they cannot run, in the process that loads them."""
+    answer_tasks(channel, lambda task: ([unavailable(load(*task))], False))
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -89,7 +110,6 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
         solver.solve_frame is not None,
-        unavailable(solver),
     )
 
 
@@ -135,60 +155,27 @@ def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     return list(dict.fromkeys(describe_solver(name, profile).spec for name in names))
 
 
-def solver_problems(fields: dict[str, Any], trust_plugins: bool) -> list[Problem]:
-    """Solvers of a file that do not exist, have no such setting, or cannot be asked what they are.
+def check_spec(spec: str, profile: str, *, trust_plugins: bool) -> None:
+    """Refuse a spec of a file whose solver does not exist, or cannot be asked what it is.
 
     Plug-in files and programs on PATH are refused unless they are trusted, since the file may come
     from anyone; none of them is loaded before.
     """
-    profile = fields.get("profile")
-    known = profile if isinstance(profile, str) and profile in PROFILES else "default"
-    problems: list[Problem] = []
-    for path, spec, needs_guess in _listed_specs(fields):
-        sentences: dict[str, None] = {}  # each once
-        try:
-            for name in written_out(spec):
-                if not trust_plugins and _untrusted(name, known):
-                    sentences[f"{name} {_UNTRUSTED}"] = None
-                    break
-                try:
-                    solver = describe_solver(name, known)
-                    if needs_guess and not solver.warm:
-                        sentences[f"{solver.spec} {_NO_GUESS}"] = None
-                except SolverError as error:
-                    sentences[str(error)] = None
-        except SolverError as error:  # the spec cannot be written out
-            sentences[str(error)] = None
-        key = ".".join(map(str, path))
-        problems += [Problem((*path, spec), f"{key}: {sentence}") for sentence in sentences]
-    return problems
+    try:
+        for name in [] if spec == "*" else written_out(spec):
+            if not trust_plugins and _untrusted(name, profile):
+                raise SolverError(f"{name} {_UNTRUSTED}")
+            describe_solver(name, profile)
+    except SolverError as error:
+        raise PydanticCustomError(SOLVER_ERROR, "{text}", {"text": str(error)}) from None
 
 
 _UNTRUSTED = (
     "runs a program or file that is not this package's; expected --trust-plugins, if you know what "
     "it is, or your own choice of --solver"
 )
-_NO_GUESS = "takes no initial guess; expected only solvers that do, or *"
 
 
 def _untrusted(spec: str, profile: str) -> bool:
     """Whether a spec would run a plug-in file or a program on PATH; the check runs neither."""
     return ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs is not None)
-
-
-def _listed_specs(fields: dict[str, Any]) -> Iterator[tuple[KeyPath, str, bool]]:
-    """The path of the list, the text of every spec of a file, and whether it is given a guess."""
-    blocks = [(("scenarios", number), block) for number, block in tables(fields)]
-    guided = any("guess_lengths" in block and "solvers" not in block for _, block in blocks)
-    first = fields.get("first")
-    lists: list[tuple[KeyPath, Any, bool]] = [
-        ((), fields, guided),
-        (("first",), first if isinstance(first, dict) else {}, False),
-        *((path, block, "guess_lengths" in block) for path, block in blocks),
-    ]
-    for path, table, needs_guess in lists:
-        specs = table.get("solvers")
-        for spec in specs if isinstance(specs, list) else ():
-            if isinstance(spec, str) and spec != "*":
-                # `*` selects the solvers that take an initial guess
-                yield (*path, "solvers"), spec, needs_guess and "*" not in specs

@@ -10,8 +10,8 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.report.data.attempts import UNTAKEN
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.verdict import judge
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.schema import Certificate, Judgement

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.schema import CELL, names
@@ -140,6 +140,4 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
 
 def _has_answer(row: Mapping[Any, Any]) -> bool:
     scenario, branch = scenario_of(row), row["branch"]
-    if scenario.one_free_leg:
-        return shortest(scenario, branch) is not None
-    return branch in ("best", "LSL", "RSR")
+    return kind_of(scenario, branch).exists(scenario, branch)

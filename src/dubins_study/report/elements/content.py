@@ -146,17 +146,6 @@ class Section:
     lead: str = ""  # the one sentence at its top that says what to see
     place: Place = Place.FRONT
 
-    @property
-    def printed_blocks(self) -> tuple[Table | Picture, ...]:
-        """The tables and pictures that a text shows."""
-        return tuple(block for block in self.blocks if not isinstance(block, Widget))
-
-    @property
-    def printed(self) -> bool:
-        """Whether it shows more than what needs a page's scripts."""
-        widgets = [isinstance(block, Widget) for block in self.blocks]
-        return not widgets or not all(widgets)
-
 
 BENCHMARK = "benchmark"  # the key of the experiment on which methods are compared
 

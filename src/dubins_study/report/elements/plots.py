@@ -24,7 +24,6 @@ from matplotlib.patches import Patch
 from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
-from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import own_name
 from dubins_study.report.elements.looks import BEHIND, Look, Palette, common_part, one_line
@@ -43,7 +42,7 @@ from dubins_study.report.elements.style import (
     plain_log_axis,
 )
 from dubins_study.report.statistics.methods import MOST_ENGINES
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray, IntArray
 
 # For captions of figures that show `statistics.methods.drawn_methods`.
 DRAWN_TEXT = (
@@ -210,7 +209,7 @@ _SHORTEST_BAR = 0.7  # inches, with the blanks around it
 
 def _bars_alike(
     heights: FloatArray, beside: FloatArray, *, narrow: bool
-) -> tuple[list[NDArray[np.intp]], FloatArray]:
+) -> tuple[list[IntArray], FloatArray]:
     """The places of panels in columns, and the columns' widths, which give all bars one length.
 
     `beside` is the width (inches) of the texts beside a panel's bars. There are fewer columns where
@@ -225,7 +224,7 @@ def _bars_alike(
     return columns, texts + max(bar, _SHORTEST_BAR)
 
 
-def _columns(heights: FloatArray, most: int) -> list[NDArray[np.intp]]:
+def _columns(heights: FloatArray, most: int) -> list[IntArray]:
     """The places of panels in columns, in order, the highest column as low as possible."""
     number = len(heights)
     cuts = combinations(range(1, number), min(most, number) - 1)

@@ -16,9 +16,8 @@ from markupsafe import Markup
 from dubins_study.report.elements import style
 from dubins_study.report.elements.content import Block, Picture, Place, Section, Table, Widget
 from dubins_study.report.page.glossary import Glossed
-from dubins_study.report.page.markup import markdown, to_markdown
-from dubins_study.study.check.certificate import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
 from dubins_study.study.check.two_arcs import ABNORMAL, NO_LENGTH, NO_TURN
+from dubins_study.study.judging.certify import CUT_TOLERANCE, PMP_ROUNDING, PMP_TOLERANCE
 from dubins_study.study.tolerances import ARRIVES, DRIVEN
 
 FRONT_PAGE, PAPER_PAGE = "index.html", "paper.html"
@@ -140,15 +139,15 @@ def summary(block: Table | Picture) -> str:
 
 
 def environment() -> Environment:
-    """Autoescape is on for HTML; Markdown escapes through its own filter."""
+    """The environment of the templates: what is filled in is escaped."""
     made = Environment(
         loader=PackageLoader("dubins_study.report.page", "templates"),
-        autoescape=lambda name: name is not None and name.endswith(".html.j2"),
+        autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"breakable": breakable, "markdown": markdown, "pipe_table": to_markdown}
+    made.filters |= {"breakable": breakable}
     made.filters |= {"folded": folded, "summary": summary, "glossed": Glossed()}
     made.filters |= {"choice": choice, "linked": linked, "packed": packed}
     made.tests |= {

@@ -1,4 +1,4 @@
-"""Tables as CSV and Markdown, where text from outside is escaped; figures as parts of the page."""
+"""Tables as CSV and LaTeX, where text from outside is escaped; figures as parts of the page."""
 
 from __future__ import annotations
 
@@ -12,19 +12,9 @@ from dubins_study.report.elements import style
 from dubins_study.report.elements.columns import Column
 from dubins_study.report.elements.content import Section, Table
 
-# Markdown's special characters: anywhere, at the start of a line, and after a list's number.
-_MARKDOWN = re.compile(r"([\\`*_\[\]|~$]|^[#+=-]|(?<=^\d)[.)](?=\s))")
-
 _RIGHT = ("number", "cell")  # kinds of columns that are aligned right
 
 _FORMULA = tuple("=+-@\t")  # a spreadsheet reads text that starts with one of these as a formula
-
-
-def markdown(text: str) -> str:
-    """Escape text so that Markdown, and HTML made from it, show it unchanged."""
-    one_line = text.replace("\n", " ").replace("\r", " ")
-    plain = one_line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return _MARKDOWN.sub(r"\\\1", plain)
 
 
 def to_csv(table: Table) -> str:
@@ -44,12 +34,22 @@ def _no_formula(value: object) -> object:
     return f"'{value}" if isinstance(value, str) and value[:1] in _FORMULA else value
 
 
-def to_markdown(table: Table) -> str:
-    """A pipe table; numbers are aligned right."""
-    rule = ["---:" if column.kind in _RIGHT else "---" for column in table.columns]
-    rows = [[markdown(column.title) for column in table.columns], rule]
-    rows += [[markdown(text) for text in row] for row in table.texts()]
-    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+def to_tex(table: Table) -> str:
+    """A `longtable` with the rules of booktabs, in UTF-8 for LuaLaTeX; solvers by short names."""
+    frame = pd.DataFrame(table.texts(), columns=[column.title for column in table.columns])
+    for place, column in enumerate(table.columns):
+        if column.kind == "solver":
+            specs = frame.iloc[:, place]
+            frame.isetitem(place, [table.labels.get(spec, spec) for spec in specs])
+    shown = frame.style.format(_tex_cell, escape="latex").hide(axis="index")
+    shown = shown.format_index(escape="latex", axis="columns")
+    sides = ["r" if column.kind in _RIGHT else "l" for column in table.columns]
+    return shown.to_latex(column_format="".join(sides), environment="longtable", hrules=True)
+
+
+def _tex_cell(text: object) -> str:
+    """One line; TeX would read a bracket at the start of a row as a distance."""
+    return str(text).replace("\n", " ").replace("[", "{[}")
 
 
 _SHOWN = (

@@ -1,15 +1,16 @@
-"""Write the report: figures, tables, Markdown and one self-contained HTML file."""
+"""Write the report: figures, tables and one self-contained HTML file."""
 
 from __future__ import annotations
 
 import gc
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
 import pandas as pd
-from jinja2 import Environment
+from jinja2 import Template
+from markupsafe import Markup
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.rejudged import Recheck
@@ -26,9 +27,8 @@ from dubins_study.report.page.environment import (
     styles,
 )
 from dubins_study.report.page.glossary import WORDS
-from dubins_study.report.page.markup import dictionary, inline, to_csv, to_markdown
+from dubins_study.report.page.markup import dictionary, inline, to_csv, to_tex
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
-from dubins_study.report.page.tex import document, to_tex
 from dubins_study.report.paper.printed import CITATION, TITLE
 from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
@@ -135,15 +135,16 @@ def write_page(
 
 
 # Names of all files and folders of a report. A folder that holds anything else is never replaced.
-_WRITTEN = {FRONT_PAGE, PAPER_PAGE, "report.md", "report.tex", "figures", "tables"}
-_BY_LATEX = {"report.aux", "report.log", "report.pdf"}  # what pdflatex makes of report.tex
+_WRITTEN = {FRONT_PAGE, PAPER_PAGE, "figures", "tables"}
+_EARLIER = {"report.md", "report.tex"}  # of earlier versions
+_SIGN = FilePath("tables", "dictionary.csv")  # by which a report is told from other pages
 
 
 def _check_target(target: FilePath) -> None:
     if target.exists() and not target.is_dir():
         raise ReportError(f"{target} is a file; expected a folder to write the report to")
     entries = {entry.name for entry in target.iterdir()} if target.exists() else set()
-    ours = _WRITTEN | _BY_LATEX if "report.md" in entries else set()  # a page alone may be any
+    ours = _WRITTEN | _EARLIER if (target / _SIGN).exists() else set()
     if others := entries - ours:
         raise ReportError(
             f"{target} holds {min(others)!r}, no part of a report; expected an empty folder"
@@ -191,57 +192,69 @@ def _write(
     for name in ("figures", "tables"):
         (folder / name).mkdir()
     blocks = [block for section in sections for block in section.blocks]
-    for table in (*(b for b in blocks if isinstance(b, Table)), dictionary(sections)):
-        for suffix, to_text in (("csv", to_csv), ("md", to_markdown), ("tex", to_tex)):
-            file = folder / "tables" / f"{table.name}.{suffix}"
-            file.write_text(to_text(table), encoding="utf-8", newline="\n")
-    drawn = {}
-    for picture in (b for b in blocks if isinstance(b, Picture)):
-        fix_layout(picture.figure)
-        svg, pdf = (figure_bytes(picture.figure, kind) for kind in ("svg", "pdf"))
-        (folder / "figures" / f"{picture.name}.svg").write_bytes(svg)
-        (folder / "figures" / f"{picture.name}.pdf").write_bytes(pdf)
-        drawn[picture.name] = inline(svg.decode("utf-8"), picture.name, picture.alt)
-        if picture.narrow is not None:
-            fix_layout(picture.narrow)
-            name, svg = f"{picture.name}-narrow", figure_bytes(picture.narrow, "svg")
-            drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
+    tables = [block for block in blocks if isinstance(block, Table)]
+    for table in (*tables, dictionary(sections)):
+        for suffix, to_text in (("csv", to_csv), ("tex", to_tex)):
+            _write_text(folder / "tables" / f"{table.name}.{suffix}", to_text(table))
+    drawn: dict[str, Markup] = {}
+    for block in blocks:
+        if isinstance(block, Picture):
+            drawn |= _write_picture(block, folder / "figures")
+    places = {place: [section for section in sections if section.place is place] for place in Place}
+    paper = places[Place.PAPER]
     content = {
         "sections": sections,
         "runs": runs,
         "drawn": drawn,
         "citation": CITATION,
         "paper_title": TITLE,
+        "glossary": WORDS,
+        "style": styles(),
+        "scripts": scripts(),
+        **head._asdict(),
     }
-    content |= {"glossary": WORDS, **head._asdict()}
-    content |= {"style": styles(), "scripts": scripts()}
-    for name, text in _documents(sections, runs, content):
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    front = {
+        "page": FRONT_PAGE,
+        "open": places[Place.FRONT],
+        "details": places[Place.DETAILS],
+        "others": [(PAPER_PAGE, "The paper, recomputed")] if paper else [],
+    }
+    about_paper = {
+        "page": PAPER_PAGE,
+        "open": paper,
+        "details": [],
+        "others": [(FRONT_PAGE, "The study")],
+    }
+    for page in (front, about_paper):
+        if page is front or paper:
+            text = _template().render(**content, **page)
+            _write_text(folder / str(page["page"]), text)
 
 
-def _documents(
-    sections: Sequence[Section], runs: Sequence[Folder], content: Mapping[str, object]
-) -> Iterator[tuple[str, str]]:
-    """The report's documents: name and text; the page about the paper only if it has a section."""
-    front, details, paper = (
-        [section for section in sections if section.place is place]
-        for place in (Place.FRONT, Place.DETAILS, Place.PAPER)
-    )
-    pages = [(FRONT_PAGE, front, details, [(PAPER_PAGE, "The paper, recomputed")] if paper else [])]
-    if paper:
-        pages.append((PAPER_PAGE, paper, [], [(FRONT_PAGE, "The study")]))
-    for name, opened, folded, others in pages:
-        parts = {"page": name, "open": opened, "details": folded, "others": others}
-        yield name, _templates().get_template("index.html.j2").render(**content, **parts)
-    yield "report.md", _templates().get_template("report.md.j2").render(**content)
-    yield "report.tex", document(_templates(), sections, runs, str(content["heading"]))
+def _write_picture(picture: Picture, folder: FilePath) -> dict[str, Markup]:
+    """Write a figure's files; returns the elements of the page, by name, for both widths."""
+    fix_layout(picture.figure)
+    svg = figure_bytes(picture.figure, "svg")
+    (folder / f"{picture.name}.svg").write_bytes(svg)
+    (folder / f"{picture.name}.pdf").write_bytes(figure_bytes(picture.figure, "pdf"))
+    drawn = {picture.name: inline(svg.decode("utf-8"), picture.name, picture.alt)}
+    if picture.narrow is not None:
+        fix_layout(picture.narrow)
+        name = f"{picture.name}-narrow"
+        svg = figure_bytes(picture.narrow, "svg")
+        drawn[name] = inline(svg.decode("utf-8"), name, picture.alt)
+    return drawn
 
 
-def _templates() -> Environment:
-    """The environment of one document: in each the first use of a word is a link."""
+def _write_text(file: FilePath, text: str) -> None:
+    file.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _template() -> Template:
+    """The template of one page: in each the first use of a word is a link."""
     templates = environment()
     templates.filters |= {"left_out": left_out, "warnings": warnings, "differing": differing}
-    return templates
+    return templates.get_template("index.html.j2")
 
 
 def warnings(run: Folder) -> list[str]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
-from typing import Any, NamedTuple
+from typing import Any
 
 from flint import arb
 
@@ -11,20 +10,19 @@ from dubins_study.report.paper.exact import (
     NIL,
     Target,
     ball,
-    decide,
     heading,
     left_straight,
-    offset,
+    miss,
     pieces,
     positive,
     target,
     text,
+    truncated,
 )
-from dubins_study.report.paper.printed import PROBLEMS, Problem
+from dubins_study.report.paper.printed import PROBLEMS, WORDS, Problem
 from dubins_study.study.check.enclosure import right_left_solutions
 
 Record = dict[str, Any]
-_WORDS = ("LS", "RS")
 
 
 def algorithm() -> list[Record]:
@@ -41,39 +39,41 @@ def algorithm() -> list[Record]:
 
 
 def _crossing(position: str, problem: Problem) -> Record:
-    unit = target(problem, arb(1))
-    left = positive(unit.Y)
-    circle = (unit.X**2 + unit.Y**2) / (2 * abs(unit.Y))
-    near = _beside(problem, circle, left)
-    arc = arb.atan2(near.X, 1 - near.Y)
+    at = target(problem, arb(1))
+    left = positive(at.Y)
+    circle = (at.X**2 + at.Y**2) / (2 * abs(at.Y))
+    near = _beside(problem, circle)
     front = positive(near.X)
-    optimum, algorithm = _beyond(near)
-    round_radius = _rounded_up(circle)
-    there, algorithm_there = _beyond(_beside(problem, ball(round_radius), left))
-    excess = float(algorithm / optimum - 1)
+    arc = arb.atan2(near.X, 1 - near.Y)
+    if not front:
+        arc += 2 * arb.pi()
+    optimum, returned = _beyond(near)
+    example_radius = _rounded_up(circle)
+    example_optimum, example_returned = _beyond(_beside(problem, arb(example_radius)))
+    excess = float(returned / optimum - 1)
     return {
         "label": position,
         "circle": "left" if left else "right",
         "half": "front" if front else "rear",
         "radius": text(circle),
-        "length_there": float((arc if front else arc + 2 * arb.pi()) * circle),
+        "length_there": float(arc * circle),
         "word_beyond": "RL" if left else "LR",
         "length_beyond": float(optimum * circle),
         "algorithm_word": "RS" if left else "LS",
-        "algorithm_length": float(algorithm * circle),
+        "algorithm_length": float(returned * circle),
         "algorithm_excess": excess,
         "model_excess": excess if left else 0.0,
-        "example_radius": round_radius,
-        "example_length": float(there * round_radius),
-        "example_algorithm_length": float(algorithm_there * round_radius),
-        "example_excess": float(algorithm_there / there - 1),
+        "example_radius": example_radius,
+        "example_length": float(example_optimum * example_radius),
+        "example_algorithm_length": float(example_returned * example_radius),
+        "example_excess": float(example_returned / example_optimum - 1),
     }
 
 
-def _beside(problem: Problem, radius: arb, left: bool) -> Target:
-    """The target in radii, mirrored if it enters the right turning circle, not the `left` one."""
+def _beside(problem: Problem, radius: arb) -> Target:
+    """The target in radii; mirrored if it lies to the right, so that it enters the left circle."""
     at = target(problem, radius)
-    return at if left else at.mirrored
+    return at if positive(at.Y) else at.mirrored
 
 
 def _beyond(near: Target) -> tuple[arb, arb]:
@@ -85,61 +85,35 @@ def _beyond(near: Target) -> tuple[arb, arb]:
 
 def _rounded_up(value: arb) -> int:
     """The next larger whole number with only one digit other than zero."""
-
-    def rule(exact: Decimal) -> int:
-        unit: int = 10 ** exact.adjusted()
-        return (int(exact) // unit + 1) * unit
-
-    return decide(value, rule)
-
-
-class Extremal(NamedTuple):
-    """An LS or RS, with its multipliers nu0 = 1 and (nu1, nu2) = -(cos, sin) of `end`."""
-
-    problem: Problem
-    length: arb
-    end: arb  # final heading, not wrapped
-    arrives: bool  # it meets (4.10) and (4.11)
-    qualifies: bool  # it meets H = 0 at the start and the control law
-
-
-def _extremal(problem: Problem, word: str) -> Extremal:
-    """A word of a scenario.
-
-    H is (2.9) at the start, times R, with nu3 from (2.10) and nu3 = 0 on the straight. The control
-    law (2.14) asks for nu3 and the turn rate of opposite sign; |turn| < 2 pi, so nu3 is not 0.
-    """
-    nil, z = ball(NIL), pieces(problem, word)
-    start = heading(problem)
-    end = start + (z[0] - z[1]) / problem.radius
-    switch = 1 - (end - start).cos()
-    hamiltonian = 1 + (start - end - arb.pi()).cos() - switch
-    return Extremal(
-        problem,
-        z[0] + z[1] + z[2],
-        end,
-        arrives=all(abs(side) < nil for side in offset(problem, z)),
-        qualifies=positive(switch) and abs(hamiltonian) < nil,
-    )
+    whole = int(truncated(value, 0))
+    unit = int(10 ** (len(str(whole)) - 1))
+    return (whole // unit + 1) * unit
 
 
 def statements() -> list[Record]:
     """The paper's statements that its scenarios decide: records of where, says, holds, finding."""
-    paths = [_extremal(problem, word) for problem in PROBLEMS.values() for word in _WORDS]
+    met = True
+    turns: list[arb] = []
+    ends: list[arb] = []  # final headings, not wrapped
+    ratios: list[float] = []  # the longer of LS and RS by the shorter
+    for problem in PROBLEMS.values():
+        both = [pieces(problem, word) for word in WORDS]
+        met &= all(miss(problem, z) < ball(NIL) for z in both)
+        lengths = [z[0] + z[1] + z[2] for z in both]
+        ratios.append(float(max(lengths) / min(lengths)))
+        turned = [(z[0] - z[1]) / problem.radius for z in both]
+        turns += turned
+        ends += [heading(problem) + turn for turn in turned]
+    # With nu0 = 1, (nu1, nu2) = -(cos, sin) of the end, nu3 from (2.10) and zero on the straight, H
+    # (2.9) is zero at the start of each LS and RS; the control law (2.14) asks for nu3 and the turn
+    # rate of opposite sign.
+    qualify = [turn for turn in turns if positive(1 - turn.cos())]
+    # phi = end + pi, and an arctangent lies where the cosine is positive
+    off = [end for end in ends if positive(end.cos())]
+    inside = [end for end in ends if positive(end) and positive(2 * arb.pi() - end)]
     crossings = algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
-    met = all(path.arrives for path in paths)
     radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)
-    qualify = [path for path in paths if path.qualifies]
-    longest = max(
-        float(first.length / second.length)
-        for first in qualify
-        for second in paths
-        if first.problem == second.problem
-    )
-    # phi = end + pi, and an arctangent lies where the cosine is positive
-    off = [path for path in paths if positive(path.end.cos())]
-    inside = [path for path in paths if positive(path.end) and positive(2 * arb.pi() - path.end)]
     table = (
         (
             "(4.10), (4.11)",
@@ -166,19 +140,19 @@ def statements() -> list[Record]:
             "the conditions that an optimal path meets",
             "three are left out: nu0 >= 0, multipliers not all zero (zeros meet the rest on any "
             "path) and nu3 = 0 at the end, where the heading is free. With them they are still not "
-            f"sufficient: {len(qualify)} of the {len(paths)} exact LS and RS qualify, "
-            f"up to {longest:.2f} times as long as the optimum",
+            f"sufficient: {len(qualify)} of the {len(ends)} exact LS and RS qualify, "
+            f"up to {max(ratios):.2f} times as long as the optimum",
         ),
         (
             "after (2.8)",
             "tan phi = nu2 / nu1",
-            f"phi taken from it is off by pi on {len(off)} of the {len(paths)} exact paths, where "
+            f"phi taken from it is off by pi on {len(off)} of the {len(ends)} exact paths, where "
             "(2.15) then comes to 2 instead of 0",
         ),
         (
             "section 2, (4.7)",
             "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
-            f"both cannot hold: {len(paths) - len(inside)} of the {len(paths)} exact paths end "
+            f"both cannot hold: {len(ends) - len(inside)} of the {len(ends)} exact paths end "
             "outside [0, 2 pi]",
         ),
     )

@@ -2,8 +2,8 @@
 
 The routes are the four examples of C. Y. Kaya, Markov-Dubins interpolating curves, Computational
 Optimization and Applications 73 (2019) 647-677, which the packaged experiment `kaya` holds. The
-lengths stand in the test programs of icosac/MPDP, a solver by dynamic programming: Kaya's as
-`KayaLengths` in `test/dubinsTest.cc`, and its own to thirty digits.
+lengths (in `printed.toml`) stand in the test programs of icosac/MPDP, a solver by dynamic
+programming: Kaya's as `KayaLengths` in `test/dubinsTest.cc`, and its own to thirty digits.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from dubins_study.study.check.reference import reference_of
+from dubins_study.report.paper.printed import NUMBERS
 from dubins_study.study.check.verdict import words_of
+from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.scenario import Scenario
 
 SHORTEST, LONGER, TOO_SHORT = "shortest", "longer", "too short"
@@ -28,17 +29,7 @@ class PrintedRoute(NamedTuple):
     expected: str = SHORTEST
 
 
-_KAYA, _MPDP = "Kaya", "MPDP"
-PRINTED_ROUTES = (
-    PrintedRoute(_KAYA, "example 1", "3.415578858075"),
-    PrintedRoute(_KAYA, "example 2", "6.2780346"),
-    PrintedRoute(_KAYA, "example 3", "11.916212654286"),
-    PrintedRoute(_KAYA, "example 4", "7.467562181965"),
-    PrintedRoute(_MPDP, "example 1", "3.41557885807514871601142658619"),
-    PrintedRoute(_MPDP, "example 2", "6.27803455030931356617429628386"),
-    PrintedRoute(_MPDP, "example 3", "11.9162126542854860389297755319"),
-    PrintedRoute(_MPDP, "example 4", "7.46756219733842652175326293218", LONGER),
-)
+PRINTED_ROUTES = [PrintedRoute(**each) for each in NUMBERS["routes"]]
 
 
 def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:

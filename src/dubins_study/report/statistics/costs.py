@@ -17,9 +17,9 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from dubins_study.report.statistics.methods import Compared
-from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.path import FloatArray
-from dubins_study.study.scenario import COLUMNS
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.kinds.table import kind_of
+from dubins_study.study.scenario import COLUMNS, Scenario
 from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import BRANCHES
 
@@ -276,6 +276,11 @@ def _contains(word: str, subproblem: str) -> bool:
     return all(letter in letters for letter in word)
 
 
+def _has_path(scenario: Scenario, word: str) -> bool:
+    kind = kind_of(scenario)
+    return word not in kind.branches or kind.exists(scenario, word)
+
+
 def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
     """Whether each subproblem has a path; true of all that are no words, such as the joint model.
 
@@ -287,9 +292,7 @@ def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
     columns: list[dict[Any, Any]] = attempts[list(COLUMNS)].iloc[first].to_dict("records")
     words = subproblems[first]
     known = [
-        word not in BRANCHES[1:]
-        or not (scenario := scenario_of(line)).one_free_leg
-        or shortest(scenario, word) is not None
+        word not in BRANCHES[1:] or _has_path(scenario_of(line), word)
         for line, word in zip(columns, words, strict=True)
     ]
     every: FloatArray = np.array(known)[place]

@@ -16,7 +16,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.special import bdtr, ndtr
 
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 LEVEL = 0.95
 RESAMPLES = 1000

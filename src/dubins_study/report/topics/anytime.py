@@ -16,7 +16,7 @@ from dubins_study.report.elements.looks import Palette, common_part, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.elements.style import WIDE
 from dubins_study.report.topics.routes import with_legs
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 FLOOR = 1e-9  # a smaller gap is drawn there: it is the reference's own width, or rounding
 _A_DECADE = 8  # points of a curve

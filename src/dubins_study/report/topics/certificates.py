@@ -13,7 +13,7 @@ from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import in_page_order, labels_of
 from dubins_study.report.statistics.metrics import proof
 from dubins_study.report.topics.summary import best_solvers
-from dubins_study.study.check.certificate import PMP_TOLERANCE
+from dubins_study.study.judging.certify import PMP_TOLERANCE
 
 COUNTS = (
     SOLVER,

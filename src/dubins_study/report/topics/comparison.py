@@ -53,7 +53,7 @@ from dubins_study.report.statistics.methods import (
     foremost,
     once,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 # A method that was put to fewer of the questions would shrink what all have in common.
 ENOUGH_ASKED = 0.9

@@ -19,7 +19,7 @@ from dubins_study.report.topics.findings_evidence import (
     estimate_of,
 )
 from dubins_study.report.topics.routes import TITLE
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least

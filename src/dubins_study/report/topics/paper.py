@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping
 from decimal import Decimal
 from typing import Any
@@ -19,14 +20,20 @@ from dubins_study.report.elements.content import (
     Topic,
 )
 from dubins_study.report.elements.formats import count, digits
-from dubins_study.report.paper.printed import QUANTITIES, compare
+from dubins_study.report.paper.printed import (
+    CORRECT,
+    PROBLEMS,
+    QUANTITIES,
+    WORDS,
+    committed,
+    segments,
+)
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path
 
-_MISPRINTED = ("misprint", "differs")
-# Decimals of exact lengths; a double below 100 has no more than the latter.
-_PLACES, _MOST_PLACES = 6, 17
+_PLACES = 6  # decimals of exact lengths
 _HALF = Decimal("0.005")  # of the last decimal that the paper prints
+_AS_PRINTED = 0.005 + 1e-9  # the small rest: binary fractions instead of decimal ones
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
@@ -42,53 +49,73 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 
 
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
-    """Two rows for each printed row of one table of `compare`: what is printed, and the exact.
+    """Two rows for each printed row of the audit's cells: what is printed, and the exact.
 
     Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, empty
     if the path does not have it.
     """
-    records: list[dict[str, object]] = []
-    for (label, path), group in cells.groupby(["label", "path"], sort=False):
-        printed: dict[str, object] = {"label": label, "path": path, "source": "paper"}
-        exact: dict[str, object] = {"label": label, "path": path, "source": "exact"}
-        for cell in group.to_dict("records"):
-            quantity, mark = str(cell["quantity"]), " ✗" if cell["verdict"] in _MISPRINTED else ""
-            printed[quantity] = f"{cell['printed']:.2f}{mark}"
-            exact[quantity] = None if pd.isna(cell["ours"]) else _exact_text(cell, bool(mark))
-        records += [printed, exact]
-    columns = ["label", "path", "source", *QUANTITIES]
-    return pd.DataFrame.from_records(records, columns=columns).astype(object)
+    rows: dict[tuple[str, str, str], dict[str, str]] = {}
+    for cell in cells.to_dict("records"):
+        mark = "" if cell["verdict"] == CORRECT else " ✗"
+        texts = {"paper": cell["printed"] + mark, "exact": _exact_text(cell)}
+        for source, text in texts.items():
+            row = rows.setdefault((cell["label"], cell["path"], source), {})
+            row[cell["quantity"]] = text
+    index = pd.MultiIndex.from_tuples(rows, names=["label", "path", "source"])
+    return pd.DataFrame([*rows.values()], index, columns=[*QUANTITIES]).reset_index()
 
 
-def _exact_text(cell: Mapping[Hashable, Any], wrong: bool) -> str:
+def _exact_text(cell: Mapping[Hashable, Any]) -> str:
     """The exact length with six decimals; with more if these would round to what is printed wrong.
 
     Of 1.73499986, six decimals are 1.735000, which looks as if 1.74 were right.
     """
-    printed = Decimal(f"{cell['printed']:.2f}")
-    texts = (f"{cell['ours']:.{places}f}" for places in range(_PLACES, _MOST_PLACES))
-    far = (text for text in texts if abs(Decimal(text) - printed) > _HALF)
-    return next(far) if wrong else f"{cell['ours']:.{_PLACES}f}"
+    places = _PLACES
+    exact = Decimal(cell["exact"])
+    wrong = cell["verdict"] != CORRECT
+    while wrong and abs(round(exact, places) - Decimal(cell["printed"])) <= _HALF:
+        places += 1
+    return str(round(exact, places))
 
 
-def scores(results: Results) -> pd.DataFrame:
+def answered(cells: pd.DataFrame, paths: Mapping[tuple[str, str], Path]) -> pd.Series[float]:
+    """The length of each cell by the paths of a solver, as `word_paths`; NaN without a path."""
+    lengths = {
+        (*key, quantity): length
+        for key, path in paths.items()
+        for quantity, length in zip(
+            QUANTITIES, segments(path, PROBLEMS[key[0]].radius), strict=True
+        )
+    }
+    keys = zip(cells["label"], cells["word"], cells["quantity"], strict=True)
+    return pd.Series([lengths.get(key, math.nan) for key in keys])
+
+
+def scores(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: how many of the printed cells it answers, and as they are printed.
 
     Columns solver, cells, answered, printed, length_off and segment_off (largest errors of f and of
     z1, z2, z3 against the closed form, length unit).
     """
-    rows = results.rows[results.rows["branch"].isin(["LS", "RS"])]
-    exact = compare(word_paths(results, EXACT))
-    turns = exact["quantity"] != "f"
+    rows = results.rows[results.rows["branch"].isin(WORDS)]
+    exact = answered(cells, word_paths(results, EXACT))
+    whole = cells["quantity"] == "f"
     records = []
     for solver in solver_order(rows["solver"].tolist()):
-        cells = compare(word_paths(results, solver))
-        error = (cells["ours"] - exact["ours"]).abs()
-        answered, printed = cells["ours"].notna().sum(), (cells["verdict"] == "correct").sum()
-        off = error[~turns].max(), error[turns].max()
-        records.append((solver, len(exact), answered, printed, *off))
-    columns = ["solver", "cells", "answered", "printed", "length_off", "segment_off"]
-    return pd.DataFrame.from_records(records, columns=columns)
+        ours = answered(cells, word_paths(results, solver))
+        error = (ours - exact).abs()
+        as_printed = (ours - cells["printed"].astype(float)).abs() <= _AS_PRINTED
+        records.append(
+            {
+                "solver": solver,
+                "cells": len(cells),
+                "answered": ours.notna().sum(),
+                "printed": as_printed.sum(),
+                "length_off": error[whole].max(),
+                "segment_off": error[~whole].max(),
+            }
+        )
+    return pd.DataFrame(records)
 
 
 _TITLES = {
@@ -102,13 +129,12 @@ _TITLES = {
 
 def paper_section(results: Results) -> Section | None:
     """Tables 6.1-6.5 cell by cell, and every solver's score."""
-    paths = word_paths(results, EXACT)
-    if not paths:
+    if not word_paths(results, EXACT):
         return None
-    cells = compare(paths)
+    cells = pd.DataFrame(committed()["cells"])
     blocks = [_side_by_side(cells, number) for number in _TITLES]
-    blocks.append(_scores(scores(results)))
-    right = int((cells["verdict"] == "correct").sum())
+    blocks.append(_scores(scores(results, cells)))
+    right = int((cells["verdict"] == CORRECT).sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
         "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "

@@ -11,7 +11,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
@@ -38,6 +37,7 @@ from dubins_study.report.elements.style import (
     new_figure,
 )
 from dubins_study.report.topics.paper import word_paths
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
@@ -79,7 +79,7 @@ def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
     Columns of `plot_paths`, one row per radius.
     """
     rows = paths.sort_values("radius", ascending=False).to_dict("records")
-    shown: list[NDArray[np.float64]] = []
+    shown: list[FloatArray] = []
     for place, row in enumerate(rows):
         path, radius = row["path"], float(row["radius"])
         points = path.sample(600)[:, :2]

@@ -26,7 +26,8 @@ from dubins_study.report.elements.style import (
     Style,
 )
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.study.path import FloatArray, Paths
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Paths
 from dubins_study.study.scenario_frame import check_frame
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
@@ -59,8 +60,8 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
         return exact.iloc[:0]
     dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
-    from dubins_study.study.check.verdict_frame import REGIONS, judge_frame
     from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
+    from dubins_study.study.judging.verdict_frame import REGIONS, judge_frame
 
     x, y = (each.ravel() for each in np.meshgrid(*dense))
     first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}

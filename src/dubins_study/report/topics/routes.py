@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
 from dubins_study.report.data.results import Results
@@ -51,7 +50,8 @@ from dubins_study.report.statistics.methods import best_methods, methods_of, str
 from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
-from dubins_study.study.path import RIPPLE, FloatArray, Path, outline
+from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
 
 TITLE = "Routes of many legs"
@@ -312,7 +312,7 @@ def _points_per_unit(ax: Axes) -> float:
     return float(unit.min()) * 72 / ax.figure.dpi
 
 
-def _runs(points: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     """Points of the parts that are inside, shape (m, 2), with a NaN between two runs of them."""
     parts = np.flatnonzero(inside)
     ends = points[np.column_stack((parts, parts + 1)).ravel()]

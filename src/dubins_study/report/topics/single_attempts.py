@@ -103,7 +103,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
-        most = max(_FEWEST_ATTEMPTS, int(0.9 * len(rows) * _MOST_BYTES / size))
+        most = max(_FEWEST_ATTEMPTS, int(0.9 * min(most, len(rows)) * _MOST_BYTES / size))
 
 
 def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:

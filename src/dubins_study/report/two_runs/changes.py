@@ -20,7 +20,7 @@ from dubins_study.report.statistics.intervals import (
     wilcoxon_test,
 )
 from dubins_study.report.statistics.metrics import solver_order, success
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.tolerances import ARRIVES
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -149,52 +150,44 @@ def _better(row: pd.Series, slower: float) -> str:
     return "same code" if row["same_code"] else "no change"
 
 
+_CODE = "code of solvers, settings or packages"
+
+
 def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
     """What two manifests do not share: what, base, new (as text), and solvers.
 
     `solvers` is how many of the solvers in both runs it is about; NaN if it is about the run.
     """
-    lines = [*_of_runs(base, new), *_of_solvers(base, new)]
-    return pd.DataFrame(lines, columns=["what", "base", "new", "solvers"])
+    before = _facts(base, new)
+    after = _facts(new, base)
+    lines: Counter[tuple[str, str, str]] = Counter()
+    for what, solver in dict.fromkeys([*before, *after]):
+        old = before.get((what, solver))
+        newer = after.get((what, solver))
+        if old != newer:
+            texts = ("one digest", "another") if what == _CODE else (_text(old), _text(newer))
+            lines[what, *texts] += solver is not None
+    frame = pd.DataFrame([*lines], columns=["what", "base", "new"])
+    solvers = pd.Series([*lines.values()], dtype=float)
+    return frame.assign(solvers=solvers.where(solvers > 0))
 
 
-_Line = tuple[str, str, str, float]
-
-
-def _of_runs(base: Manifest, new: Manifest) -> Iterator[_Line]:
+def _facts(manifest: Manifest, other: Manifest) -> dict[tuple[str, str | None], object]:
+    """(what, None) -> what a manifest says of its run; (what, solver) -> of a solver in both."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
-    before, after = (
-        {name.replace("_", " "): getattr(each, name) for name in plain}
-        | {f"machine: {key}": value for key, value in each.machine.items()}
-        | {f"version of {key}": value for key, value in each.versions.items()}
-        | {"git commit": each.git.get("commit")}
-        | {"jobs": ", ".join(map(str, sorted({run.jobs for run in each.runs})))}
-        for each in (base, new)
-    )
-    for what in dict.fromkeys([*before, *after]):
-        if before.get(what) != after.get(what):
-            yield what, _text(before.get(what)), _text(after.get(what)), float("nan")
-
-
-def _of_solvers(base: Manifest, new: Manifest) -> Iterator[_Line]:
-    """Packages with their versions, one line each; code and settings, one line for all solvers."""
-    both = [spec for spec in base.solvers if spec in new.solvers]
-    changed: dict[tuple[str, str, str], int] = {}
-    for spec in both:
-        before, after = base.solvers[spec], new.solvers[spec]
-        values = {
-            f"package {name}": (before.packages.get(name), after.packages.get(name))
-            for name in dict.fromkeys([*before.packages, *after.packages])
-        } | {f"settings of {spec}": (before.settings, after.settings)}
-        for what, (old, newer) in values.items():
-            if old != newer:
-                line = (what, _text(old), _text(newer))
-                changed[line] = changed.get(line, 0) + 1
-    for line, number in changed.items():
-        yield *line, float(number)
-    code = sum(base.solvers[spec].code_digest != new.solvers[spec].code_digest for spec in both)
-    if code:
-        yield "code of solvers, settings or packages", "one digest", "another", float(code)
+    jobs = sorted({run.jobs for run in manifest.runs})
+    of_run: dict[str, object] = {name.replace("_", " "): getattr(manifest, name) for name in plain}
+    of_run |= {f"machine: {key}": value for key, value in manifest.machine.items()}
+    of_run |= {f"version of {key}": value for key, value in manifest.versions.items()}
+    of_run |= {"git commit": manifest.git.get("commit"), "jobs": ", ".join(map(str, jobs))}
+    facts: dict[tuple[str, str | None], object] = {(what, None): of_run[what] for what in of_run}
+    for solver, entry in manifest.solvers.items():
+        if solver in other.solvers:
+            packages = entry.packages.items()
+            facts |= {(f"package {name}", solver): version for name, version in packages}
+            facts[f"settings of {solver}", solver] = entry.settings
+            facts[_CODE, solver] = entry.code_digest
+    return facts
 
 
 def _text(value: object) -> str:

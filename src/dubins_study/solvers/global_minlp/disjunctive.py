@@ -31,7 +31,8 @@ from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.words import NEEDS, TURN, Claim
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
@@ -140,7 +141,7 @@ class Disjunctive(EngineSolver):
         return Model(question, course, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: Model, limit: float) -> Solution:
-        there = at_start(model.question) if model.course.free_leg else None
+        there = at_start(model.question)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit

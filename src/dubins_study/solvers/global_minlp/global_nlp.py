@@ -15,7 +15,6 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
@@ -42,7 +41,9 @@ from dubins_study.solvers.paper_nlp.polish import meet_target
 from dubins_study.solvers.paper_nlp.program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, within
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.words import BRANCHES, Claim
 
 
@@ -168,10 +169,10 @@ class GlobalNlp(EngineSolver):
 def _program(question: Question, subproblem: Subproblem, lifted: bool) -> MixedProgram:
     """The program of a subproblem; a joint one, if `lifted`, with the final heading in it."""
     X, Y = target(question.scenario, subproblem.mirrored)
-    upper = np.array((FULL_TURN, FULL_TURN, math.hypot(X, Y) + 2))
+    upper = np.array((TWO_PI, TWO_PI, math.hypot(X, Y) + 2))
     posed = program(Case(subproblem, np.where(subproblem.mask, upper, 0.0), (X, Y)))
     if lifted and len(subproblem.free) == 3:
-        turn = (-FULL_TURN, FULL_TURN)
+        turn = (-TWO_PI, TWO_PI)
         bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
         posed = Program(_with_heading(), posed.p, *bounds)
 

@@ -11,16 +11,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.course import FULL_TURN, Course
+from dubins_study.solvers.course import Course
 from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Written
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
 
 WORDS = BRANCHES[1:]  # of a last leg to a free final heading
 _OF_LEGS = POSE_BRANCHES[1:]  # of all others
 _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
-_QUARTER = FULL_TURN / 4
+_QUARTER = TWO_PI / 4
 # binaries that say how many whole turns a heading is off, from _FEWEST_TURNS on
 _TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
@@ -45,24 +46,24 @@ def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = 
     ranges: dict[tuple[int, str], tuple[float, float]] = {}
     for leg in range(n):
         three_arcs = "RLR" in of_leg[leg]
-        turns = -FULL_TURN / 2 if three_arcs else 0.0, FULL_TURN
+        turns = -TWO_PI / 2 if three_arcs else 0.0, TWO_PI
         ranges |= dict.fromkeys(((leg, "alpha"), (leg, "gamma")), turns)
         if leg:
-            ranges[leg, "mu"] = 0.0, FULL_TURN
+            ranges[leg, "mu"] = 0.0, TWO_PI
         if three_arcs:
-            ranges[leg, "beta"] = _QUARTER, FULL_TURN / 2
+            ranges[leg, "beta"] = _QUARTER, TWO_PI / 2
     m = ConcreteModel(name="dubins-disjunctive")
     m.z = Var(ranges, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
     m.c = Var(ranges, bounds=(-1, 1), initialize=math.cos(1))
     m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
     # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
     farthest = [
-        each + 2 if ends else max(each + 4, 2 * FULL_TURN)
+        each + 2 if ends else max(each + 4, 2 * TWO_PI)
         for each, ends in zip(away, free, strict=True)
     ]
     m.w = Var(range(n), bounds=lambda m, leg: (0, farthest[leg]), initialize=1)
     # the headings between the legs, and whole turns by which they leave the range of `mu`
-    m.theta = Var(range(1, n + (course.last is not None)), bounds=(-2 * FULL_TURN, 3 * FULL_TURN))
+    m.theta = Var(range(1, n + (course.last is not None)), bounds=(-2 * TWO_PI, 3 * TWO_PI))
     m.whole = Var(m.theta.index_set(), _TURN_DIGITS, domain=Binary)
     if quadrants:
         _add_quadrants(m, ranges)
@@ -77,7 +78,7 @@ def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = 
     m.word = Disjunct(chosen, rule=rule)
     m.one_word = Disjunction(range(n), rule=lambda m, leg: [m.word[leg, w] for w in of_leg[leg]])
     if course.last is not None:
-        last = math.remainder(course.last, FULL_TURN)
+        last = math.remainder(course.last, TWO_PI)
         m.arrives = Constraint(expr=m.theta[n] - _whole_turns(m, n) == last)
     ends = sum(m.z[leg, name] for leg in range(n) for name in ("alpha", "gamma"))
     m.length = Objective(expr=ends + sum(m.w[leg] for leg in range(n)))
@@ -161,7 +162,7 @@ def _word(disjunct: Any, leg: int, word: str, X: float, Y: float) -> None:
 
 def _whole_turns(m: Any, point: int) -> Any:
     digits = sum(digit * m.whole[point, digit] for digit in _TURN_DIGITS)
-    return FULL_TURN * (_FEWEST_TURNS + digits)
+    return TWO_PI * (_FEWEST_TURNS + digits)
 
 
 def pieces(word: str, alpha: float, gamma: float, w: float, beta: float) -> FloatArray:

@@ -27,7 +27,7 @@ from dubins_study.solvers.paper_nlp.local_nlp import attempts, choose
 from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, option_set, positive, whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import ROOTS, Claim
 
 # The iteration ends at steps smaller than `tol` by this factor. It converges superlinearly, except

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.course import FULL_TURN
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 
 # Controls of the model's three lengths; mirrored together with the subproblem.
 TURNS = (1.0, -1.0, 0.0)
@@ -159,7 +159,7 @@ class Structure:
         for turn, duration in zip(self.turns, durations.tolist(), strict=True):
             low, high = sorted((heading, heading + turn * duration))
             if turn != 0 and duration > 0:
-                if low + (away - low) % FULL_TURN <= high:
+                if low + (away - low) % TWO_PI <= high:
                     largest = math.hypot(nu1, nu2)
                 else:
                     largest = max(-nu1 * math.cos(t) - nu2 * math.sin(t) for t in (low, high))
@@ -245,8 +245,8 @@ def examine(
 
 def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
     first, second = durations.tolist()
-    last = max(second, 0.0) if structure.singular else second % FULL_TURN
-    return np.array((first % FULL_TURN, last))
+    last = max(second, 0.0) if structure.singular else second % TWO_PI
+    return np.array((first % TWO_PI, last))
 
 
 def _without(structure: Structure, durations: FloatArray, missing: int) -> FloatArray:
@@ -256,7 +256,7 @@ def _without(structure: Structure, durations: FloatArray, missing: int) -> Float
     """
     moved = float(durations[missing])
     if not (structure.singular and missing == 1):
-        moved = math.remainder(moved, FULL_TURN) if math.isfinite(moved) else math.nan
+        moved = math.remainder(moved, TWO_PI) if math.isfinite(moved) else math.nan
     changed = durations.copy()
     changed[1 - missing] += moved
     changed[missing] = 0.0

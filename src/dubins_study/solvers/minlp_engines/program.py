@@ -11,11 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from dubins_study.solvers.answers import Point, Run
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.words import Claim
 
 
@@ -52,7 +49,7 @@ class MixedProgram:
 
     lower: FloatArray
     upper: FloatArray
-    binary: NDArray[np.bool_]
+    binary: BoolArray
     write: Callable[[Sequence[Any], Any], Written]
 
     @property

@@ -23,7 +23,7 @@ import numpy as np
 from dubins_study.solvers.answers import STATUSES, claim_of
 from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 _MODEL = "model"  # APMonitor's names of its files

@@ -22,7 +22,7 @@ from dubins_study.solvers.nlp_engines.program import (
     no_point,
 )
 from dubins_study.solvers.setting_checks import nested
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 

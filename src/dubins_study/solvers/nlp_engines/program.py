@@ -12,13 +12,10 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import Claim
-
-IntArray = NDArray[np.intp]
 
 
 class Stages(NamedTuple):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 
 class PyomoProgram(NamedTuple):

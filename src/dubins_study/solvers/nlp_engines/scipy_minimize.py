@@ -17,7 +17,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Program,
     needs_watch,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 # The duals of two end-point equations whose path ends straight are a unit vector; up to this length

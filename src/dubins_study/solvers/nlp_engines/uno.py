@@ -9,7 +9,7 @@ import numpy as np
 
 from dubins_study.solvers.answers import claim_of
 from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 
 def filtersqp(options: dict[str, Any]) -> NlpCall:

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import Course, wrapped
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 INTEGRATORS = ("exact", "rk4")

@@ -24,7 +24,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 _POSE = 3  # x, y, heading
 

@@ -23,7 +23,7 @@ from dubins_study.solvers.answers import (
     total,
     tried,
 )
-from dubins_study.solvers.course import FULL_TURN, Course, body_course
+from dubins_study.solvers.course import Course, body_course
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
@@ -41,8 +41,10 @@ from dubins_study.solvers.paper_nlp.polish import one_sided_only
 from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import Local, local
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
 
@@ -159,7 +161,7 @@ class Transcription(EngineSolver):
     def solve(self, model: Model, limit: float) -> Solution:
         question, course = model.question, model.course
         rounding = coordinate_rounding(question.scenario)
-        if course.free_leg and (there := at_start(question, rounding)):
+        if there := at_start(question, rounding):
             return there
         if self.initial_guess == "words" and not course.free_leg:
             # those of a route's legs are known from the closed form only
@@ -345,7 +347,7 @@ def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
     question, course, rates, template = model
     n, shares, repeat = solver.n, template.shares, question.repeat
     random = np.random.default_rng((solver.seed + repeat, repeat))
-    longest = (2 * np.hypot(*course.steps.T) + 2 + FULL_TURN)[:, None]
+    longest = (2 * np.hypot(*course.steps.T) + 2 + TWO_PI)[:, None]
     for _ in range(solver.count):  # one by one: time may be up long before the last
         if shares is None:
             length = (random.uniform(0.0, 2 / n, (course.legs, n)) * longest).ravel()
@@ -384,12 +386,12 @@ def _shaped(word: str, target: Local) -> Iterator[Path]:
         yield from (Path(HERE, (sign, -sign), arcs) for arcs in _TWO_ARCS)
         return
     distance = math.hypot(target.X, target.Y)
-    facing = (sign * math.atan2(target.Y, target.X)) % FULL_TURN
-    if facing > FULL_TURN - _STRAIGHT - 2 * target.delta / distance:
+    facing = (sign * math.atan2(target.Y, target.X)) % TWO_PI
+    if facing > TWO_PI - _STRAIGHT - 2 * target.delta / distance:
         facing = 0.0
     distance = max(distance, LEAST)
     aim = facing + math.atan(1 / distance)
     for turn in (facing, aim, *(aim + swing for swing in _SWINGS)):
-        arc = turn % FULL_TURN
+        arc = turn % TWO_PI
         lengths = (max(arc, LEAST), distance)
         yield Path(HERE, (sign * arc / lengths[0], 0.0), lengths)

@@ -33,7 +33,7 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
 )
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import QP, Claim
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.sparse import diags_array, eye_array, issparse, kron
 
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 
 class Answer(NamedTuple):

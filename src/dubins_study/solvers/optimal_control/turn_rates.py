@@ -22,7 +22,7 @@ from dubins_study.solvers.optimal_control.arcs import (
 )
 from dubins_study.solvers.optimal_control.transcription import Guess, NlpTranscription, Transcribed
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 # radii; a shortest path is longer than the target's distance by less than two full turns
 _DETOUR = 4 * math.pi

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, Subproblem, target
 from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 
 INITIAL_GUESSES = ("bearing", "one", "words", "straight", "zero", "random", "given")
 
@@ -89,7 +90,7 @@ def initial_guesses(
         for word in _words_of(subproblem, both):
             yield _first(question, SUBPROBLEMS[word], subproblem.mirrored)
     elif kind == "random":
-        largest = np.array((FULL_TURN, FULL_TURN, 2 * math.hypot(X, Y) + 2))
+        largest = np.array((TWO_PI, TWO_PI, 2 * math.hypot(X, Y) + 2))
         random = np.random.default_rng(seed)
         for _ in range(count):  # one by one: time may be up long before the last
             yield random.uniform(size=3) * largest * subproblem.mask
@@ -127,22 +128,22 @@ def _bearing(
     if subproblem.free == (0, 1):
         facing = math.atan2(Y - 1, X) + math.pi / 2
         beyond = min(max(math.hypot(X, Y - 1) - 1, 0.0), 2.0)
-        long = min(max(FULL_TURN - beyond * math.pi / 2, _LEAST_SECOND), _LONGEST_SECOND)
+        long = min(max(TWO_PI - beyond * math.pi / 2, _LEAST_SECOND), _LONGEST_SECOND)
         arcs = _EITHER_SECOND_ARC if prescribed else [(a, long) for a in _LONG_SECOND_ARC]
         for aside, second in arcs:
-            yield (facing + aside) % FULL_TURN, second, 0.0
+            yield (facing + aside) % TWO_PI, second, 0.0
         return
     if subproblem.free == (0, 1, 2):
         yield _toward(X, Y)
         return
     bearing = math.atan2(Y, X)
-    facing = (bearing if subproblem.free[0] == 0 else -bearing) % FULL_TURN
-    if min(facing, FULL_TURN - facing) < _STRAIGHT:
+    facing = (bearing if subproblem.free[0] == 0 else -bearing) % TWO_PI
+    if min(facing, TWO_PI - facing) < _STRAIGHT:
         yield 0.0, 0.0, distance
         return
     aim = facing + math.atan(1 / distance)
     for arc in (aim, facing, *(aim + swing for swing in _SWINGS)):
-        yield arc % FULL_TURN, arc % FULL_TURN, distance + 0.5
+        yield arc % TWO_PI, arc % TWO_PI, distance + 0.5
 
 
 def _toward(X: float, Y: float) -> tuple[float, float, float]:

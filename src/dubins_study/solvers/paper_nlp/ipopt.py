@@ -27,7 +27,7 @@ from dubins_study.solvers.setting_checks import (
     tolerance,
     within,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 
 @dataclass(frozen=True)

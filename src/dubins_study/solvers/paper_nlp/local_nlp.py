@@ -12,7 +12,6 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Attempts, Run, at_start, costs, in_world, settled, tried
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.paper_nlp.initial_guesses import (
     INITIAL_GUESSES,
@@ -32,7 +31,8 @@ from dubins_study.solvers.paper_nlp.model import (
 )
 from dubins_study.solvers.protocol import Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, Claim
 
 
@@ -130,7 +130,7 @@ class LocalNlp(Solver):
 def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
     # A path with a full turn in it is never shortest, so the cap, which the paper does not have,
     # removes local minima and no optimum (docs/derivation.md, section 7).
-    arc = FULL_TURN if capped else math.inf
+    arc = TWO_PI if capped else math.inf
     return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
 
 

@@ -14,12 +14,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dubins_study.solvers.course import path_of
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 
@@ -32,7 +32,7 @@ class Subproblem:
     free: tuple[int, ...]  # indices into z of the lengths that are not fixed
 
     @cached_property
-    def mask(self) -> NDArray[np.bool_]:
+    def mask(self) -> BoolArray:
         """Which lengths are free, shape (3,)."""
         return np.isin(np.arange(3), self.free)
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, equations, jacobian, target
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS, local
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
@@ -73,7 +74,7 @@ def one_sided_only(question: Question, path: Path) -> str | None:
     straight = path.length / scenario.radius - turn
     end = path.end
     missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
-    arcs = turn % FULL_TURN, min(turn, FULL_TURN)  # either side of a full turn
+    arcs = turn % TWO_PI, min(turn, TWO_PI)  # either side of a full turn
     # within delta of the target the word may exist; EPS is the rounding of the word's own end
     allowed = max(missed + EPS, local(scenario).delta)
     least = math.inf
@@ -97,8 +98,8 @@ def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, fl
     """
     subproblem = SUBPROBLEMS[word]
     free = list(subproblem.free)
-    upper = np.array((FULL_TURN, FULL_TURN, math.inf))[free]
-    at = np.clip(np.where(subproblem.mask, z, 0.0), 0.0, (FULL_TURN, FULL_TURN, math.inf))
+    upper = np.array((TWO_PI, TWO_PI, math.inf))[free]
+    at = np.clip(np.where(subproblem.mask, z, 0.0), 0.0, (TWO_PI, TWO_PI, math.inf))
     residual = equations(at, X, Y)
     for _ in range(_STEPS):
         step = np.linalg.lstsq(jacobian(at)[:, free], -residual, rcond=None)[0]

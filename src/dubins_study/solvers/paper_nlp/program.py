@@ -30,7 +30,7 @@ from dubins_study.solvers.nlp_engines.program import (
 )
 from dubins_study.solvers.paper_nlp.local_nlp import Case
 from dubins_study.solvers.paper_nlp.model import end_point, equations, hessian, jacobian
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, eye_array, kron
 
 from dubins_study.solvers.answers import at_start, claim_of, coordinate_rounding, costs
-from dubins_study.solvers.course import FULL_TURN, path_of
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
@@ -29,7 +29,8 @@ from dubins_study.solvers.minlp_engines.program import (
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, legs, route_of
 from dubins_study.solvers.setting_checks import one_of, whole, within
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, Claim
 
 # of rows: the least that HiGHS takes
@@ -65,7 +66,7 @@ class Layers(NamedTuple):
 
 def layers(route: Route, count: int) -> Layers:
     """So many headings at each point, equally far apart, from the start's on."""
-    grid = route.first + FULL_TURN / count * np.arange(count)
+    grid = route.first + TWO_PI / count * np.arange(count)
     headings = [np.array([route.first]), *[grid] * route.unknowns]
     if route.last is not None:
         headings.append(np.array([route.last]))
@@ -157,7 +158,7 @@ class HeadingMilp(EngineSolver):
         question, route, found, flow = model
         scenario = question.scenario
         rounding = coordinate_rounding(scenario)
-        if scenario.one_free_leg and (there := at_start(question, rounding)):
+        if there := at_start(question, rounding):
             return there
         began = perf_counter()
         if self.engine == "highs":

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.course import FULL_TURN, path_of
+from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -29,8 +29,10 @@ from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Claim
 
@@ -104,7 +106,7 @@ class Headings(SearchSolver):
     def solve(self, model: tuple[Question, Route], limit: float) -> Solution:
         question, route = model
         scenario = question.scenario
-        if scenario.one_free_leg and (there := at_start(question)):
+        if there := at_start(question):
             return there
         trace: Trace = []
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
@@ -137,7 +139,7 @@ class Headings(SearchSolver):
                 return
             guess = route.toward_next()
             if drawn:
-                guess = random.uniform(0.0, FULL_TURN, route.unknowns)
+                guess = random.uniform(0.0, TWO_PI, route.unknowns)
             if nothing_unknown:
                 length = route_length(route, guess)
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
@@ -193,7 +195,7 @@ class LengthInBox:
 
     def __init__(self, route: Route, low: FloatArray) -> None:
         self._route, self._low = route, low
-        self.upper: FloatArray = np.full(low.size, FULL_TURN)
+        self.upper: FloatArray = np.full(low.size, TWO_PI)
 
     def at(self, free: FloatArray) -> float:
         """The length at one point, shape (k,)."""

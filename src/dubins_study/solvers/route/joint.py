@@ -19,7 +19,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
-from dubins_study.solvers.course import FULL_TURN, heading_gap, path_of
+from dubins_study.solvers.course import heading_gap, path_of
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
@@ -32,7 +32,8 @@ from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, TURN, Claim
 
 _LETTERS = "LRSLR"
@@ -122,7 +123,7 @@ class RouteNlp(EngineSolver):
     def solve(self, model: PosedRoute, limit: float) -> Solution:
         question, program, places = model.question, model.program, model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if question.scenario.one_free_leg and (there := at_start(question)):
+        if there := at_start(question):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
@@ -142,7 +143,7 @@ class RouteNlp(EngineSolver):
         route = model.route
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
-            if self.initial_guess == "bearing" and model.question.scenario.one_free_leg:
+            if self.initial_guess == "bearing" and route.free_leg:
                 yield words_guess(route, model.known)
         elif self.initial_guess == "words":
             yield words_guess(route, model.known)
@@ -190,7 +191,7 @@ def program(route: Route, places: Places = ()) -> Program:
     """
     places = places or (_ALL,) * route.legs
     ends = [route.first] if route.last is None else [route.first, route.last]
-    upper = np.where(_ARCS, FULL_TURN, math.inf)
+    upper = np.where(_ARCS, TWO_PI, math.inf)
     highest = np.tile([*upper, math.inf], route.legs)
     lowest = np.tile([*np.zeros(_ARCS.size), -math.inf], route.legs)
     known = any(leg != _ALL for leg in places)
@@ -285,7 +286,7 @@ def straight_guess(route: Route) -> FloatArray:
 
 def random_guess(route: Route, random: np.random.Generator) -> FloatArray:
     """Arcs up to a full turn, straights up to twice the distance plus 2."""
-    most = np.tile(np.where(_ARCS, FULL_TURN, 0.0), (len(route.steps), 1))
+    most = np.tile(np.where(_ARCS, TWO_PI, 0.0), (len(route.steps), 1))
     most[:, ~_ARCS] = 2 * np.hypot(*route.steps.T)[:, None] + 2
     return _point(route, most * random.uniform(size=most.shape))
 

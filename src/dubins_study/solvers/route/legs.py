@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.course import Course, world_course
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import WORDS6
-from dubins_study.study.path import FloatArray
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
 

@@ -34,7 +34,7 @@ from dubins_study.solvers.stochastic.penalty_function import (
     PenaltyFunction,
     Task,
 )
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 

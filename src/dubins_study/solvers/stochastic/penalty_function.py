@@ -15,11 +15,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from dubins_study.solvers.course import FULL_TURN
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.paper_nlp.model import Subproblem, end_point
 from dubins_study.solvers.setting_checks import OPTION_SETS
-from dubins_study.study.path import FloatArray
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 _FARTHEST_CENTRE = 3.0  # radii from the start: 1 to the first circle's centre, 2 to the second's
@@ -45,7 +45,7 @@ class PenaltyFunction:
         self._target, self._weight = target, weight
         farthest = math.hypot(*target) + _FARTHEST_CENTRE
         # upper bounds of the free lengths, shape (n,); the lower ones are 0
-        self.upper: FloatArray = np.array((FULL_TURN, FULL_TURN, farthest))[self._free]
+        self.upper: FloatArray = np.array((TWO_PI, TWO_PI, farthest))[self._free]
 
     def at(self, free: FloatArray) -> float:
         """phi at one point of the free lengths, shape (n,), in radii."""

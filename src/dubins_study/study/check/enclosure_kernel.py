@@ -1,15 +1,11 @@
-"""Proven intervals around the shortest lengths of frames, in compiled loops.
+"""Proven intervals around the shortest lengths of legs to given headings, in compiled loops.
 
-They do what `enclosure.enclose` and, with final headings, `enclosure.enclose_pose` do for one
-row: an interval holds the lengths of all data within delta of a row's (`body_coordinates.Local`,
-`closed_form.pose.Leg`), by the arithmetic of `interval_kernel`. A row is left to these functions
-where that arithmetic does not decide on which side of an edge of the branch all of the data lie, or
-where its interval would be much wider than their lengths are.
-
-Which word is the shortest to a free heading is taken from the synthesis (docs/derivation.md,
-section 6): outside the disc on the target's side the one that turns toward the target and goes
-straight, inside it the other side's turn and the long second arc. `enclose` does not assume that.
-The words to a given heading are in section 15.
+They do for frames what `enclosure.enclose_pose` does for one row: an interval holds the lengths of
+all data within delta of a row's (`closed_form.pose.Leg`), by the arithmetic of `interval_kernel`.
+The check of frames compares answers with them. A row is left to `enclose_pose` where that
+arithmetic does not decide on which side of an edge of the branch all of the data lie, or where its
+interval would be much wider than their lengths are. The words to a given heading are in
+docs/derivation.md, section 15.
 """
 
 from __future__ import annotations
@@ -19,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.check.interval_kernel import (
     FULL_TURN,
@@ -30,7 +27,6 @@ from dubins_study.study.check.interval_kernel import (
     chosen,
     exact,
     is_signed,
-    lesser,
     minus,
     negative,
     over,
@@ -40,12 +36,10 @@ from dubins_study.study.check.interval_kernel import (
     times,
     widened,
 )
-from dubins_study.study.closed_form.kernel import ScenarioArrays
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose import PER_HEADINGS, WORDS6
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, turn_between
-from dubins_study.study.path import BoolArray, FloatArray
 
 # A row is left where the radius of its interval is above these parts of the length and of delta:
 # the arithmetic makes of one delta some five, but next to (0, 2) any number.
@@ -58,12 +52,7 @@ _BLUNTEST = 1e-6
 _MARGIN = 1.125
 # rad, of `turn_between` (docs/derivation.md, section 15)
 _TURN_ERROR = 2e-15
-_BEST, _STRAIGHT, _ARCS = -1, 0, 1  # beside places in `WORDS6`
-_FORMS = {"best": _BEST, "LS": _STRAIGHT, "RS": _STRAIGHT, "RL": _ARCS, "LR": _ARCS}
-
-
-# a shortest length in radii, infinite where there is no path, and whether it is decided
-_Shortest = tuple[Interval, bool]
+_BEST = -1  # beside places in `WORDS6`
 
 
 class Bounds(NamedTuple):
@@ -74,16 +63,12 @@ class Bounds(NamedTuple):
     left: BoolArray  # rows that the loops leave, without bounds
 
 
-def bound_rows(rows: ScenarioArrays | PoseArrays, branch: str = "best") -> Bounds:
+def bound_rows(legs: PoseArrays, branch: str = "best") -> Bounds:
     """Enclose the shortest length of every row, but for the rows that are left."""
-    n = rows.x.size
+    n = legs.x.size
     bounds = Bounds(np.empty(n), np.empty(n), np.empty(n, np.bool_))
-    if isinstance(rows, PoseArrays):
-        word = _BEST if branch == "best" else WORDS6.index(branch)
-        _bound_poses(n, PoseArrays(*map(loop_input, rows)), word, bounds)
-    else:
-        mirrored, scenarios = branch in ("RS", "LR"), ScenarioArrays(*map(loop_input, rows))
-        _bound_targets(n, scenarios, _FORMS[branch], mirrored, bounds)
+    word = _BEST if branch == "best" else WORDS6.index(branch)
+    _bound_poses(n, PoseArrays(*map(loop_input, legs)), word, bounds)
     return bounds
 
 
@@ -105,22 +90,6 @@ def _ends_in_units(length: Interval, radius: float, delta: float) -> tuple[float
 
 
 @inlined
-def _targets(
-    x: float, y: float, heading: float, tx: float, ty: float, radius: float
-) -> tuple[Interval, Interval, float]:
-    """X and Y of the scenario's targets, and a bound on delta."""
-    sine, cosine = sine_cosine(heading)
-    s, c = Interval(sine, SINE_COSINE_ERROR), Interval(cosine, SINE_COSINE_ERROR)
-    dx, dy, R = minus(exact(tx), exact(x)), minus(exact(ty), exact(y)), exact(radius)
-    X = over(plus(times(dx, c), times(dy, s)), R)
-    Y = over(minus(times(dy, c), times(dx, s)), R)
-    extent = (abs(x) + abs(y) + abs(tx) + abs(ty)) / radius
-    distance = abs(X.mid) + X.rad + abs(Y.mid) + Y.rad
-    delta = (PER_EXTENT * extent + PER_DISTANCE * distance) * GROWTH + TINY
-    return widened(X, delta), widened(Y, delta), delta
-
-
-@inlined
 def _full_angle(rise: Interval, run: Interval) -> tuple[Interval, bool]:
     """The angle of the point (run, rise), from 0 to 2 pi, and whether it is decided.
 
@@ -130,119 +99,6 @@ def _full_angle(rise: Interval, run: Interval) -> tuple[Interval, bool]:
     angle = angle_above(Interval(abs(rise.mid), rise.rad), run)
     decided = (abs(rise.mid) > rise.rad) | positive(negative(run))
     return chosen(below, minus(FULL_TURN, angle), angle), decided
-
-
-@inlined
-def _left_straight(X: Interval, Y: Interval, w: Interval) -> _Shortest:
-    """LS of a target outside the left disc: its bearing from the circle's centre, and s - atan s.
-
-    The bearing of the tangent's point of contact is less by atan s, that of a triangle with sides
-    1 and s. s - atan s changes by s^2 / (1 + s^2) times what s does: little, next to the circle.
-    """
-    s = root(negative(w))
-    bearing, decided = _full_angle(X, minus(exact(1.0), Y))
-    # for a target ahead and to the right the turn is nearly a full one
-    ahead_right = (X.mid >= 0.0) & (Y.mid < 0.0)
-    bearing = plus(bearing, FULL_TURN) if ahead_right else bearing
-    corner = angle_above(exact(s.mid), exact(1.0))
-    most = s.mid + s.rad
-    spread = s.rad * min(most * most, 1.0) * GROWTH
-    rest = minus(exact(s.mid), corner)
-    return plus(bearing, Interval(rest.mid, rest.rad + spread)), decided
-
-
-@inlined
-def _right_left(X: Interval, Y: Interval, p: Interval, long: bool) -> _Shortest:
-    """RL of a target that the right circle's centre is 1 to 3 radii from, p = d^2 - 1.
-
-    The triangle of that centre, the second arc's centre and the target has sides 2, 1 and d, so
-    4 d times the cosine of its angle at the first is p + 4, and 4 times that at the second 4 - p;
-    with the root D of p (8 - p) in place of both for the sines. The first arc is the angle of a
-    product of complex numbers, the direction to the target turned by the triangle's angle.
-    """
-    D = root(times(p, minus(exact(8.0), p)))
-    up, side = plus(Y, exact(1.0)), plus(p, exact(4.0))
-    signed = D if long else negative(D)
-    rise = plus(times(X, side), times(up, signed))
-    run = minus(times(up, side), times(X, signed))
-    first, decided = _full_angle(rise, run)
-    corner = angle_above(D, minus(exact(4.0), p))
-    second = minus(FULL_TURN, corner) if long else corner
-    return plus(first, second), decided
-
-
-@inlined
-def _squares(X: Interval, Y: Interval) -> tuple[Interval, Interval]:
-    """1 - |T - C_L|^2 and |T - C_R|^2 - 1."""
-    square, double = plus(times(X, X), times(Y, Y)), plus(Y, Y)
-    return minus(double, square), plus(double, square)
-
-
-@inlined
-def _best(X: Interval, Y: Interval) -> _Shortest:
-    """The shortest of all for Y = |Y|, which is as far from the right circle as -Y from the left.
-
-    The edges are both circles, and the start lies on them.
-    """
-    w, p = _squares(X, Y)
-    length, decided = _right_left(X, Y, p, True) if w.mid > 0.0 else _left_straight(X, Y, w)
-    return length, decided & is_signed(w)
-
-
-@inlined
-def _straight_word(X: Interval, Y: Interval) -> _Shortest:
-    """LS; its edges are the left circle and the axis ahead, where the start is."""
-    w, _ = _squares(X, Y)
-    if w.mid > 0.0:
-        return exact(math.inf), is_signed(w)
-    length, decided = _left_straight(X, Y, w)
-    off_axis = is_signed(Y) | positive(negative(X))
-    return length, decided & is_signed(w) & off_axis
-
-
-@inlined
-def _arcs_word(X: Interval, Y: Interval) -> _Shortest:
-    """The shorter RL; its edges are the circles of 1 and 3 radii about C_R, and the left circle.
-
-    On that one a first arc begins or ends to be a whole turn, which its bearing tells.
-    """
-    _, p = _squares(X, Y)
-    q = minus(exact(8.0), p)
-    in_reach = is_signed(p) & is_signed(q)
-    if p.mid < 0.0 or q.mid < 0.0:
-        return exact(math.inf), in_reach
-    long, long_decided = _right_left(X, Y, p, True)
-    short, short_decided = _right_left(X, Y, p, False)
-    return lesser(long, short), long_decided & short_decided & in_reach
-
-
-@inlined
-def _of_form(X: Interval, Y: Interval, form: int, mirrored: bool) -> _Shortest:
-    if form == _BEST:
-        return _best(X, Interval(abs(Y.mid), Y.rad))
-    Y = negative(Y) if mirrored else Y
-    return _straight_word(X, Y) if form == _STRAIGHT else _arcs_word(X, Y)
-
-
-@threaded
-def _bound_targets(
-    begin: int,
-    end: int,
-    scenarios: ScenarioArrays,
-    form: int,
-    mirrored: bool,
-    bounds: Bounds,
-) -> None:
-    x, y, heading, tx, ty, radius = scenarios
-    low, high, left = bounds
-    for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
-        X, Y, delta = _targets(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        length, decided = _of_form(X, Y, form, mirrored)
-        low[i], high[i], useful = _ends_in_units(length, radius[i], delta)
-        left[i] = not (decided & useful & (abs(heading[i]) <= LARGEST_ANGLE))
-
-
-# Legs with a given final heading
 
 
 class _Ends(NamedTuple):

@@ -22,6 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import (
     ABNORMAL,
@@ -32,13 +34,12 @@ from dubins_study.study.check.two_arcs import (
     nearest_rate,
     pose_costates,
 )
-from dubins_study.study.path import FEW, FloatArray, Path, corners
+from dubins_study.study.path import FEW, Path, corners
 from dubins_study.study.scenario import Pose
-from dubins_study.study.tolerances import ARRIVES, DRIVEN
+from dubins_study.study.tolerances import ARRIVES, allowed_miss
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 _NO_PIECE = (0.0, 0.0)
-_TURN = 2 * math.pi
 # coefficients of nu0, nu1, nu2 and of nu3 at the end
 Row = tuple[float, float, float, float]
 
@@ -109,7 +110,7 @@ def _free_word(u: list[float], length: list[float]) -> list[float] | None:
     pieces = [(k, s) for k, s in zip(u, length, strict=True) if s != 0.0]
     (u1, l1), (u2, l2) = (*pieces, _NO_PIECE, _NO_PIECE)[:2]
     total = l1 + l2
-    allowed, short = ARRIVES + DRIVEN * total, NO_LENGTH * min(1.0, total)
+    allowed, short = allowed_miss(ARRIVES, 1.0, 0.0, total), NO_LENGTH * min(1.0, total)
     t1, t2 = nearest_rate(u1), nearest_rate(u2)
     off1, off2 = abs(u1 - t1), abs(u2 - t2)
     # bounds the distance between the ends: a heading that is off moves all that is driven after
@@ -131,7 +132,8 @@ def _posed_word(u: list[float], length: list[float]) -> list[float] | None:
     rates, total = [nearest_rate(k) for k in u], sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # how far the end lies off what is driven at full rates
-    if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > ARRIVES + DRIVEN * total:
+    allowed = allowed_miss(ARRIVES, 1.0, 0.0, total)
+    if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > allowed:
         return None
     arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
@@ -173,7 +175,7 @@ def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArra
 def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, FloatArray]) -> bool:
     """Whether a merged path is the driven one, its end and its length compared."""
     before = float(driven[1].sum())
-    allowed = ARRIVES + DRIVEN * before
+    allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
     if not abs(before - float(merged[1].sum())) <= allowed:
         return False
     end, other = (corners(_ORIGIN, *path)[-1] for path in (merged, driven))
@@ -310,6 +312,6 @@ def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
     nearest = -1.0
     for before, after in arcs:
         a, b = before - opposite, after - opposite
-        passed = max(a, b) // _TURN > min(a, b) // _TURN
+        passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
         nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
     return nu0 - math.hypot(nu1, nu2) * nearest

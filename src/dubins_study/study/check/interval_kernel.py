@@ -149,10 +149,3 @@ def is_signed(a: Interval) -> bool:
 def widened(a: Interval, by: float) -> Interval:
     """All numbers that are at most `by` from an interval."""
     return Interval(a.mid, (a.rad + by) * GROWTH)
-
-
-@inlined
-def lesser(a: Interval, b: Interval) -> Interval:
-    """The smaller of a number of each: it is as near to the smaller `mid` as the larger `rad`."""
-    known = a.rad + b.rad < math.inf  # a maximum may pass over a NaN
-    return Interval(min(a.mid, b.mid), max(a.rad, b.rad) if known else math.inf)

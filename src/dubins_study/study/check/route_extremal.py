@@ -16,10 +16,10 @@ from operator import attrgetter
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import coo_array, hstack, vstack
 
+from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.check.extremal import (
     Conditions,
     Extremal,
@@ -28,7 +28,7 @@ from dubins_study.study.check.extremal import (
     pieces,
     sign_margin,
 )
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 _BESIDE = 1e-5  # radii; what is shorter between a via point and the end of a piece is nothing
@@ -179,7 +179,7 @@ def _signs(headings: Sequence[tuple[int, float]], n: int) -> coo_array:
     return _matrix(rows, columns, n)
 
 
-def _matrix(rows: Sequence[tuple[float, ...]], columns: NDArray[np.intp], n: int) -> coo_array:
+def _matrix(rows: Sequence[tuple[float, ...]], columns: IntArray, n: int) -> coo_array:
     """A sparse matrix of n columns from the numbers in some columns of each row."""
     numbers = np.array(rows, np.float64).reshape(columns.shape)
     at = np.repeat(np.arange(len(rows)), columns.shape[1]), np.maximum(columns, 0).ravel()

@@ -1,14 +1,13 @@
 """The word and the costates of a path of at most two arcs, in plain scalar arithmetic.
 
-Python runs these functions for one path; `verdict_frame` and `certificate_frame` compile the same
-functions for millions. They are written for both: no objects, no allocation, and selects instead
-of branches where a loop over rows is to be vectorised.
+Python runs these functions for one path; `judging.verdict_frame` compiles `path_word` for millions.
 """
 
 from __future__ import annotations
 
 import math
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.path import RIPPLE
 
 PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
@@ -24,7 +23,6 @@ NO_TURN = 1e-6
 NO_LENGTH = 1e-6
 # a costate nu0 below this share of (nu1, nu2) is none: the extremal is abnormal
 ABNORMAL = 1e-9
-_TURN = 2 * math.pi
 
 
 def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
@@ -71,7 +69,7 @@ def costates(
     """
     if turn2 != 0.0:
         longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
-        cut = min(min(second - math.pi, _TURN - second), longest - first)
+        cut = min(min(second - math.pi, TWO_PI - second), longest - first)
     else:
         cut = math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
     x, y, abnormal, worst, margin = _inflected(heading, turn1, first, turn2, second, 0.0, 0.0)
@@ -178,7 +176,7 @@ def _least(nu0: float, rho: float, a: float, b: float) -> float:
     """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal.sign_margin`."""
     low, high = min(a, b), max(a, b)
     if rho < 0.0:  # least where the cosine is greatest
-        passed = math.floor(high / _TURN) > math.floor(low / _TURN)
+        passed = math.floor(high / TWO_PI) > math.floor(low / TWO_PI)
         return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
-    passed = math.floor((high - math.pi) / _TURN) > math.floor((low - math.pi) / _TURN)
+    passed = math.floor((high - math.pi) / TWO_PI) > math.floor((low - math.pi) / TWO_PI)
     return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))

@@ -1,36 +1,22 @@
-"""The check: a path judged from its controls alone, against the closed form."""
+"""What a path does at the points of its scenario, its word, and what may be claimed of it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
-from functools import lru_cache
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from dubins_study.study.body_coordinates import EPS, local
-from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.check.reference import reference_of
+from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits
-from dubins_study.study.closed_form.shortest import (
-    Shortest,
-    margin_local,
-    region_of,
-    shortest,
-    shortest_local,
-)
-from dubins_study.study.path import Path, drivable
-from dubins_study.study.rows.schema import Judgement
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import DEFAULT, DRIVEN, HEADED, Tolerances, arrives
+from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, allowed_miss, arrives
 from dubins_study.study.words import TURN, Claim, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
-# By how much the optimal length may change per shift of the target, at least: it does by 1 where
-# the path ends straight, and more near a turning circle, where that changes within the shift.
-STEEP = 10.0
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
 # same angle and differ by more than any discretisation of use.
 COARSE = 0.05
@@ -40,127 +26,6 @@ COARSE = 0.05
 DISCRETISED_WORD = 0.05
 # radians that a turn of another basin differs by, at least
 _ANOTHER_TURN = 1.0
-
-
-def judge(
-    scenario: Scenario,
-    path: Path | None,
-    claim: Claim = Claim.NONE,
-    branch: str = "best",
-    tolerances: Tolerances = DEFAULT,
-) -> Judgement:
-    """Judge a path, or its absence, for a question.
-
-    Nothing that the solver reports enters but its controls and, for `false_claim` and the
-    verdict `none exists`, its claim.
-    """
-    free_leg = scenario.one_free_leg
-    optimum, known = _closed_form(scenario, branch) if free_leg else (None, _NO_REGION)
-    if path is None or not drivable(path):
-        verdict = Verdict.NONE if path is None else Verdict.MISSES
-        # a route and the best path always exist, and nothing has to be searched for
-        denied = path is None and claim is Claim.INFEASIBLE and branch != "best"
-        if denied and reference_of(scenario, branch).enclosure.absent:
-            verdict = Verdict.NONE_EXISTS
-        return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
-    seen = _seen(scenario, path, branch, tolerances)
-    length, at = path.length, seen.visits.at
-    word = path_word_of(path) if free_leg else words_of(path, at, scenario.radius)
-    verdict = Verdict.MISSES
-    if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
-        if free_leg:
-            verdict, found = _of_free_leg(scenario, path, branch, seen, word, tolerances, optimum)
-        else:
-            verdict, found = _of_visits(scenario, path, branch, seen, word, tolerances)
-        known = known | found
-    return Judgement(
-        verdict=verdict,
-        false_claim=is_false(claim, verdict),
-        word=word,
-        length=length,
-        travel_time=length / scenario.speed,
-        miss=seen.miss,
-        visits=list(at) or None,
-        curvature_excess=seen.excess,
-        **known,
-    )
-
-
-_NO_REGION: dict[str, Any] = {"region": None, "margin": None}  # but of a leg to a free heading
-
-
-@lru_cache(maxsize=16384)
-def _closed_form(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
-    """A question's shortest path, and the columns of a judgement that only the question decides.
-
-    Many cells of a run ask the same question.
-    """
-    target = local(scenario)
-    optimum = shortest_local(target, branch)
-    return optimum, {
-        "region": region_of(target.w, target.mirrored.w),
-        "margin": margin_local(target.X, abs(target.Y)),
-        "reference_word": None if optimum is None else optimum.word,
-        "reference": None if optimum is None else optimum.total * scenario.radius,
-    }
-
-
-def _of_free_leg(
-    scenario: Scenario,
-    path: Path,
-    branch: str,
-    seen: _Seen,
-    word: str,
-    tolerances: Tolerances,
-    optimum: Shortest | None,
-) -> tuple[Verdict, dict[str, Any]]:
-    """The verdict on a path of one leg that arrives with any heading, and its columns.
-
-    It is compared with the scenario's shortest length. Only a miss makes a shorter path possible:
-    it is compared with the shortest to where it ends, so that missing buys nothing. That is no
-    longer than the path itself, whatever side of a circle its end is rounded to. Where neither has
-    a path of the branch, a point of a turning circle within the miss may.
-    """
-    length, radius, end = path.length, scenario.radius, seen.end
-    reference = None if optimum is None else optimum.total * radius
-    if reference is None or length < reference * (1.0 - ROUNDED):
-        there = shortest(visited(scenario, (), end), branch)
-        if there is not None:
-            reference = min(there.total * radius, length)
-    if reference is None:
-        target = local(scenario)
-        off = 2.0 * math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-        there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
-        if there is None:
-            return Verdict.MISSES, {}
-        reference = there.total * radius
-    reference = _known_to_delta(scenario, branch, length, reference, tolerances.gap)
-    gap = (length - reference) / max(reference, radius)
-    longer = gap > tolerances.gap
-    return Verdict.LONGER if longer else Verdict.OPTIMAL, {
-        "reference": reference,
-        "gap": gap,
-        "wrong_basin": longer and _is_wrong_basin(path, word, gap, *_basins(optimum)),
-    }
-
-
-def _known_to_delta(
-    scenario: Scenario, branch: str, length: float, reference: float, gap: float
-) -> float:
-    """The reference that an answer is compared with, for data that are known to delta.
-
-    Of a longer answer that is the longest shortest length, over targets within delta, that is not
-    above the answer's length.
-    """
-    allowed = gap * max(reference, scenario.radius)
-    if length - reference <= allowed:
-        return reference
-    nearest = enclose(scenario, branch).nearest(length, allowed)
-    if nearest is None:
-        return reference
-    # what delta alone moves a length by is no reason for another reference
-    matters = length - nearest <= allowed or nearest - reference > allowed
-    return nearest if matters else reference
 
 
 def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose) -> Scenario:
@@ -189,21 +54,12 @@ def path_word_of(path: Path) -> str:
 _NO_ARC = (0.0, 0.0)
 
 
-def _is_wrong_basin(
+def is_wrong_basin(
     path: Path, word: str, gap: float, words: Sequence[str], turns: Sequence[float]
 ) -> bool:
     """Whether a longer path is another local optimum than those of some words and net turns."""
     another_word, turn = gap > COARSE and word not in words, path.turn
     return another_word or all(abs(turn - best) > _ANOTHER_TURN for best in turns)
-
-
-def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """Words and net turns (rad) of the shortest path, if any, and, of a tie, its mirror image."""
-    if optimum is None:
-        return (), ()
-    lengths = [length for length in optimum.segments if length > 0]
-    turn = sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
-    return optimum.words, (turn, -turn)[: len(optimum.words)]
 
 
 def curvature_excess(curvature: Sequence[float], branch: str) -> float:
@@ -215,7 +71,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     """
     if not curvature:
         return 0.0
-    if branch == "best":
+    if not TURN.keys() >= set(branch):  # no word
         return max(0.0, max(map(abs, curvature)) - 1.0)
     if branch in ("LS", "RS"):
         side = 1 if branch[0] == "L" else -1
@@ -232,7 +88,7 @@ def curvature_excess(curvature: Sequence[float], branch: str) -> float:
     return min(excess)
 
 
-class _Seen(NamedTuple):
+class Seen(NamedTuple):
     """What a path does at the points of its scenario."""
 
     visits: Visits
@@ -243,53 +99,35 @@ class _Seen(NamedTuple):
     arrives: bool
 
 
-def _seen(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> _Seen:
+# where a path meets the via points of a scenario, from how near it must come (length unit)
+FindVisits = Callable[[Scenario, Path, float], Visits]
+
+
+def visits_in_order(scenario: Scenario, path: Path, allowed: float) -> Visits:
+    """The earliest visit of each via point after the one before."""
+    return visits(path, scenario.via, scenario.radius, allowed)
+
+
+def seen_of(
+    scenario: Scenario,
+    path: Path,
+    branch: str,
+    tolerances: Tolerances,
+    find_visits: FindVisits = visits_in_order,
+) -> Seen:
+    """What a path that can be driven does at the points of a scenario."""
     radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
-    allowed = tolerances.miss * radius + DRIVEN * (extent + length)
-    seen = visits(path, scenario.via, radius, allowed)
+    allowed = allowed_miss(tolerances.miss, radius, extent, length)
+    seen = find_visits(scenario, path, allowed)
     miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
     turned, blur = 0.0, 0.0
     if scenario.final_heading is not None:
         turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
         blur = DRIVEN * (abs(end.heading) + abs(scenario.final_heading) + length / radius)
     there = arrives(miss, radius, extent, length, tolerances.miss)
-    return _Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
-
-
-def _of_visits(
-    scenario: Scenario, path: Path, branch: str, seen: _Seen, word: str, tolerances: Tolerances
-) -> tuple[Verdict, dict[str, Any]]:
-    """The verdict on an arriving path of a route, or to a final heading, and its columns.
-
-    It is compared with the scenario's reference. Only if it is shorter by more than what it misses
-    its points by explains, it is compared with that of the points that it visits.
-
-    One leg has a known set of lengths, for all data within delta, of which the nearest counts. Of a
-    route the interval's lower end is the reference, so that the gap is proven.
-    """
-    radius, length, gap = scenario.radius, path.length, tolerances.gap
-    best = reference_of(scenario, branch, tolerances)
-    moved = STEEP * (scenario.legs * seen.miss + seen.turned * radius)
-    if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
-        there = visited(scenario, seen.visits.points, seen.end)
-        best = reference_of(there, branch, tolerances)
-    if best.path is None or not best.enclosure.exists:
-        return Verdict.MISSES, {}
-    low = high = best.enclosure.low
-    if scenario.via:
-        high = best.enclosure.high
-    elif (nearest := best.enclosure.nearest(length, gap * max(low, radius))) is not None:
-        low = high = nearest
-    above, reference_word = (length - low) / max(low, radius), words_of(best.path, best.at, radius)
-    known = {"reference": low, "gap": above, "reference_word": reference_word}
-    if above <= gap:
-        return Verdict.OPTIMAL, known
-    if (length - high) / max(high, radius) <= gap:
-        return Verdict.UNDECIDED, known
-    basin = (reference_word,), (best.path.turn,)
-    return Verdict.LONGER, known | {"wrong_basin": _is_wrong_basin(path, word, above, *basin)}
+    return Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:
@@ -308,24 +146,3 @@ _HONEST = {
 def is_false(claim: Claim, verdict: Verdict) -> bool:
     """Whether the claim is stronger than the verdict."""
     return claim in _HONEST and verdict not in _HONEST[claim]
-
-
-def miss_reason(
-    scenario: Scenario, path: Path, branch: str, tolerances: Tolerances = DEFAULT
-) -> str:
-    """What keeps a path whose verdict is `misses` from answering its question."""
-    if not drivable(path):
-        return "the path has a number that is not finite, or a length below 0"
-    if path.start != scenario.start:
-        return "the path starts elsewhere"
-    radius = scenario.radius
-    seen = _seen(scenario, path, branch, tolerances)
-    if seen.excess > tolerances.curvature:
-        return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
-    if seen.miss > tolerances.miss * radius + DRIVEN * (scenario.extent + path.length):
-        if seen.visits.miss == seen.miss:
-            return f"the path passes {seen.miss / radius:.3g} R from a via point, in their order"
-        return f"the path ends {seen.miss / radius:.3g} R from the target"
-    if seen.turned > HEADED and not seen.arrives:
-        return f"the path ends {seen.turned:.3g} rad from the final heading"
-    return "the path is too long to be driven to within a radius, or the branch has none"

@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.study.path import FloatArray, Path
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0

@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import CodeArray, FloatArray
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
@@ -34,10 +36,7 @@ from dubins_study.study.closed_form.shortest import (
     left_straight,
     right_left,
 )
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import BRANCHES, TURN
-
-CodeArray = NDArray[np.uint8]
 
 WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL")
 NO_PATH = 255  # the word code of a row whose branch has no path
@@ -69,7 +68,6 @@ class Rows(NamedTuple):
 
 
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
-_TWO_PI = 2 * math.pi
 _LARGEST = np.finfo(np.float64).max
 # Below this w, and inside the disc below this q, a row is delicate. At that q the length
 # changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
@@ -203,7 +201,7 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
     rise = rise_front if front else rise_rear
     run = run_front if front else run_rear
     first = 2.0 * upper_arctangent(rise, run)
-    arc = _TWO_PI - upper_arctangent(root, 4.0 - p)
+    arc = TWO_PI - upper_arctangent(root, 4.0 - p)
     second = arc if inside else root
     steepness = q - _STEEP if inside else y
     clear = min(min(abs(w) - _NEAR, y), steepness)

@@ -20,7 +20,7 @@ from numba.core import event
 from numba.extending import register_jitable
 from numpy.typing import ArrayLike
 
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import FloatArray
 
 _PACKAGE = __package__.split(".")[0]
 SMALL = 32768  # rows; below, starting a thread costs more than it saves
@@ -71,8 +71,8 @@ event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call
 _STUDY = Path(__file__).parents[1]
 _FILES = sorted(
     file
-    for folder in (_STUDY, _STUDY / "closed_form", _STUDY / "route", _STUDY / "check")
-    for file in folder.glob("*.py")
+    for folder in ("", "closed_form", "route", "check", "judging")
+    for file in (_STUDY / folder).glob("*.py")
 )
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
 

@@ -23,6 +23,7 @@ from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
 from numba.extending import intrinsic
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.closed_form.kernel_compile import inlined
 
 SINE = (
@@ -63,7 +64,7 @@ _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer, which then stands in
 _TWO_OVER_PI = 2.0 / math.pi
 _TAN_PI_8 = math.tan(math.pi / 8)
 _TAN_3PI_8 = math.tan(3 * math.pi / 8)
-_PI_4, _PI_2, _PI, _TWO_PI = math.pi / 4, math.pi / 2, math.pi, 2 * math.pi
+_PI_4, _PI_2, _PI = math.pi / 4, math.pi / 2, math.pi
 
 
 def _fma(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
@@ -190,5 +191,5 @@ def upper_arctangent(y: float, x: float) -> float:
 def full_arctangent(y: float, x: float) -> float:
     """The angle of (x, y), from 0 to 2 pi; 0 at the origin."""
     angle = upper_arctangent(abs(y), x)
-    other = _TWO_PI - angle
+    other = TWO_PI - angle
     return other if y < 0.0 else angle

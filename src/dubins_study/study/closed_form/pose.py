@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
@@ -19,7 +20,7 @@ WORDS6 = POSE_BRANCHES[1:]
 # to a pose beside what `body_coordinates` counts (docs/derivation.md, section 14).
 PER_HEADINGS = 16.0 * EPS
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 _NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordinates, not from it
 
 
@@ -176,14 +177,14 @@ def _left_right_left(
     if d > 4.0 + half:
         return math.nan, math.nan, math.nan
     if d <= half:  # one circle: a full turn of the middle arc
-        return _turn(math.atan2(s, c), half), _TWO_PI, 0.0
+        return _turn(math.atan2(s, c), half), TWO_PI, 0.0
     # |C - (0, -1)|^2 - 4 of the last centre C: zero where the first arc vanishes
     first, last = x1 * x1 + y1 * (y1 + 4.0), x2 * x2 + y2 * (y2 + 4.0)
     if abs(first) <= 2.0 * delta and x1 <= half:
-        p = _TWO_PI - math.atan2(max(-x1, 0.0), y1 + 2.0)
+        p = TWO_PI - math.atan2(max(-x1, 0.0), y1 + 2.0)
         return 0.0, p, _turn(_principal(math.atan2(s, c) + p), half)
     if abs(last) <= 2.0 * delta and x2 <= half:
-        p = _TWO_PI - math.atan2(max(-x2, 0.0), y2 + 2.0)
+        p = TWO_PI - math.atan2(max(-x2, 0.0), y2 + 2.0)
         return _turn(_principal(math.atan2(s, c) + p), half), p, 0.0
     middle = 0.5 * _PI + math.atan2(math.sqrt(max((4.0 - d) * (4.0 + d), 0.0)), d)
     t, q = _principal(math.atan2(y1, x1) + middle), _principal(math.atan2(y2, x2) + middle)
@@ -193,21 +194,21 @@ def _left_right_left(
 
 def _principal(angle: float) -> float:
     """An angle in (-pi, 3 pi] brought to (-pi, pi]."""
-    return angle if angle <= _PI else angle - _TWO_PI
+    return angle if angle <= _PI else angle - TWO_PI
 
 
 def _turn(angle: float, uncertainty: float) -> float:
     """An angle in (-pi, pi] as one in [0, 2 pi), zero where it is within its uncertainty of it."""
     if abs(angle) <= uncertainty:
         return 0.0
-    return angle if angle > 0.0 else angle + _TWO_PI
+    return angle if angle > 0.0 else angle + TWO_PI
 
 
 def _on_side(angle: float, positive: bool) -> float:
     """An angle in (-pi, pi] as one in [0, 2 pi]; next to zero it has the sign that is given."""
     if abs(angle) < _NEAR_ZERO:
-        return max(angle, 0.0) if positive else min(angle, 0.0) + _TWO_PI
-    return angle if angle > 0.0 else angle + _TWO_PI
+        return max(angle, 0.0) if positive else min(angle, 0.0) + TWO_PI
+    return angle if angle > 0.0 else angle + TWO_PI
 
 
 def pose_gradient(word_index: int, t: float, p: float, q: float) -> tuple[float, float]:

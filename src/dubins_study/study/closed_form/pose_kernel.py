@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import CodeArray, FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form import pose
-from dubins_study.study.closed_form.kernel import NO_PATH, CodeArray
+from dubins_study.study.closed_form.kernel import NO_PATH
 from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
@@ -33,7 +35,6 @@ from dubins_study.study.closed_form.kernel_math import (
     upper_arctangent,
 )
 from dubins_study.study.closed_form.pose import WORDS6
-from dubins_study.study.path import FloatArray
 from dubins_study.study.words import TURN
 
 
@@ -76,7 +77,7 @@ SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 _BLOCK = 512  # rows; what a block reads and writes stays in the first-level cache
 Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 _LARGEST = np.finfo(np.float64).max
 # at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
@@ -170,7 +171,7 @@ def turn_between(heading: float, final: float) -> float:
     rest_b, quarters_b, _ = reduced(final)
     quarters = quarters_b - quarters_a
     turn = quarter_turns(quarters - 4.0 * np.floor(0.25 * quarters), rest_b - rest_a)
-    return turn + _TWO_PI if turn < 0.0 else turn
+    return turn + TWO_PI if turn < 0.0 else turn
 
 
 @inlined
@@ -180,7 +181,7 @@ def _turns(forward: bool, backward: bool, turn: float) -> float:
     They don't where S lies between the first heading and the last one, as they turn.
     """
     majority = (forward & backward) | ((forward | backward) & (turn > _PI))
-    return 0.0 if majority else _TWO_PI
+    return 0.0 if majority else TWO_PI
 
 
 @inlined
@@ -190,7 +191,7 @@ def _opposite(x1: float, y1: float, turn: float) -> tuple[float, float, float, f
     p = math.sqrt(max(square, 0.0))
     t = full_arctangent(fma(p, y1, 2.0 * x1), fma(p, x1, -2.0 * y1))
     q = t - turn
-    return t, p, q + _TWO_PI if q < 0.0 else q, square
+    return t, p, q + TWO_PI if q < 0.0 else q, square
 
 
 @inlined
@@ -202,7 +203,7 @@ def _with_straight(
     The distance is zero at the edges where an arc vanishes, |E - C|^2 = 4, and words tie. No path
     RLR or LRL is shorter than the bound.
     """
-    back = _TWO_PI - turn
+    back = TWO_PI - turn
     across = fma(X, s, -Y * c)
     # how far the last centre is to the side of the first: LSL, RSR, and seen from the end
     left1, right1 = Y + (c - 1.0), -Y + (c - 1.0)
@@ -216,7 +217,7 @@ def _with_straight(
     x1, y1 = (x_right if mirrored else x_left), (right1 if mirrored else left1)
     first = full_arctangent(y1, x1)
     last = (back if mirrored else turn) - first
-    last = last + _TWO_PI if last < 0.0 else last
+    last = last + TWO_PI if last < 0.0 else last
     same = rsr if mirrored else lsl
     t1, p1, q1, lsr_square = _opposite(x_right, Y - (c + 1.0), turn)
     t2, p2, q2, rsl_square = _opposite(x_left, -Y - (c + 1.0), back)
@@ -247,7 +248,7 @@ def least_bound(d: float, turn: float) -> float:
     below 2 pi - d / 2; k is 0 for a turn so small that t + q would be negative.
     """
     p = _PI + 2.0 * min(_CHORD[0] - _CHORD[1] * d, _CHORD[2] - 0.25 * _CHORD[2] * d)
-    whole = 0.0 if turn < 0.5 * d else _TWO_PI
+    whole = 0.0 if turn < 0.5 * d else TWO_PI
     return max(p, 2.0 * p + (turn - whole)) if d <= 4.0 else math.inf
 
 
@@ -262,11 +263,11 @@ def _three_arcs(x1: float, y1: float, turn: float) -> tuple[float, float, float,
     # pi + 2 acos(d / 4), by the double angle: one root
     middle = _PI + upper_arctangent(math.sqrt(max(room * square, 0.0)), square - 8.0)
     t = full_arctangent(y1, x1) + 0.5 * middle
-    t = t - _TWO_PI if t >= _TWO_PI else t
+    t = t - TWO_PI if t >= TWO_PI else t
     q = turn - t + middle
-    q = q + _TWO_PI if q < 0.0 else q
-    q = q - _TWO_PI if q >= _TWO_PI else q
-    return t, middle, q, min(min(t, _TWO_PI - t), min(q, _TWO_PI - q)), room
+    q = q + TWO_PI if q < 0.0 else q
+    q = q - TWO_PI if q >= TWO_PI else q
+    return t, middle, q, min(min(t, TWO_PI - t), min(q, TWO_PI - q)), room
 
 
 @inlined
@@ -277,7 +278,7 @@ def _curves_only(
 
     Where its length is steep it has to be longer than the best of the other words, or is not clear.
     """
-    t1, p1, q1, edge1, room1 = _three_arcs(X + s, -Y + (c - 1.0), _TWO_PI - turn)
+    t1, p1, q1, edge1, room1 = _three_arcs(X + s, -Y + (c - 1.0), TWO_PI - turn)
     t2, p2, q2, edge2, room2 = _three_arcs(X - s, Y + (c - 1.0), turn)
     rlr = t1 + p1 + q1 if room1 >= 0.0 else math.inf
     lrl = t2 + p2 + q2 if room2 >= 0.0 else math.inf

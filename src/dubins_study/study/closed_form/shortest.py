@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
-
-_TWO_PI = 2 * math.pi
 
 
 class Segments(NamedTuple):
@@ -69,7 +68,7 @@ def left_straight(X: float, Y: float, delta: float) -> tuple[float, float]:
         a = math.atan2(X, 1.0 - Y)
     else:  # two forms of tan(a/2), each free of cancellation on its side
         a = 2.0 * math.atan2(Y, X + s) if X >= 0.0 else 2.0 * math.atan2(s - X, Y - 2.0)
-    return a if a >= 0.0 else a + _TWO_PI, s
+    return a if a >= 0.0 else a + TWO_PI, s
 
 
 def right_left(X: float, Y: float, delta: float) -> tuple[float, float]:
@@ -88,18 +87,18 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
     of a distance or jump. A target within about delta / 2 of them is taken to be there.
     """
     if abs(X) <= 0.5 * delta and abs(Y) <= 0.5 * delta:
-        return 0.0, _TWO_PI, 0.0, 0.0
+        return 0.0, TWO_PI, 0.0, 0.0
     w = power(X, Y, delta)
     p = X * X + Y * (Y + 2.0)  # |T - C_R|^2 - 1
     q = 4.0 * (2.0 - Y) + w  # 9 - |T - C_R|^2
     bearing = math.atan2(X, 1.0 + Y)  # of T from C_R, from straight up, clockwise as R turns
     if w == 0.0:  # on the left circle: the arc to T, and the path whose second arc is the rest
         arc = math.atan2(X, 1.0 - Y)
-        arc = arc if arc >= 0.0 else arc + _TWO_PI
+        arc = arc if arc >= 0.0 else arc + TWO_PI
         turn = wrapped(2.0 * bearing)
-        return (0.0, arc, turn, _TWO_PI - arc) if arc > math.pi else (turn, _TWO_PI - arc, 0.0, arc)
+        return (0.0, arc, turn, TWO_PI - arc) if arc > math.pi else (turn, TWO_PI - arc, 0.0, arc)
     if abs(p) <= delta:  # on the right circle
-        return wrapped(bearing), _TWO_PI, wrapped(bearing), 0.0
+        return wrapped(bearing), TWO_PI, wrapped(bearing), 0.0
     if abs(q) <= 3.0 * delta:  # as far as RL reaches
         return wrapped(bearing), math.pi, wrapped(bearing), math.pi
     if p < 0.0 or q < 0.0:
@@ -116,12 +115,12 @@ def right_left_pair(X: float, Y: float, delta: float) -> tuple[float, float, flo
         # second circle's centre
         between = math.atan2(D, p + 4.0)
         plus, minus = bearing + between, bearing - between
-    return wrapped(plus), _TWO_PI - bend, wrapped(minus), bend
+    return wrapped(plus), TWO_PI - bend, wrapped(minus), bend
 
 
 def wrapped(angle: float) -> float:
     """The angle (rad) brought to [0, 2 pi]; one just below zero is a full turn."""
-    return angle % _TWO_PI
+    return angle % TWO_PI
 
 
 def shortest_local(target: Local, branch: str = "best") -> Shortest | None:

@@ -19,11 +19,10 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.path import FloatArray
+from dubins_study.study.arrays import BoolArray, FloatArray
 
 _MATRICES = ("A", "C")
 _CSR = ("data", "indices", "indptr", "shape")
@@ -80,7 +79,7 @@ class Problem:
         return Point(self.x, self.y, self.z, self.w)
 
     @cached_property
-    def equal(self) -> NDArray[np.bool_]:
+    def equal(self) -> BoolArray:
         """Which rows are equations, shape (m,)."""
         return np.equal(self.l, self.u)
 

@@ -15,9 +15,9 @@ import numpy as np
 from flint import arb, ctx
 from scipy.sparse import csr_array
 
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.digests import DIGESTS
 from dubins_study.study.convex.problem import Point, Problem, read
-from dubins_study.study.path import FloatArray
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.words import Claim, Proof, Verdict
 

@@ -19,11 +19,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import separate
 from dubins_study.study.route.leg_words import between
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 SLACK = 1e-13
 LONGEST_COSTATE = 20.0  # that of LRL is 1 / |cos psi| long; longer ones than this are not needed
 START_LEFT, START_RIGHT, END_LEFT, END_RIGHT, START_HALF, END_HALF = 1, 2, 4, 8, 16, 32
@@ -109,13 +110,13 @@ def least_between(
     still = math.nan
     if abs(cosine) <= 1.0:
         still = -math.acos(cosine)
-        still += _TWO_PI * math.ceil((first - still) / _TWO_PI)
+        still += TWO_PI * math.ceil((first - still) / TWO_PI)
     for candidate in range(5):
         x = first
         if candidate == 1:
             x = last
         elif candidate > 1:
-            x = floor if candidate == 4 else still if candidate == 2 else still + _TWO_PI
+            x = floor if candidate == 4 else still if candidate == 2 else still + TWO_PI
             if not (first < x < last):
                 continue
         lifted = max(x, floor)
@@ -141,12 +142,12 @@ def _least(
     """
     low, high = within
     best, place = math.inf, 0.0
-    m = middle + _TWO_PI * math.ceil((low - half - middle) / _TWO_PI)
+    m = middle + TWO_PI * math.ceil((low - half - middle) / TWO_PI)
     while m - half <= high:
         value, x = least_between(m, max(m - half, low), min(m + half, high), rho, kappa, mu, floor)
         if value < best:
             best, place = value, x
-        m += _TWO_PI
+        m += TWO_PI
     return best, place
 
 
@@ -190,6 +191,6 @@ def turning_bound(box: Box, low: float) -> float:
     arc's.
     """
     middle, half = box.c2 - box.c1, box.h1 + box.h2 + SLACK
-    middle += _TWO_PI * math.ceil((low - half - middle) / _TWO_PI)
+    middle += TWO_PI * math.ceil((low - half - middle) / TWO_PI)
     least = middle - abs(box.slope1 - 1.0) * box.h1 - abs(box.slope2 - 1.0) * box.h2
     return least - rounding(box, 1.0)

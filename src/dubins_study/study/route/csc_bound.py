@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.closed_form.kernel_compile import separate
 from dubins_study.study.route.box import (
     END_HALF,
@@ -28,7 +29,7 @@ from dubins_study.study.route.box import (
 )
 from dubins_study.study.route.leg_words import between, principal, straight_direction
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 _SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
 
 
@@ -51,8 +52,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     length, nu = math.hypot(along, across), math.atan2(across, along)
     first = box.c1 - box.h1 - SLACK
     total = box.c2 + box.h2 + SLACK - first
-    whole = -math.floor(total / _TWO_PI)
-    total += _TWO_PI * whole
+    whole = -math.floor(total / TWO_PI)
+    total += TWO_PI * whole
     # S sin a and S sin c: what is left of S's direction of each heading
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
@@ -69,8 +70,8 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     if long2 or left2 + along2 * box.h2 + sine * box.h1 + bent < 0.0:
         total -= _PI
     # the angle from the first such direction to nu, and the nearest that S comes to nu
-    after = nu - first - _TWO_PI * math.floor((nu - first) / _TWO_PI)
-    away = 0.0 if after <= total else min(after - total, _TWO_PI - after)
+    after = nu - first - TWO_PI * math.floor((nu - first) / TWO_PI)
+    away = 0.0 if after <= total else min(after - total, TWO_PI - after)
     best = -math.inf
     for clipped in range(2 if length > 1.0 else 1):
         rho = min(length, 1.0) if clipped else min(length, LONGEST_COSTATE)
@@ -78,9 +79,9 @@ def _apex_bound(box: Box, circles: Circles) -> float:
         f1, _ = least_between(m1, m1 - box.h1, m1 + box.h1, rho, box.slope1, 0.0, -math.inf)
         f2, _ = least_between(m2, m2 - box.h2, m2 + box.h2, rho, box.slope2, 0.0, -math.inf)
         pulled = rho * (box.x * math.cos(nu) + box.y * math.sin(nu))
-        value = pulled + f1 + f2 + _TWO_PI * (1.0 + whole) - rounding(box, rho)
+        value = pulled + f1 + f2 + TWO_PI * (1.0 + whole) - rounding(box, rho)
         inside = -math.inf if total < 0.0 else farthest * max(0.0, rho * math.cos(away) - 1.0)
-        outside = farthest * max(0.0, rho - 1.0) - _TWO_PI
+        outside = farthest * max(0.0, rho - 1.0) - TWO_PI
         best = max(best, value - max(inside, outside))
     return best
 
@@ -118,7 +119,7 @@ def _straight_bound(
     floor = -_PI if last < 0.0 or (straight >= 0.4 * turned and turned <= 1.0) else -math.inf
     nu = Costate(1.0, direction, 0.0, 0.0)
     value, t1, t2 = separated(box, last, nu, within1, within2, floor)
-    return value + _TWO_PI - error, t1, t2
+    return value + TWO_PI - error, t1, t2
 
 
 @separate
@@ -157,8 +158,8 @@ def _touching_bound(
         error -= tau * (1.0 - cosine + sine * (extent + sine)) / cosine
     phase = math.atan2(tau, along)
     low, high = phase - _PI - most, phase - _PI - least
-    within = (low, high + _TWO_PI)
-    part = within if end < 0 else (low, high + _PI) if short >= 0.0 else (low + _PI, high + _TWO_PI)
+    within = (low, high + TWO_PI)
+    part = within if end < 0 else (low, high + _PI) if short >= 0.0 else (low + _PI, high + TWO_PI)
     length, phi = math.hypot(tau, along), direction + phase
     if end == 0:
         nu, within1, within2 = Costate(length, phi, mu, 0.0), part, within

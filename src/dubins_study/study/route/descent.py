@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
-from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.effort import Effort
 from dubins_study.study.route.heading_grids import shorten, shortest_leg
 from dubins_study.study.route.leg_bound import WordArray

@@ -12,14 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
 from dubins_study.study.closed_form.pose import pose_delta, pose_shortest
-from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.effort import Effort
-from dubins_study.study.route.leg_bound import IndexArray, WordArray
+from dubins_study.study.route.leg_bound import WordArray
 from dubins_study.study.route.leg_words import principal
 
-_PI, _TWO_PI = math.pi, 2 * math.pi
+_PI = math.pi
 _ALL = 48  # headings of the whole circle
 _FINER = 0.5  # of one grid's width to the next
 _STEP_BOXES, _SURVEY_BOXES = 3, 400  # a leg: how many bounds take as long as a step of the search
@@ -124,7 +125,7 @@ def _add(headings: FloatArray, n: int, others: FloatArray, m: int, reach: float)
 @compiled
 def _candidates(
     legs: FloatArray, headings: FloatArray, free: BoolArray, width: float, back: bool, grid: Grid
-) -> tuple[FloatArray, IndexArray]:
+) -> tuple[FloatArray, IntArray]:
     """The headings at each point that a dynamic program chooses from, and how many there are.
 
     They are those of a grid, and those of edges: where a leg is one arc, or two arcs from one of
@@ -156,7 +157,7 @@ def _candidates(
 
 @compiled
 def _chained(
-    legs: FloatArray, tried: FloatArray, sizes: IndexArray, cost: FloatArray, before: IndexArray
+    legs: FloatArray, tried: FloatArray, sizes: IntArray, cost: FloatArray, before: IntArray
 ) -> FloatArray:
     """The least cost of chains that go on from `cost` over some legs; `before` is written.
 
@@ -249,7 +250,7 @@ def survey(legs: FloatArray, headings: FloatArray, free: BoolArray, effort: Effo
     """Set free headings to the best chain of a grid of the whole circle and of many edges."""
     for back in (False, True):
         if not effort.spend(_SURVEY_BOXES * len(legs)):
-            width = _TWO_PI / _ALL
+            width = TWO_PI / _ALL
             _step(legs, headings, free, width, back=back, grid=_WIDE_GRID, effort=effort)
 
 
@@ -267,7 +268,7 @@ def first_route(
         first, last: headings at both ends (rad); None if free.
     """
     chord = np.arctan2(legs[:, 1], legs[:, 0])
-    turn = np.remainder(np.diff(chord) + _PI, _TWO_PI) - _PI
+    turn = np.remainder(np.diff(chord) + _PI, TWO_PI) - _PI
     inner = chord[:-1] + 0.5 * turn
     start = chord[0] if first is None else first
     end = chord[-1] if last is None else last
@@ -275,6 +276,6 @@ def first_route(
     free = np.ones(headings.size, np.bool_)
     free[0] = first is None
     free[-1] = last is None
-    width = _TWO_PI / (2 * _COARSE_GRID.side + 1)
+    width = TWO_PI / (2 * _COARSE_GRID.side + 1)
     _step(legs, headings, free, width, back=False, grid=_COARSE_GRID, effort=effort)
     return headings

@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.path import FloatArray
 from dubins_study.study.route.box import (
     END_HALF,
     END_LEFT,
@@ -27,7 +28,6 @@ from dubins_study.study.route.box import (
 )
 from dubins_study.study.route.leg_bound import WordArray
 
-_TWO_PI = 2 * math.pi
 COARSE = 16  # intervals at each point to begin with
 OVERLAP = 1e-14  # rad; more than the rounding of an interval's ends
 _ON_CIRCLE = 16.0 * EPS  # square radii; what rounding may move a point off a turning circle
@@ -60,19 +60,19 @@ def first_intervals(
         legs: from each point to the next, shape (n, 2).
         given: headings at the points, n + 1; None for those that are free.
     """
-    known = [[] if heading is None else [math.remainder(heading, _TWO_PI)] for heading in given]
+    known = [[] if heading is None else [math.remainder(heading, TWO_PI)] for heading in given]
     arcs = [arc for step in (1, -1) for arc in _arcs(legs, given, known, step)]
     intervals = []
     for heading, headings in zip(given, known, strict=True):
         if heading is None:
-            width = _TWO_PI / COARSE
+            width = TWO_PI / COARSE
             grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, COARSE)
             half = np.full(COARSE + len(headings), 0.5 * width + OVERLAP)
             half[COARSE:] = _ONE_HEADING
             intervals.append(Intervals(np.append(grid, headings), half, np.zeros(half.size)))
         else:
             # the double of 2 pi is less than 2 pi by 2.45e-16
-            spread = 2.5e-16 * abs(heading - headings[0]) / _TWO_PI
+            spread = 2.5e-16 * abs(heading - headings[0]) / TWO_PI
             intervals.append(Intervals(np.array(headings), np.array([spread]), np.zeros(1)))
     live = [np.ones((a.middle.size, b.middle.size), np.int8) for a, b in pairwise(intervals)]
     for arc in arcs:
@@ -100,8 +100,8 @@ def _arcs(
             left, right = (abs(square - 2.0 * turn * side) <= _ON_CIRCLE for turn in (1.0, -1.0))
             if not (left or right):
                 continue
-            end = math.remainder(2.0 * math.atan2(y, x) - heading, _TWO_PI)
-            away = [abs(math.remainder(some - end, _TWO_PI)) for some in known[there]]
+            end = math.remainder(2.0 * math.atan2(y, x) - heading, TWO_PI)
+            away = [abs(math.remainder(some - end, TWO_PI)) for some in known[there]]
             if given[there] is None and min(away, default=math.inf) > _ONE_HEADING:
                 known[there].append(end)
                 away.append(0.0)

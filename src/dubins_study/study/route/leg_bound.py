@@ -11,15 +11,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.closed_form.kernel_compile import compiled, separate
-from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.box import LONGEST_COSTATE, Box, mirrored
 from dubins_study.study.route.csc_bound import csc_bound
 from dubins_study.study.route.leg_words import between, principal, straight_direction, turns
 from dubins_study.study.route.lrl_bound import lrl_bound
 
 WordArray = NDArray[np.int8]
-IndexArray = NDArray[np.intp]
 Ends = tuple[FloatArray, FloatArray, FloatArray]  # middles, halves of widths and slopes
 
 _PI = math.pi
@@ -138,7 +137,7 @@ def slopes_across(
     first: Ends,
     last: Ends,
     words: WordArray,
-    mates: IndexArray,
+    mates: IntArray,
     slopes: FloatArray,
     forward: bool,
 ) -> tuple[FloatArray, WordArray]:
@@ -210,7 +209,7 @@ def add_gains(
     last: Ends,
     live: WordArray,
     costs: FloatArray,
-    mates: IndexArray,
+    mates: IntArray,
     wanted: BoolArray,
     at_end: bool,
     halves: FloatArray,

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import math
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.closed_form.kernel_compile import separate
-
-_TWO_PI = 2 * math.pi
 
 
 @separate
 def principal(angle: float) -> float:
     """An angle brought to [-pi, pi)."""
-    return angle - _TWO_PI * math.floor(angle / _TWO_PI + 0.5)
+    return angle - TWO_PI * math.floor(angle / TWO_PI + 0.5)
 
 
 @separate

@@ -20,10 +20,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
-from dubins_study.study.path import BoolArray, FloatArray
 from dubins_study.study.route.descent import downhill, route_length, route_words
 from dubins_study.study.route.effort import Effort, SpentError
 from dubins_study.study.route.heading_grids import first_route, leg_table, survey
@@ -31,7 +32,6 @@ from dubins_study.study.route.intervals import COARSE, OVERLAP, Intervals, first
 from dubins_study.study.route.leg_bound import (
     BY_WORD,
     UNKNOWN,
-    IndexArray,
     WordArray,
     add_gains,
     bound_leg,
@@ -41,7 +41,6 @@ from dubins_study.study.route.leg_bound import (
 
 _LOG = logging.getLogger(__name__)
 
-_TWO_PI = 2 * math.pi
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
 _AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
 _EAGER = 6  # rounds
@@ -97,9 +96,7 @@ def compile_loops() -> None:
 
 
 @compiled
-def _extended(
-    chains: FloatArray, costs: FloatArray, forward: bool
-) -> tuple[FloatArray, IndexArray]:
+def _extended(chains: FloatArray, costs: FloatArray, forward: bool) -> tuple[FloatArray, IntArray]:
     """The least cost of chains that go on over a leg, or back, and the intervals they come from."""
     size = costs.shape[1 if forward else 0]
     least, mates = np.full(size, math.inf), np.zeros(size, np.intp)
@@ -119,8 +116,8 @@ class _Chains:
         self.costs, self.words = costs, words
         self.ahead, self.behind = [np.zeros(costs[0].shape[0])], [np.zeros(costs[-1].shape[1])]
         # of each leg: for an interval at its end the best one at its start, and the other way round
-        self.before: list[IndexArray] = []
-        self.after: list[IndexArray] = []
+        self.before: list[IntArray] = []
+        self.after: list[IntArray] = []
         for cost in costs:
             least, mates = _extended(self.ahead[-1], cost, True)
             self.ahead.append(least)
@@ -190,7 +187,7 @@ class _Search:
 
     def _begin(self) -> None:
         """Make the first route shorter, and aim the potential at it."""
-        width = 0.5 * _TWO_PI / COARSE
+        width = 0.5 * TWO_PI / COARSE
         self._descend(self.headings, width)
         chains = self._middles()
         self._improve(chains)
@@ -340,7 +337,7 @@ class _Search:
         self,
         intervals: list[Intervals],
         words: list[WordArray],
-        mates: list[IndexArray],
+        mates: list[IntArray],
         forward: bool,
     ) -> list[tuple[FloatArray, WordArray]]:
         """The slope that the leg before each interval asks for, or after it, and what says so."""

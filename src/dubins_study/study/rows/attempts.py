@@ -6,16 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from dubins_study.study.arrays import IntArray
 
 # The columns in which two attempts at a cell, made by the same code, must agree; their gaps must
 # agree to a tolerance.
 JUDGED = ("outcome", "claim", "verdict", "word")
 
 
-def compare_attempts(
-    rows: pd.DataFrame, cell: Sequence[str]
-) -> tuple[NDArray[np.intp], pd.DataFrame]:
+def compare_attempts(rows: pd.DataFrame, cell: Sequence[str]) -> tuple[IntArray, pd.DataFrame]:
     """Keep the first row of each cell; `cell` are the columns that name it.
 
     Returns the ascending positions of the rows that are kept, and a row for every other attempt:

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from dubins_study.study.path import FloatArray, Path
+    from dubins_study.study.arrays import FloatArray
+    from dubins_study.study.path import Path
     from dubins_study.study.words import Claim, Proof, Verdict
 
 VERSION = 6

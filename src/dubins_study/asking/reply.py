@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from time import perf_counter
 from typing import NamedTuple
 
@@ -23,11 +22,19 @@ _NO_TIMES = Times()
 
 
 class Reply(NamedTuple):
-    """The answer to a question, not judged yet: all that the process that solves needs to know."""
+    """The answer to a question, not judged yet, with what its row records of the solve.
+
+    What follows the times is filled in by the worker of a run.
+    """
 
     outcome: Outcome
     solution: Solution
-    times: Times
+    times: Times = _NO_TIMES
+    started: str = ""  # when the solve started (UTC, ISO 8601); empty if it did not start
+    versions: str = ""  # of the solver's libraries, as JSON
+    code_digest: str = ""  # of the solver's code (see `code_digest`); empty if it did not load
+    memory_mib: float | None = None  # what the solve added to the memory of its process
+    floor_s: float | None = None  # what the engine takes for a trivial problem
 
 
 def no_answer(outcome: Outcome, message: str, times: Times = _NO_TIMES, status: str = "") -> Reply:
@@ -56,13 +63,11 @@ def ask(
     if question.branch not in solver.branches:
         reason = f"{solver.name} answers {', '.join(solver.branches)}, not {question.branch}"
         return no_answer(Outcome.UNSUPPORTED, reason)
-    # a solver is given a copy, which it may change
-    copy = replace(question, scenario=replace(question.scenario))
     began = perf_counter()
     built = None
     try:
-        known = presolved(copy) if solver.presolve is True else None
-        model = known or solver.build(copy)
+        known = presolved(question) if solver.presolve is True else None
+        model = known or solver.build(question)
         built = perf_counter()
         left = max((1 - _HELD_BACK) * limit - (built - began), _HELD_BACK * limit)
         solution = known or solver.solve(model, left)
@@ -85,14 +90,16 @@ _CLOCKS_APART_S = 1e-3  # that two readings of the machine's clocks may differ b
 
 
 def with_possible_times(reply: Reply, waited_s: float) -> Reply:
-    """The reply; one that raised where a time is impossible for a caller who waited that long.
+    """The reply; it is `raised` if a time is impossible for a caller who waited that long.
 
     A library may replace the clock of the process that solves.
     """
     for name, seconds in vars(reply.times).items():
         if seconds is not None and not 0 <= seconds <= waited_s + _CLOCKS_APART_S:
-            message = f"{name} is {seconds!r}; expected a time from 0 to {waited_s:.3g} s"
-            return no_answer(Outcome.RAISED, f"ValueError: {message}: the clock was replaced")
+            expected = f"expected a time from 0 to {waited_s:.3g} s: the clock was replaced"
+            message = f"ValueError: {name} is {seconds!r}; {expected}"
+            solution = Solution(Claim.NONE, message=message)
+            return reply._replace(outcome=Outcome.RAISED, solution=solution, times=_NO_TIMES)
     return reply
 
 

@@ -8,15 +8,20 @@ from operator import attrgetter
 from time import monotonic
 from typing import Any
 
+from dubins_study.asking.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import NOT_STATED, Method, Question, Solution, Solver
 from dubins_study.solvers.registry import stated_method
-from dubins_study.solvers.reply import DEFAULT_LIMIT, Reply, ask, with_possible_times
-from dubins_study.study.check.certificate import certify
-from dubins_study.study.check.reference import reference_of
-from dubins_study.study.check.verdict import judge
-from dubins_study.study.closed_form.shortest import shortest
-from dubins_study.study.convex.proof import judge_convex
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.kinds.table import (
+    EVERY_BRANCH,
+    PATH_BRANCHES,
+    branches_of,
+    kind_of,
+    pathless_kind_of,
+    reference_of,
+)
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import (
     ANSWER,
@@ -33,9 +38,6 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, PROFILES, Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
 from dubins_study.study.words import (
-    EVERY_BRANCH,
-    FROZEN,
-    PATH_BRANCHES,
     Claim,
     Outcome,
     Proof,
@@ -98,10 +100,7 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
     @property
     def tied_words(self) -> tuple[str, ...]:
         """The words that share the shortest length; two straight behind the vehicle, else one."""
-        if not self.scenario.one_free_leg:
-            return ()
-        optimum = shortest(self.scenario, self.branch)
-        return () if optimum is None else optimum.words
+        return kind_of(self.scenario, self.branch).ties(self.scenario, self.branch)
 
     @property
     def curvatures(self) -> list[float] | None:
@@ -125,16 +124,10 @@ class QuestionError(DubinsStudyError, ValueError):
 
 def check_branch(scenario: Scenario, branch: str) -> None:
     """Refuse a branch that the scenario cannot have."""
-    if branch in scenario.branches:
-        return
-    if scenario.via:
-        kind = "a route"
-    else:
-        kind = (
-            f"one leg with a {'free' if scenario.final_heading is None else 'given'} final heading"
-        )
-    paths = ", ".join(each for each in scenario.branches if each != FROZEN)
-    raise QuestionError(f"branch {branch!r} is none of {kind}; choose one of: {paths}")
+    if branch not in branches_of(scenario):
+        kind = kind_of(scenario)
+        paths = ", ".join(kind.branches)
+        raise QuestionError(f"branch {branch!r} is none of {kind.title}; choose one of: {paths}")
 
 
 def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
@@ -181,7 +174,7 @@ def shorter_answer(answer: Answer) -> Answer | None:
         return None
     at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
-    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path), Times())
+    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
     return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
 
 
@@ -212,14 +205,12 @@ def _judged(
     spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
 ) -> dict[str, Any]:
     """The fields of an answer that are columns of a row under the same name."""
-    outcome, solution, times = reply
+    solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
     allowed = allowed.begun()
-    if branch == FROZEN:
+    if pathless := pathless_kind_of(branch):
         tolerance = method.tolerance or allowed.gap
-        judgement, certificate = judge_convex(
-            scenario.label, solution.point, solution.claim, tolerance
-        )
+        judgement, certificate = pathless.judge(scenario, solution.point, solution.claim, tolerance)
     else:
         judgement = judge(scenario, path, solution.claim, branch, allowed)
         certificate = certify(
@@ -233,8 +224,8 @@ def _judged(
         )
     if solution.trace:
         judgement = _with_trace(judgement, question, solution, allowed)
-    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": outcome}
-    answer |= method.columns(question) | vars(times) | vars(judgement) | vars(certificate)
+    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": reply.outcome}
+    answer |= method.columns(question) | vars(reply.times) | vars(judgement) | vars(certificate)
     answer |= {name: getattr(solution, name) for name in _REPORTED}
     answer |= {name: _finite(answer[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
     if solution.presolved:  # whatever the check finds, no engine has proved anything

@@ -14,16 +14,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, CodeArray, FloatArray
 from dubins_study.study.check import two_arcs
 from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import ROUNDED, is_false, judge
+from dubins_study.study.check.verdict import ROUNDED, is_false
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     CHUNK,
     NO_PATH,
     RATES,
-    CodeArray,
     chunk_bounds,
     chunks,
     shortest_rows,
@@ -33,7 +34,8 @@ from dubins_study.study.closed_form.kernel import (
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
-from dubins_study.study.path import CLAIMS, BoolArray, FloatArray, Paths
+from dubins_study.study.judging.judge import judge
+from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.scenario_frame import with_final_headings
@@ -58,7 +60,7 @@ _OPTIMAL, _NONE, _NONE_EXISTS = map(
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
-_LARGEST, _TWO_PI = np.finfo(np.float64).max, 2 * math.pi
+_LARGEST = np.finfo(np.float64).max
 
 
 class FrameJudgement(NamedTuple):
@@ -81,6 +83,18 @@ class FrameJudgement(NamedTuple):
     wrong_basin: BoolArray
     region: CodeArray
     margin: FloatArray
+
+    def row(self, row: int) -> Judgement:
+        """What the certificate of a row begins with: its verdict, length and gap."""
+        length, gap = float(self.length[row]), float(self.gap[row])
+        return Judgement(
+            region=None,
+            margin=None,
+            verdict=VERDICTS[self.verdict[row]],
+            false_claim=bool(self.false_claim[row]),
+            length=None if math.isnan(length) else length,
+            gap=None if math.isnan(gap) else gap,
+        )
 
     @classmethod
     def empty(cls, n: int) -> FrameJudgement:
@@ -363,7 +377,7 @@ def _judge_chunk(
     for i in range(begin, end):
         R = radius[i]
         off = heading[i] + turn[i] - final[i]
-        off -= _TWO_PI * math.floor(off / _TWO_PI + 0.5)
+        off -= TWO_PI * math.floor(off / TWO_PI + 0.5)
         blur = DRIVEN * (abs(heading[i] + turn[i]) + abs(final[i]) + length[i] / R)
         extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
         usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST)

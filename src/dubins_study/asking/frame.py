@@ -12,36 +12,30 @@ import pandas as pd
 import pyarrow as pa
 from pandas.api.types import union_categoricals
 
-from dubins_study.solvers.attempt import (
+from dubins_study.asking.attempt import (
     Answer,
     QuestionError,
     attempt,
     check_branch,
     check_request,
 )
+from dubins_study.asking.reply import DEFAULT_LIMIT, exception_text
 from dubins_study.solvers.protocol import FrameSolution, Method, Question
 from dubins_study.solvers.registry import load, stated_method, unavailable
-from dubins_study.solvers.reply import DEFAULT_LIMIT, exception_text
+from dubins_study.study.judging.certify import certify
+from dubins_study.study.kinds.kind import Kind
+from dubins_study.study.kinds.table import KINDS, rows_of
 from dubins_study.study.path import CLAIMS, Paths
-from dubins_study.study.rows.schema import ANSWER, SCENARIO, Column, names
+from dubins_study.study.rows.schema import ANSWER, SCENARIO, Certificate, Column, columns, names
 from dubins_study.study.scenario import DEFAULTS
 from dubins_study.study.scenario_frame import check_frame, list_column, row_name
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances, tolerances
 from dubins_study.study.values import nearest
-from dubins_study.study.words import (
-    BRANCHES,
-    FINAL_HEADING,
-    FREE_FINAL_HEADING,
-    POSE_BRANCHES,
-    ROUTE_BRANCHES,
-    Claim,
-    Outcome,
-)
+from dubins_study.study.words import Claim, Outcome
 
 if TYPE_CHECKING:
-    from dubins_study.study.check.certificate_frame import FrameCertificate
-    from dubins_study.study.check.verdict_frame import FrameJudgement
+    from dubins_study.study.judging.verdict_frame import FrameJudgement
 
 COLUMNS = [*names(SCENARIO), *names(ANSWER)]
 
@@ -63,12 +57,10 @@ def solve_frame(
     check_branches(frame, branch)
     answers = backend.presolve is not True and unavailable(backend) is None
     whole = backend.solve_frame if answers and branch in backend.branches else None
-    kinds = _kinds(frame)
     parts: list[tuple[Any, pd.DataFrame]] = []
-    for kind in [kind for kind in range(3) if kind in kinds] or [_FREE]:
-        places = np.flatnonzero(kinds == kind)
+    for kind, places in _parts(frame):
         part = frame.iloc[places] if len(places) < len(frame) else frame
-        if whole is not None and kind != _ROUTE and _NEED[kind] in backend.takes:
+        if whole is not None and kind.need_of_rows in backend.takes:
             rows = _all_at_once(part, whole, stated_method(backend), branch, allowed, certified)
         else:
             single = (attempt(backend, q, limit, allowed, solver) for q in questions(part, branch))
@@ -86,18 +78,15 @@ def _all_at_once(
     certified: bool,
 ) -> pd.DataFrame:
     """The rows of a frame of one kind that a solver answers whole."""
-    from dubins_study.study.check.certificate_frame import certify_frame
-    from dubins_study.study.check.verdict_frame import judge_frame
+    from dubins_study.study.judging.verdict_frame import judge_frame
 
     # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    columns = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
+    values = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
     if certified:
-        bound = solution.lower_bound
-        asked = frame, solution.paths, judged, branch, bound, allowed
-        columns |= _certificate(certify_frame(*asked))
-    return _framed(frame, columns)
+        values |= _certificates(frame, solution, judged, branch, allowed)
+    return _framed(frame, values)
 
 
 def _run(
@@ -130,7 +119,7 @@ def _columns(
     seconds: float,
 ) -> dict[str, Any]:
     """The answer's columns, None for a missing one: codes and flat buffers are taken over."""
-    from dubins_study.study.check.verdict_frame import LEG_WORDS, REGIONS, VERDICTS
+    from dubins_study.study.judging.verdict_frame import LEG_WORDS, REGIONS, VERDICTS
 
     n = len(solution.paths)
     claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)
@@ -159,17 +148,27 @@ def _columns(
     return columns
 
 
-def _certificate(certificate: FrameCertificate) -> dict[str, Any]:
-    from dubins_study.study.check.certificate import PROOFS
-
-    return {
-        "proof": _texts(certificate.proof, PROOFS),
-        "reference_low": certificate.reference_low,
-        "reference_high": certificate.reference_high,
-        **certificate.columns(),
-        "abnormal": certificate.abnormal,
-        "false_bound": certificate.false_bound,
-    }
+def _certificates(
+    frame: pd.DataFrame,
+    solution: FrameSolution,
+    judged: FrameJudgement,
+    branch: str,
+    allowed: Tolerances,
+) -> dict[str, Any]:
+    """The certificate's columns, row by row."""
+    bounds = solution.lower_bound
+    found = []
+    for row, scenario in enumerate(scenarios_of(frame)):
+        certificate = certify(
+            scenario,
+            solution.paths.path(row, scenario),
+            judged.row(row),
+            branch,
+            lower_bound=None if bounds is None else float(bounds[row]),
+            tolerances=allowed,
+        )
+        found.append(vars(certificate))
+    return {c.name: _typed([row[c.name] for row in found], c) for c in columns(Certificate)}
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
@@ -242,21 +241,16 @@ def with_others(rows: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
     return pd.concat([rows, others], axis=1) if others.shape[1] else rows
 
 
-_FREE, _POSE, _ROUTE = range(3)  # kinds of rows
-_NEED = (FREE_FINAL_HEADING, FINAL_HEADING)
-_BRANCHES = (BRANCHES, POSE_BRANCHES, ROUTE_BRANCHES)
-
-
-def _kinds(frame: pd.DataFrame) -> Any:
-    """The kind of every row of a checked frame."""
-    kinds = np.where(frame["final_heading"].notna(), _POSE, _FREE)
-    return np.where(frame["via_x"].notna(), _ROUTE, kinds)
+def _parts(frame: pd.DataFrame) -> list[tuple[Kind, Any]]:
+    """The kinds of a checked frame's rows, and the places of each; one of no rows is of legs."""
+    places = [(kind, np.flatnonzero(rows_of(frame, kind))) for kind in KINDS]
+    return [(kind, those) for kind, those in places if len(those)] or places[:1]
 
 
 def check_branches(frame: pd.DataFrame, branch: str) -> None:
     """Refuse a branch that a row of a checked frame cannot have."""
-    lacking = [kind for kind, branches in enumerate(_BRANCHES) if branch not in branches]
-    for place in np.flatnonzero(np.isin(_kinds(frame), lacking))[:1].tolist():
+    firsts = sorted(int(places[0]) for _, places in _parts(frame) if len(places))
+    for place in firsts:
         try:
             check_branch(next(scenarios_of(frame.iloc[[place]])), branch)
         except QuestionError as error:

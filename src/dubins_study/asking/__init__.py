@@ -1,0 +1,1 @@
+"""Questions put to solvers: asked, timed, judged; one at a time, or a frame of them."""

@@ -1,0 +1,31 @@
+"""The convex problem that was frozen from a route, which its label names: it has no path."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dubins_study.study.kinds.kind import Pathless
+from dubins_study.study.rows.schema import Certificate, Judgement
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import FROZEN, Claim
+
+
+def _judge(
+    scenario: Scenario, point: Any, claim: Claim, tolerance: float
+) -> tuple[Judgement, Certificate]:
+    from dubins_study.study.convex.proof import judge_convex  # ball arithmetic and sparse matrices
+
+    return judge_convex(scenario.label, point, claim, tolerance)
+
+
+FROZEN_PROBLEM = Pathless(
+    name=FROZEN,
+    title="a frozen convex problem",
+    fields={"via": True},
+    branches=(FROZEN,),
+    examples={
+        "qp-50-well": Scenario(target_x=25, target_y=6, via=[(6, 3), (9, -4), (15, -2), (18, 5)]),
+        "qp-50-bad": Scenario(target_x=9, target_y=1, via=[(2, 1), (3.5, 2.5), (5.5, 2), (7, 0.5)]),
+    },
+    judge=_judge,
+)

@@ -1,0 +1,130 @@
+"""What a kind of question has to say of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.check.enclosure import Enclosure
+from dubins_study.study.check.extremal import Extremal
+from dubins_study.study.check.verdict import FindVisits, Seen, visits_in_order
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Certificate, Judgement
+from dubins_study.study.scenario import OPTIONAL, Scenario
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Claim, Verdict
+
+
+class Reference(NamedTuple):
+    """What an answer is compared with.
+
+    Of a route the enclosure's one part is an interval that holds the shortest length; of one leg
+    its parts hold the shortest lengths for all data within delta.
+    """
+
+    enclosure: Enclosure
+    path: Path | None  # the shortest that is known; None where a branch has none
+    at: tuple[float, ...]  # the arc lengths of its via points
+
+
+class Exact(NamedTuple):
+    """The shortest path, and a proven interval around its length (length unit)."""
+
+    path: Path | None  # None where a branch has none
+    low: float
+    high: float
+
+
+class Arrived(NamedTuple):
+    """A path that arrives, as its verdict needs it."""
+
+    path: Path
+    branch: str
+    seen: Seen
+    word: str
+
+
+class Found(NamedTuple):
+    """The verdict on a path that arrives, and columns of its judgement."""
+
+    verdict: Verdict
+    columns: dict[str, Any]
+
+
+class Costates(NamedTuple):
+    """What Pontryagin's conditions say of a path, and its cut margin (rad); None where unknown."""
+
+    extremal: Extremal | None = None
+    cut: float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Asked:
+    """How a question is recognised."""
+
+    name: str
+    title: str  # what a scenario of the kind is, in messages
+    task: str = ""  # what the kit's check of the kind looks at; empty: it has none of its own
+    fields: Mapping[str, bool]  # fields of a scenario that may be left out: whether they are given
+    branches: tuple[str, ...]
+    examples: Mapping[str, Scenario] = field(default_factory=dict)  # that the kit asks, by name
+
+    def matches(self, scenario: Scenario) -> bool:
+        """Whether a scenario gives the kind's fields, and leaves out those that it must."""
+        has = dict(zip(OPTIONAL, scenario.given, strict=True))
+        return all(has[name] == given for name, given in self.fields.items())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pathless(Asked):
+    """A kind whose answer is a point, not a path: it has a judge of its own.
+
+    Args:
+        judge: judgement and certificate of a question's point.
+    """
+
+    judge: Callable[[Scenario, FloatArray | None, Claim, float], tuple[Judgement, Certificate]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Kind(Asked):
+    """A kind whose answer is a path.
+
+    Args:
+        exact: the shortest path of a branch, found within about a limit (s).
+        prepare: makes `exact` ready, which may take seconds once.
+        exists: whether a branch has a path.
+        reference: what an answer of a branch is compared with.
+        enclosure: that of the reference, where it takes less; None: the reference's.
+        visits: where a path meets the via points.
+        known: columns of a judgement that only scenario and branch decide.
+        words_of: the word of a path, of its legs where it has several; from the path, the arc
+            lengths of its via points, and the radius.
+        verdict: of a path that arrives.
+        costates: of a judged path; until a time of `perf_counter`.
+        ties: the words that share the shortest length, if more than one may.
+        by_interval: whether a proven interval alone proves a shortest path; else the path has to be
+            an extremal too.
+        searched: whether a reference is searched for, which takes longer than a formula.
+        need_of_rows: what a solver that answers whole frames must take to be given these rows;
+            empty where rows are asked one by one.
+        drawing: how the report draws a path: with its `circles`, or as a `route`.
+    """
+
+    exact: Callable[[Scenario, str, float], Exact]
+    prepare: Callable[[], None] = lambda: None
+    exists: Callable[[Scenario, str], bool]
+    reference: Callable[[Scenario, str, Tolerances], Reference]
+    enclosure: Callable[[Scenario, str], Enclosure] | None = None
+    visits: FindVisits = visits_in_order
+    known: Callable[[Scenario, str], dict[str, Any]]
+    words_of: Callable[[Path, Sequence[float], float], str]
+    verdict: Callable[[Scenario, Arrived, Tolerances], Found]
+    costates: Callable[[Scenario, Path, Judgement, float], Costates]
+    ties: Callable[[Scenario, str], tuple[str, ...]] = lambda scenario, branch: ()
+    by_interval: bool = True
+    searched: bool = False
+    need_of_rows: str = ""
+    drawing: str = "route"

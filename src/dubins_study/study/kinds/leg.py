@@ -1,0 +1,156 @@
+"""One leg with a free final heading: the closed form, the region, and the cut."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.check.enclosure import enclose
+from dubins_study.study.check.extremal import measure
+from dubins_study.study.check.verdict import ROUNDED, is_wrong_basin, path_word_of, visited
+from dubins_study.study.closed_form.shortest import (
+    Shortest,
+    margin_local,
+    region_of,
+    shortest,
+    shortest_local,
+    shortest_path,
+)
+from dubins_study.study.kinds.kind import Arrived, Costates, Exact, Found, Kind, Reference
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Judgement
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import BRANCHES, FREE_FINAL_HEADING, TURN, Verdict
+
+
+def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
+    path = shortest_path(scenario, branch)
+    length = math.inf if path is None else path.length
+    return Exact(path, length, length)
+
+
+def _exists(scenario: Scenario, branch: str) -> bool:
+    return shortest(scenario, branch) is not None
+
+
+def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
+    return Reference(enclose(scenario, branch), shortest_path(scenario, branch), ())
+
+
+@lru_cache(maxsize=16384)  # many cells of a run ask the same question
+def _optimum(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
+    """A question's shortest path, and the columns that only the question decides."""
+    target = local(scenario)
+    optimum = shortest_local(target, branch)
+    return optimum, {
+        "region": region_of(target.w, target.mirrored.w),
+        "margin": margin_local(target.X, abs(target.Y)),
+        "reference_word": None if optimum is None else optimum.word,
+        "reference": None if optimum is None else optimum.total * scenario.radius,
+    }
+
+
+def _known(scenario: Scenario, branch: str) -> dict[str, Any]:
+    return _optimum(scenario, branch)[1]
+
+
+def _ties(scenario: Scenario, branch: str) -> tuple[str, ...]:
+    optimum = shortest(scenario, branch)
+    return () if optimum is None else optimum.words
+
+
+def _word_of(path: Path, at: Sequence[float], radius: float) -> str:
+    return path_word_of(path)
+
+
+def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Found:
+    """The verdict on a path that arrives with any heading.
+
+    It is compared with the scenario's shortest length. Only a miss makes a shorter path possible:
+    it is compared with the shortest to where it ends, so that missing buys nothing. That is no
+    longer than the path itself, whatever side of a circle its end is rounded to. Where neither has
+    a path of the branch, a point of a turning circle within the miss may.
+    """
+    path, branch, seen, word = arrived
+    length, radius, end = path.length, scenario.radius, seen.end
+    optimum, _ = _optimum(scenario, branch)
+    reference = None if optimum is None else optimum.total * radius
+    if reference is None or length < reference * (1.0 - ROUNDED):
+        there = shortest(visited(scenario, (), end), branch)
+        if there is not None:
+            reference = min(there.total * radius, length)
+    if reference is None:
+        target = local(scenario)
+        off = 2.0 * math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+        there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
+        if there is None:
+            return Found(Verdict.MISSES, {})
+        reference = there.total * radius
+    reference = _known_to_delta(scenario, branch, length, reference, tolerances.gap)
+    gap = (length - reference) / max(reference, radius)
+    longer = gap > tolerances.gap
+    columns = {
+        "reference": reference,
+        "gap": gap,
+        "wrong_basin": longer and is_wrong_basin(path, word, gap, *_basins(optimum)),
+    }
+    return Found(Verdict.LONGER if longer else Verdict.OPTIMAL, columns)
+
+
+def _known_to_delta(
+    scenario: Scenario, branch: str, length: float, reference: float, gap: float
+) -> float:
+    """The reference that an answer is compared with, for data that are known to delta.
+
+    Of a longer answer that is the longest shortest length, over targets within delta, that is not
+    above the answer's length.
+    """
+    allowed = gap * max(reference, scenario.radius)
+    if length - reference <= allowed:
+        return reference
+    nearest = enclose(scenario, branch).nearest(length, allowed)
+    if nearest is None:
+        return reference
+    # what delta alone moves a length by is no reason for another reference
+    matters = length - nearest <= allowed or nearest - reference > allowed
+    return nearest if matters else reference
+
+
+def _basins(optimum: Shortest | None) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    """Words and net turns (rad) of the shortest path, if any, and, of a tie, its mirror image."""
+    if optimum is None:
+        return (), ()
+    lengths = [length for length in optimum.segments if length > 0]
+    turn = sum(TURN[c] * length for c, length in zip(optimum.word, lengths, strict=True))
+    return optimum.words, (turn, -turn)[: len(optimum.words)]
+
+
+def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
+    """Of any path that can be driven: a path is an extremal to wherever it ends."""
+    if judged.length is None:
+        return Costates()
+    return Costates(*measure(path, scenario.radius, free=True))
+
+
+LEG = Kind(
+    name="leg",
+    title="one leg with a free final heading",
+    fields={"via": False, "final_heading": False},
+    branches=BRANCHES,
+    exact=_exact,
+    exists=_exists,
+    reference=_reference,
+    enclosure=enclose,
+    known=_known,
+    words_of=_word_of,
+    verdict=_verdict,
+    costates=_costates,
+    ties=_ties,
+    by_interval=False,
+    need_of_rows=FREE_FINAL_HEADING,
+    drawing="circles",
+)

@@ -1,0 +1,101 @@
+"""Several legs through via points in their order: the search with a proof.
+
+The modules of the search are imported where they are called: they load compiled code and SciPy's
+linear programs, which one leg needs none of.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from time import perf_counter
+
+from dubins_study.study.check.enclosure import Enclosure, Part
+from dubins_study.study.check.verdict import words_of
+from dubins_study.study.kinds import visiting
+from dubins_study.study.kinds.kind import Costates, Exact, Kind, Reference
+from dubins_study.study.kinds.leg import LEG
+from dubins_study.study.kinds.pose import POSE
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Judgement
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
+
+_SEARCH_SHARE = 0.8  # of the time that a check has left: what follows a search needs some too
+
+
+def _prepare() -> None:
+    from dubins_study.study.route.search import compile_loops
+
+    compile_loops()
+
+
+def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
+    from dubins_study.study.route.shortest import shortest_route
+
+    found = shortest_route(scenario, limit)
+    return Exact(found.path, found.low, found.high)
+
+
+def _exists(scenario: Scenario, branch: str) -> bool:
+    return True
+
+
+def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
+    """The proven interval around the shortest length.
+
+    A search of the same route in this process, by whomever it was called, is not repeated.
+    """
+    for kind in (LEG, POSE):  # a path may visit all of its points where it starts or ends
+        if kind.matches(scenario):
+            return kind.reference(scenario, branch, tolerances)
+    from dubins_study.study.route.shortest import known_route
+
+    left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
+    found = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * left, 0.0))
+    part = (found.low, found.high)
+    return Reference(Enclosure(*part, False, (part,)), found.path, found.at)
+
+
+def _interval(enclosure: Enclosure, length: float, tolerance: float) -> Part:
+    """The whole interval: with its lower end as the reference the gap is proven."""
+    return enclosure.low, enclosure.high
+
+
+def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -> Costates:
+    if judged.gap is None:
+        return Costates()
+    from dubins_study.study.check.route_extremal import route_extremal
+
+    free = scenario.final_heading is None
+    return Costates(route_extremal(path, judged.visits or (), scenario.radius, free, until))
+
+
+ROUTE = Kind(
+    name="route",
+    title="a route",
+    task="via points, in the order in which they are given",
+    fields={"via": True},
+    branches=("best",),
+    # 2 to 5 legs in three spacings. The search proves each in less than a second.
+    examples={
+        "2 legs of 9 R to 17 R": Scenario(-3, 4, 2.2, 9, -5, 0.8, 0.6, via=[(4, 7)]),
+        "3 legs of 2 R to 4 R": Scenario(0, 0, 0.5, 4.8, 3.9, via=[(2.5, 1), (1, 3.2)]),
+        "3 legs, the other order": Scenario(0, 0, 0.5, 4.8, 3.9, via=[(1, 3.2), (2.5, 1)]),
+        "3 legs, the points in line": Scenario(0, 0, -0.9, 9, 3, 1.5, via=[(3, 1), (6, 2)]),
+        "4 legs to a heading": Scenario(
+            *(1, -2, -2.0, -8, -1, 1.3), via=[(-3, -6), (-9, -7), (-12, -3)], final_heading=0.4
+        ),
+        "5 legs of 1 R to 2 R": Scenario(
+            *(2, 1, 1.0, 5.2, 3.6), via=[(2.9, 2.2), (4.1, 1.9), (4.6, 3.4), (6.1, 2.8)]
+        ),
+    },
+    exact=_exact,
+    prepare=_prepare,
+    exists=_exists,
+    reference=_reference,
+    known=visiting.known,
+    words_of=words_of,
+    verdict=partial(visiting.verdict, reference_of=_reference, compared=_interval),
+    costates=_costates,
+    searched=True,
+)

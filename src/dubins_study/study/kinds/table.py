@@ -1,0 +1,90 @@
+"""The kinds of questions, and which of them a question is."""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dubins_study.study.kinds.frozen import FROZEN_PROBLEM
+from dubins_study.study.kinds.kind import Kind, Pathless, Reference
+from dubins_study.study.kinds.leg import LEG
+from dubins_study.study.kinds.pose import POSE
+from dubins_study.study.kinds.route import ROUTE
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import DEFAULT, Tolerances
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from dubins_study.study.arrays import BoolArray
+
+
+__all__ = [
+    "BRANCHES_WITHOUT_PATH",
+    "EVERY_BRANCH",
+    "EVERY_KIND",
+    "KINDS",
+    "LEG",
+    "PATHLESS",
+    "PATH_BRANCHES",
+    "branches_of",
+    "kind_of",
+    "pathless_kind_of",
+    "reference_of",
+    "rows_of",
+]
+
+# The first that matches a question is its kind.
+KINDS: tuple[Kind, ...] = (LEG, POSE, ROUTE)
+PATHLESS: tuple[Pathless, ...] = (FROZEN_PROBLEM,)
+EVERY_KIND: tuple[Kind | Pathless, ...] = (*KINDS, *PATHLESS)
+
+PATH_BRANCHES = tuple(dict.fromkeys(chain.from_iterable(kind.branches for kind in KINDS)))
+BRANCHES_WITHOUT_PATH = tuple(chain.from_iterable(kind.branches for kind in PATHLESS))
+EVERY_BRANCH = (*PATH_BRANCHES, *BRANCHES_WITHOUT_PATH)
+
+
+def kind_of(scenario: Scenario, branch: str = "best") -> Kind:
+    """The kind of a question whose answer is a path; of a branch of none, that of its scenario."""
+    given = scenario.given
+    kind = _KNOWN.get((given, branch))
+    if kind is None:
+        matching = [kind for kind in KINDS if kind.matches(scenario)]
+        kind = next((kind for kind in matching if branch in kind.branches), matching[0])
+        _KNOWN[given, branch] = kind
+    return kind
+
+
+_KNOWN: dict[tuple[tuple[bool, ...], str], Kind] = {}
+
+
+def pathless_kind_of(branch: str) -> Pathless | None:
+    """The kind of a branch that is no path; None if it is one."""
+    return next((kind for kind in PATHLESS if branch in kind.branches), None)
+
+
+def branches_of(scenario: Scenario) -> tuple[str, ...]:
+    """The branches that a scenario can be asked for."""
+    kinds = [kind for kind in EVERY_KIND if kind.matches(scenario)]
+    return tuple(chain.from_iterable(kind.branches for kind in kinds))
+
+
+def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
+    """Which rows of a checked frame are of a kind."""
+    rows = np.ones(len(frame), np.bool_)
+    for name, given in kind.fields.items():
+        column = frame[_COLUMNS.get(name, name)]
+        rows &= column.notna().to_numpy() == given
+    return rows
+
+
+_COLUMNS = {"via": "via_x"}  # the column of a field, where it is not of its name
+
+
+def reference_of(
+    scenario: Scenario, branch: str = "best", tolerances: Tolerances = DEFAULT
+) -> Reference:
+    """The reference of a scenario's branch; nothing that a solver says enters."""
+    return kind_of(scenario, branch).reference(scenario, branch, tolerances)

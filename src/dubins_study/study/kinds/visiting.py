@@ -1,0 +1,62 @@
+"""What kinds share whose paths meet points or headings, and whose references are intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from dubins_study.study.check.enclosure import Enclosure, Part
+from dubins_study.study.check.verdict import ROUNDED, is_wrong_basin, visited, words_of
+from dubins_study.study.kinds.kind import Arrived, Found, Reference
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
+from dubins_study.study.words import Verdict
+
+# By how much the optimal length may change per shift of the target, at least: it does by 1 where
+# the path ends straight, and more near a turning circle, where that changes within the shift.
+_STEEP = 10.0
+
+
+def known(scenario: Scenario, branch: str) -> dict[str, Any]:
+    """No region and no margin: they are of a leg to a free heading."""
+    return {"region": None, "margin": None}
+
+
+def verdict(
+    scenario: Scenario,
+    arrived: Arrived,
+    tolerances: Tolerances,
+    *,
+    reference_of: Callable[[Scenario, str, Tolerances], Reference],
+    compared: Callable[[Enclosure, float, float], Part],
+) -> Found:
+    """The verdict on a path that arrives.
+
+    It is compared with the scenario's reference. Only if it is shorter by more than what it misses
+    its points by explains, it is compared with that of the points that it visits.
+
+    Args:
+        scenario, arrived, tolerances: as `Kind.verdict` has them.
+        reference_of: the kind's own.
+        compared: the shortest and longest length that the reference may have, from its enclosure,
+            the path's length and its tolerance.
+    """
+    path, branch, seen, word = arrived
+    radius, length, gap = scenario.radius, path.length, tolerances.gap
+    best = reference_of(scenario, branch, tolerances)
+    moved = _STEEP * (scenario.legs * seen.miss + seen.turned * radius)
+    if length < best.enclosure.low * (1.0 - ROUNDED) - moved:
+        there = visited(scenario, seen.visits.points, seen.end)
+        best = reference_of(there, branch, tolerances)
+    if best.path is None or not best.enclosure.exists:
+        return Found(Verdict.MISSES, {})
+    low, high = compared(best.enclosure, length, gap * max(best.enclosure.low, radius))
+    above = (length - low) / max(low, radius)
+    reference_word = words_of(best.path, best.at, radius)
+    columns = {"reference": low, "gap": above, "reference_word": reference_word}
+    if above <= gap:
+        return Found(Verdict.OPTIMAL, columns)
+    if (length - high) / max(high, radius) <= gap:
+        return Found(Verdict.UNDECIDED, columns)
+    basin = is_wrong_basin(path, word, above, (reference_word,), (best.path.turn,))
+    return Found(Verdict.LONGER, columns | {"wrong_basin": basin})
