@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 import os
 import re
 import shutil
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
 _INTERVAL_S, _VERBOSE_INTERVAL_S = 30.0, 5.0  # between lines of progress, without a terminal
 _MOMENT_S = 2.0  # that nobody is told about
-_POLL_INTERVAL_S = 0.2
 _NO_TERMINAL_WIDTH = 100_000  # a row of a table is one line
 _NUMBER = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+)?\s?%?")
 
@@ -157,26 +155,16 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
 
 
 @contextmanager
-def waiting(what: str, seconds: float) -> Iterator[None]:
-    """Show progress while a block takes longer than a moment, by the seconds that it may take."""
-    ended = threading.Event()
-    began = time.monotonic()
-
-    def show(move: Callable[[int, int], None]) -> None:
-        pause = _MOMENT_S
-        while not ended.wait(pause):
-            passed = time.monotonic() - began
-            move(min(round(passed), math.ceil(seconds)), math.ceil(seconds))
-            pause = _POLL_INTERVAL_S
-
-    with progress(what, [0, 0]) as move:
-        watch = threading.Thread(target=show, args=(move,), daemon=True)
-        watch.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            watch.join()
+def told_to_wait(text: str) -> Iterator[None]:
+    """In a terminal, print a line if a block takes longer than a moment."""
+    timer = threading.Timer(_MOMENT_S, print, (f"dubins-study: {text}",), {"file": sys.stderr})
+    timer.daemon = True
+    if is_terminal() and verbosity() != Verbosity.QUIET:
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def is_terminal() -> bool:
