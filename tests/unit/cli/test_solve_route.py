@@ -63,9 +63,6 @@ REFUSED = {
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is ''; expected a number",
-    "x,y\n1,2\n3,nan\n": "line 3: y is nan; expected a finite number",
-    "x,y\n1,2\n-1e200,3\n": "line 3: x is -1e+200; expected a number of size up to 1e+150",
-    "x,y,z\n1,2,a\n\n1.0,2,b\n": "line 4: x,y is 1.0,2.0, the same point as in line 2; expected",
     "x,y\n4,5,2\n": "line 2 has more cells than the first line",
 }
 
@@ -76,6 +73,19 @@ def test_a_file_of_points_that_cannot_be_read(text, points):
     with pytest.raises(DubinsStudyError) as refusal:
         asked("solve", "--via-file", str(points))
     assert str(refusal.value).startswith(f"{points}: {REFUSED[text]}")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1,2\n3,nan\n4,5\n", "y of via point 2 is nan; expected a finite number"),
+        ("1,2\n\n1.0,2\n4,5\n", r"via point 2 is \(1.0, 2.0\), the same point as via point 1"),
+    ],
+)
+def test_points_that_no_route_has(text, message, points):
+    points.write_text(f"x,y\n{text}")
+    with pytest.raises(DubinsStudyError, match=message):
+        asked("solve", "--via-file", str(points))
 
 
 @pytest.mark.parametrize("option", ["--plot", "--geojson"])

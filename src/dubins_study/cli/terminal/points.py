@@ -23,52 +23,47 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
     """Points and their names, by the lines of a CSV file: UTF-8, commas, a line of column names.
 
     The columns `x`, `y` and, if there is one, `name` are read; all others are passed over and
-    named in a warning. Empty lines are passed over too. Refused: what is no finite number, a point
-    equal to the one before it, and a heading, in any column of such a name.
+    named in a warning. Empty lines are passed over too. Refused: what is no number, and a heading,
+    in any column of such a name; `Scenario` refuses points that no route has.
     """
-    points: list[Point] = []
-    names: list[str] = []
-    line_before = 0  # the line of the last point
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             reader = csv.DictReader(text, skipinitialspace=True, restval="")
-            reader.fieldnames = head = [name.strip().lower() for name in reader.fieldnames or ()]
-            if head.count("x") != 1 or head.count("y") != 1 or head.count("name") > 1:
-                found = f"{','.join(head)!r:.60}; expected the column names x and y, once each"
-                raise CommandError(f"{file}: line 1 is {found}, with commas between names")
-            headings = [name for name in head if "heading" in name]
-            unread = [name for name in head if name not in (*_COLUMNS, *headings)]
-            for row in reader:
-                place = f"{file}: line {reader.line_num}"
-                if None in row:  # as of numbers with a decimal comma
-                    raise CommandError(f"{place} has more cells than the first line")
-                x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
-                for name in headings:
-                    if heading := row[name].strip():
-                        raise CommandError(f"{place}: {name} is {heading!r:.60}: {_NO_HEADINGS}")
-                if points[-1:] == [(x, y)]:
-                    again = f"x,y is {x},{y}, the same point as in line {line_before}"
-                    raise CommandError(f"{place}: {again}; expected a point apart from it")
-                points.append(Point(x, y))
-                names.append(row.get("name", "").strip())
-                line_before = reader.line_num
+            head = [name.strip().lower() for name in reader.fieldnames or ()]
+            reader.fieldnames = head
+            rows = [(reader.line_num, row) for row in reader]
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or error
         raise CommandError(f"{file}: cannot be read: {reason}") from None
-    if not points:
+    if head.count("x") != 1 or head.count("y") != 1 or head.count("name") > 1:
+        found = f"{','.join(head)!r:.60}; expected the column names x and y, once each"
+        raise CommandError(f"{file}: line 1 is {found}, with commas between names")
+    if not rows:
         raise CommandError(f"{file}: no points; expected a line each")
-    if others := [name or "one without a name" for name in unread]:
-        shown = f"{file}: passed over, since points have no such column: {', '.join(others)}"
+    points = [_point(f"{file}: line {line}", row) for line, row in rows]
+    names = [row.get("name", "").strip() for _, row in rows]
+    others = [name for name in head if name not in _COLUMNS and "heading" not in name]
+    if others:
+        listed = ", ".join(name or "one without a name" for name in others)
+        shown = f"{file}: passed over, since points have no such column: {listed}"
         _LOG.warning("dubins-study: %s", plain(shown))
     return points, names
 
 
-def _coordinate(place: str, name: str, text: str) -> float:
-    from dubins_study.study.scenario import checked_number  # numpy, which no help waits for
+def _point(place: str, row: dict[str, str]) -> Point:
+    """The point of a line."""
+    for name, value in row.items():
+        if name is None:  # as of numbers with a decimal comma
+            raise CommandError(f"{place} has more cells than the first line")
+        if "heading" in name and value.strip():
+            raise CommandError(f"{place}: {name} is {value.strip()!r:.60}: {_NO_HEADINGS}")
+    return Point(_coordinate(place, "x", row), _coordinate(place, "y", row))
 
+
+def _coordinate(place: str, name: str, row: dict[str, str]) -> float:
     try:
-        return checked_number(f"{place}: {name}", number(text))
+        return number(row[name].strip())
     except typer.BadParameter as error:
         raise CommandError(f"{place}: {name} is {error.message}") from None
