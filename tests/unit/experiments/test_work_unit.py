@@ -35,7 +35,7 @@ def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
     reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
-    return row_of(one, None, RUN, reply)[0]
+    return row_of(one, one.question(), RUN, reply)
 
 
 # three easy questions in a row, and one beside them
