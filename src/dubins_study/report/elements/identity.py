@@ -88,7 +88,7 @@ def best_first(
     if len(table.frame) <= MOST_LINES or not lines:
         return (table,)
     place = {line: number for number, line in enumerate(lines)}
-    marked = (table.marks or {}).items()
+    marked = table.marks.items()
     short = replace(
         table,
         name=f"{table.name}-best",

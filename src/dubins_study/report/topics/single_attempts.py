@@ -245,17 +245,16 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     """The place of each row's scenario in the table of scenarios, and that table by columns."""
     key = ["scenario_id", *NUMBERS]
-    judged = rows.sort_values("region", kind="stable", na_position="last")
-    table = judged.drop_duplicates(key).sort_index()
-    numbered = table[key].assign(number=np.arange(len(table)))
-    places = rows[key].merge(numbered, on=key, how="left")["number"]
-    given = [*_OF_SCENARIO, *(name for name in ROUTE if table[name].notna().any())]
-    known = table[given].astype(object)
-    columns = known.where(known.notna(), None)
-    return places.tolist(), {
-        name: [list(v) if isinstance(v, np.ndarray) else v for v in columns[name].tolist()]
-        for name in given
+    given = [*_OF_SCENARIO, *(name for name in ROUTE if rows[name].notna().any())]
+    groups = rows.groupby(key, sort=False)
+    # of attempts that are not judged the region is null: the first that is known
+    first = groups[[name for name in given if name not in key]].first()
+    table = first.reset_index().astype(object)
+    table = table.where(table.notna(), None)
+    columns = {
+        name: [list(v) if isinstance(v, np.ndarray) else v for v in table[name]] for name in given
     }
+    return groups.ngroup().tolist(), columns
 
 
 def arcs_of(
