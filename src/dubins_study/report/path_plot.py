@@ -8,12 +8,11 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
-from dubins_study.report.topics.paper_figures import plot_paths
+from dubins_study.report.topics.paper_figures import labelled, plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path
@@ -105,17 +104,11 @@ def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None
         [(name, path)] = named_paths.items()
         plot_route(ax, path, scenario, name)
         return
-    shared = {
-        "target_x": scenario.target_x,
-        "target_y": scenario.target_y,
-        "radius": scenario.radius,
+    texts = {
+        labelled(name, short_word(path.word(1e-2), 24) or "–", path): path
+        for name, path in named_paths.items()
     }
-    rows = [
-        {"branch": short_word(path.word(1e-2), 24) or "–", "path": path, "length": path.length}
-        for path in named_paths.values()
-    ]
-    paths = pd.DataFrame(rows).assign(rank=range(1, len(rows) + 1), **shared)
-    plot_paths(ax, paths, names=tuple(named_paths))
+    plot_paths(ax, texts, scenario)
 
 
 def check_format(file: str | FilePath) -> FilePath:
