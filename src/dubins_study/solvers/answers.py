@@ -109,20 +109,6 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "infeasible": ("infeasible", "inforunbd"),
         "limit": ("timelimit", "memlimit"),
     },
-    # status codes by name (Gurobi Optimizer reference manual, Optimization Status Codes)
-    "gurobi": {
-        "optimal": ("optimal",),
-        "feasible": ("suboptimal",),
-        "infeasible": ("infeasible", "inf or unbd"),
-        "limit": ("time limit", "mem limit"),
-        "failed": ("numeric",),
-    },
-    # statuses of the solution
-    "xpress": {
-        "optimal": ("OPTIMAL",),
-        "feasible": ("FEASIBLE",),
-        "infeasible": ("INFEASIBLE",),
-    },
     "maingo": {
         "optimal": ("GLOBALLY_OPTIMAL", "BOUND_TARGETS"),
         "infeasible": ("INFEASIBLE",),

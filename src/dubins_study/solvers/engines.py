@@ -11,7 +11,7 @@ from functools import cache, partial
 from pathlib import Path as FilePath
 from pkgutil import resolve_name
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.solvers.setting_checks import OPTION_SETS, Options, missing_package
@@ -28,7 +28,8 @@ class Engine(NamedTuple):
     label: str  # its name as its makers write it, which rows hold
     kind: str  # of the problems that it reads; heads it in tables
     packages: tuple[str, ...]  # those that must be installed
-    place: str = ""  # `room.module:function` of its adapter; empty if one solver has it itself
+    # its adapter, or `room.module:function` of that; empty if one solver has it itself
+    place: str | Callable[..., Any] = ""
     arguments: Mapping[str, Any] = MappingProxyType({})  # of the adapter, beside the options
     options: Options = Options()
     # `room.module:function` that says why it answers no question here, or returns None
@@ -53,7 +54,8 @@ class Engine(NamedTuple):
         One of nonlinear programs or a search takes `tol`, `max_iter` and `options`, as the settings
         of a solver have them, and returns an `NlpCall` or a `penalty_function.Search`.
         """
-        adapter = partial(_resolved(self.place), **self.arguments)
+        place = _resolved(self.place) if isinstance(self.place, str) else self.place
+        adapter = partial(place, **self.arguments)
         if self.kind == PROVEN:
             return adapter
 
@@ -259,8 +261,6 @@ ENGINES = {
         "KNITRO", NLP, ("knitro",), check="paper_nlp.program:unlicensed", keeps_limit=False
     ),
     "scip": _proven("SCIP", "pyscipopt", "scip", versions=scip_in_pyscipopt),
-    "gurobi": _proven("Gurobi", "gurobipy", "gurobi"),
-    "xpress": _proven("Xpress", "xpress", "xpress"),
     # counts the processor's seconds, and whole ones
     "maingo": _proven("MAiNGO", "maingopy", "maingo", keeps_limit=False),
     "differential-evolution": _search(
@@ -355,20 +355,26 @@ MINLP_ENGINES = names(PROVEN)
 
 
 class EngineSolver(Solver):
-    """A solver whose setting `engine` is a name of the table."""
+    """A solver whose setting `engine` is a name of the table, or of a plug-in's own."""
 
     engine: str
+    engines: ClassVar[Mapping[str, Engine]] = ENGINES
+
+    @property
+    def library(self) -> Engine:
+        """The engine's line of the table."""
+        return self.engines[self.engine]
 
     def unavailable(self) -> str | None:
-        return ENGINES[self.engine].unavailable()
+        return self.library.unavailable()
 
     def library_versions(self) -> dict[str, str]:
-        versions = ENGINES[self.engine].versions
+        versions = self.library.versions
         return versions() if versions else {}
 
     @property
     def keeps_limit(self) -> bool:
-        return ENGINES[self.engine].keeps_limit
+        return self.library.keeps_limit
 
 
 class SearchSolver(EngineSolver):
@@ -387,7 +393,7 @@ class SearchSolver(EngineSolver):
     @property
     def guided(self) -> bool:
         """Whether the engine begins at a guess."""
-        return ENGINES[self.engine].kind != SAMPLING
+        return self.library.kind != SAMPLING
 
     @property
     def guess(self) -> str:

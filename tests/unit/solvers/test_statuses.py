@@ -131,23 +131,6 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
             *("primallimit", "duallimit"),
         ),
     },
-    "gurobi": {
-        "optimal": ("optimal",),
-        "feasible": ("suboptimal",),
-        "infeasible": ("infeasible", "inf or unbd"),
-        "limit": ("time limit", "mem limit"),
-        "failed": (
-            *("numeric", "unbounded", "cutoff", "inprogress", "interrupted", "loaded"),
-            *("iteration limit", "node limit", "solution limit", "user obj limit", "work limit"),
-            *("locally infeasible", "locally optimal"),
-        ),
-    },
-    "xpress": {
-        "optimal": ("OPTIMAL",),
-        "feasible": ("FEASIBLE",),
-        "infeasible": ("INFEASIBLE",),
-        "failed": ("NOTFOUND", "UNBOUNDED"),
-    },
     "maingo": {
         "optimal": ("GLOBALLY_OPTIMAL", "BOUND_TARGETS"),
         "infeasible": ("INFEASIBLE",),
@@ -253,7 +236,6 @@ ENUMERATED = {
     "piqp": ("piqp", "Status"),
     "maingo": ("maingopy", "RETCODE"),
     "highs": ("highspy", "HighsModelStatus"),
-    "xpress": ("xpress", "SolStatus"),
     "pyomo": ("pyomo.contrib.solver.common.results", "TerminationCondition"),
 }
 
@@ -284,16 +266,14 @@ def test_no_status_of_a_library_is_forgotten(engine):
     assert {*listed} == {status for named, status, _ in NAMED if named == engine}
 
 
-def test_no_status_of_uno_clarabel_and_gurobi_is_forgotten():
-    if reason := missing_package("unopy", "clarabel", "gurobipy"):
+def test_no_status_of_uno_and_clarabel_is_forgotten():
+    if reason := missing_package("unopy", "clarabel"):
         pytest.skip(reason)
-    unopy, clarabel, gurobipy = map(importlib.import_module, ("unopy", "clarabel", "gurobipy"))
+    unopy, clarabel = map(importlib.import_module, ("unopy", "clarabel"))
     of_uno = {*unopy.OptimizationStatus.__members__, *unopy.SolutionStatus.__members__}
-    codes = {name for name in dir(gurobipy.GRB.Status) if name.isupper()}
     listed = {
         "uno-filtersqp": of_uno - {"SUCCESS"},
         "clarabel": {name for name in dir(clarabel.SolverStatus) if not name.startswith("_")},
-        "gurobi": {name.lower().replace("_", " ") for name in codes},
     }
 
     for engine, statuses in listed.items():

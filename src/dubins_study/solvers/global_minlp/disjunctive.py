@@ -14,7 +14,7 @@ import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, summed
 from dubins_study.solvers.course import Course, body_course, path_of
-from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.global_minlp.model import (
     TRANSFORMATIONS,
     WORDS,
@@ -85,7 +85,7 @@ class Disjunctive(EngineSolver):
     """One disjunct for each word of each leg, proven by an engine's branch and bound.
 
     Args:
-        engine: `scip`, `gurobi`, `xpress` or `maingo`.
+        engine: `scip` or `maingo`.
         transformation: of the disjunctions into linear constraints: `bigm` or `hull`.
         quadrants: whether sines and cosines are of a quarter turn at most; without, they are of
             arcs up to 2 pi: the obvious model.
@@ -94,8 +94,7 @@ class Disjunctive(EngineSolver):
         emphasis: SCIP's: `lean`, its bare spatial branch and bound, or `default`, with heuristics
             and cutting planes, which take some seventy times as long on the paper's problems, and
             with presolving and propagation, which work with tolerances of their own and now and
-            then cut off the optimum (see docs/decisions.md). The other engines run with their
-            defaults.
+            then cut off the optimum (see docs/decisions.md). MAiNGO runs with its defaults.
         presolve: whether words that cannot exist are left out (`solvers.presolve`): the bound then
             holds for the others. Only of one leg with a free final heading.
 
@@ -133,7 +132,7 @@ class Disjunctive(EngineSolver):
     def method(self) -> Method:
         # the bound is lowered by up to twice the tolerance
         proves = max(self.gap, 2 * self.feastol)
-        return Method("disjunction", ENGINES[self.engine].label, "none", self.feastol, proves)
+        return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> Model:
         course = body_course(question.scenario)
@@ -163,9 +162,7 @@ class Disjunctive(EngineSolver):
     def _run(self, model: Model, feastol: float, seconds: float) -> Run[Point | None]:
         settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
         began = perf_counter()
-        result: ProvenResult = ENGINES[self.engine].load()(settings)(
-            model.translated.program, seconds
-        )
+        result: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
         seconds, point = perf_counter() - began, None
         if (x := result.x) is not None:
             point = _point(model, x)

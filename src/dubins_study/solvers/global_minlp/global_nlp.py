@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MinlpCall,
     MixedProgram,
@@ -64,7 +64,7 @@ class GlobalNlp(EngineSolver):
     and the one turn of an optimum with a straight moves the vehicle by at most 2 radii.
 
     Args:
-        engine: `scip`, `gurobi`, `xpress` or `maingo`.
+        engine: `scip` or `maingo`.
         model: `words` takes one two-variable program per word, `joint` the paper's model unsplit.
         order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
         heading: whether the final heading z1 - z2 of the joint model is a `variable` with an
@@ -73,7 +73,7 @@ class GlobalNlp(EngineSolver):
         gap: relative difference of point and bound at which the engine may stop.
         feastol: the engine's tolerance on the two equations, in radii.
         emphasis: SCIP's `default`, or `lean`, its branch and bound without heuristics, cutting
-            planes, presolving and propagation. The other engines have no such setting.
+            planes, presolving and propagation. MAiNGO has no such setting.
         polish: whether the engine's point is moved until it meets the target to rounding, where
             that is possible near by; else it is returned as it is.
         presolve: whether words that cannot exist are left out (`solvers.presolve`).
@@ -100,7 +100,7 @@ class GlobalNlp(EngineSolver):
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = ("casadi", *packages(MINLP_ENGINES))
-    summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP, Gurobi, Xpress or MAiNGO"
+    summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP or MAiNGO"
     variants: ClassVar[tuple[str, ...]] = tuple(
         f"global-nlp[engine={name}]" for name in MINLP_ENGINES if name != "scip"
     )
@@ -113,7 +113,7 @@ class GlobalNlp(EngineSolver):
     def method(self) -> Method:
         posed = formulation(self.model, self.order)
         proves = max(self.gap, self.feastol)  # a bound may be too high by the tolerance
-        return Method(posed, ENGINES[self.engine].label, "none", self.feastol, proves)
+        return Method(posed, self.library.label, "none", self.feastol, proves)
 
     def build(self, question: Question) -> Model:
         chosen = subproblems(question, self.model, self.order, self.presolve)
@@ -125,7 +125,7 @@ class GlobalNlp(EngineSolver):
         covers = self.model == "words" or self.order == "both" or model.question.branch != "best"
         if there := at_start(model.question):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
-        solve: MinlpCall = ENGINES[self.engine].load()(
+        solve: MinlpCall = self.library.load()(
             Settings(self.gap, self.feastol, self.emphasis == "lean")
         )
         runs: list[Run[FloatArray]] = []

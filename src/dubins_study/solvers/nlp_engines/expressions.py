@@ -1,7 +1,7 @@
 """A program's casadi expressions rebuilt in another interface's language, or as text.
 
 casadi keeps the functions of its SX symbols as lists of instructions. Carried out with numbers the
-instructions give values; carried out with the variables of Pyomo, SCIP, Gurobi or Xpress they give
+instructions give values; carried out with the variables of SCIP or MAiNGO they give
 expressions of these, so that every engine with such an interface reads every program.
 """
 

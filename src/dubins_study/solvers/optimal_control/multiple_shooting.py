@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.course import Course, heading_gap
-from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.arcs import (
     INTEGRATORS,
@@ -55,7 +54,7 @@ class MultipleShooting(NlpTranscription):
     }
 
     def template(self, course: Course) -> Segments:
-        engine = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        engine = self.library.load()(self.tol, self.max_iter, self.options)
         return Segments(self.n, course.legs, self.mesh == "equal", self.integrator, engine)
 
 

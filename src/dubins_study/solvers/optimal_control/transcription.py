@@ -24,7 +24,7 @@ from dubins_study.solvers.answers import (
     tried,
 )
 from dubins_study.solvers.course import Course, body_course
-from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
     HERE,
@@ -219,7 +219,7 @@ class NlpTranscription(Transcription):
     @property
     def method(self) -> Method:
         posed = self.formulation, self.initial_guess
-        return ENGINES[self.engine].method(*posed, self.options, self.tol)
+        return self.library.method(*posed, self.options, self.tol)
 
 
 def _arrives(off: float, course: Course) -> bool:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.engines import ENGINES, names
+from dubins_study.solvers.engines import names
 from dubins_study.solvers.nlp_engines.program import EngineResult
 from dubins_study.solvers.optimal_control.arcs import (
     CLOSE,
@@ -70,7 +70,7 @@ class TurnRateQp(Transcription):
 
     @property
     def method(self) -> Method:
-        label = ENGINES[self.engine].label
+        label = self.library.label
         return Method("turn rates", label, self.initial_guess, self.tolerance)
 
     def template(self, course: Course) -> Qps:
@@ -110,7 +110,7 @@ class Sequence:
 
     def __init__(self, qps: Qps, rates: Rates, course: Course, deadline: float) -> None:
         self.qp, self.solver = qps.qp, qps.solver
-        self.options = ENGINES[qps.solver.engine].options.of(qps.solver.options)
+        self.options = qps.solver.library.options.of(qps.solver.options)
         self.rates, self.course, self.deadline = rates, course, deadline
 
     def run(self, guess: Elements) -> Transcribed:

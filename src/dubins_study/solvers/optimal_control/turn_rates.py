@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.course import Course, heading_gap
-from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.arcs import (
     MOST_TURN_EACH,
@@ -57,7 +56,7 @@ class TurnRates(NlpTranscription):
         shares = step_shares(self.n, self.mesh, course)
         longest = np.hypot(*course.steps.T)[:, None] + _DETOUR
         most = np.minimum(1.0, MOST_TURN_EACH / (shares * longest))
-        engine = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        engine = self.library.load()(self.tol, self.max_iter, self.options)
         return Steps(shares, most.ravel(), engine)
 
 

@@ -14,7 +14,6 @@ from typing import Any, ClassVar
 
 from dubins_study.solvers.engines import (
     APART,
-    ENGINES,
     NLP_ENGINES,
     EngineSolver,
     names,
@@ -89,7 +88,7 @@ class Nlp(LocalNlp, _Named):
         if self.engine not in _ENGINES:
             return Method(self.formulation, self.engine, self.initial_guess)
         posed = self.formulation, self.initial_guess
-        return ENGINES[self.engine].method(*posed, self.options, self.tol)
+        return self.library.method(*posed, self.options, self.tol)
 
     @property
     def runs(self) -> str | None:
@@ -107,11 +106,11 @@ class Nlp(LocalNlp, _Named):
     @property
     def keeps_limit(self) -> bool:
         # executables are killed at the limit; KNITRO was never tried with a licence
-        return self.engine not in _ENGINES or ENGINES[self.engine].keeps_limit
+        return self.engine not in _ENGINES or self.library.keeps_limit
 
     def adapter(self) -> Adapter:
         if self.engine in NLP_ENGINES:
-            call = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+            call = self.library.load()(self.tol, self.max_iter, self.options)
             return partial(solve, engine=call)
         if self.engine == _KNITRO:
             return partial(solve_in_pyomo, interface="knitro_direct")

@@ -18,7 +18,7 @@ from scipy.sparse import block_array, csr_array, eye_array, kron
 
 from dubins_study.solvers.answers import at_start, claim_of, coordinate_rounding, costs
 from dubins_study.solvers.course import path_of
-from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.minlp_engines.program import (
     MixedProgram,
     ProvenResult,
@@ -33,7 +33,7 @@ from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, Claim
 
-# of rows: the least that HiGHS, Gurobi and SCIP all take
+# of rows: the least that HiGHS takes
 TOLERANCE = 1e-9
 # not MAiNGO, which ended in no time limit here
 _ENGINES = ("highs", *(name for name in MINLP_ENGINES if name != "maingo"))
@@ -123,9 +123,7 @@ class HeadingMilp(EngineSolver):
 
     Args:
         headings: number of headings at each point.
-        engine: `highs`, stated in cvxpy, `scip`, `gurobi` or `xpress`. The licences in the wheels
-            of the last two end at 2 000 and at 5 000 variables, which 40 headings a point reach
-            with two legs, and 20 with six or thirteen. MAiNGO is not made for so many binaries.
+        engine: `highs`, stated in cvxpy, or `scip`. MAiNGO is not made for so many binaries.
         gap: relative gap at which the engine calls an answer optimal.
     """
 
@@ -149,7 +147,7 @@ class HeadingMilp(EngineSolver):
 
     @property
     def method(self) -> Method:
-        return Method("grid of headings", ENGINES[self.engine].label, "none", TOLERANCE)
+        return Method("grid of headings", self.library.label, "none", TOLERANCE)
 
     def build(self, question: Question) -> Model:
         route = route_of(question.scenario)
@@ -166,7 +164,7 @@ class HeadingMilp(EngineSolver):
         if self.engine == "highs":
             result = _by_cvxpy(flow, self.gap, limit)
         else:
-            ask = ENGINES[self.engine].load()(Settings(self.gap, TOLERANCE))
+            ask = self.library.load()(Settings(self.gap, TOLERANCE))
             result = ask(_mixed(flow), limit)
         run = result.run("grid", perf_counter() - began, result.x)._replace(
             iterations=result.iterations, evaluations=result.nodes
@@ -176,7 +174,7 @@ class HeadingMilp(EngineSolver):
             return Solution(claim, message=run.message or run.status, **costs([run]))
         segments, words = route.shortest(_chosen(found, result.x))
         length = float(segments.sum()) * scenario.radius
-        bound = f"{ENGINES[self.engine].label}'s bound {run.bound * scenario.radius:.9g}"
+        bound = f"{self.library.label}'s bound {run.bound * scenario.radius:.9g}"
         return Solution(
             Claim.LOCAL if run.claim is Claim.OPTIMAL else Claim.FEASIBLE,
             path=path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel()),

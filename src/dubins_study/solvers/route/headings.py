@@ -16,7 +16,7 @@ import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, costs
 from dubins_study.solvers.course import path_of
-from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
+from dubins_study.solvers.engines import SearchSolver, names, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Entries,
@@ -91,12 +91,12 @@ class Headings(SearchSolver):
 
     @property
     def method(self) -> Method:
-        return Method("headings", ENGINES[self.engine].label, self.guess)
+        return Method("headings", self.library.label, self.guess)
 
     @property
     def keeps_limit(self) -> bool:
         # of an NLP engine an iteration on hundreds of headings may take seconds
-        return super().keeps_limit and ENGINES[self.engine].kind != NLP
+        return super().keeps_limit and self.library.kind != NLP
 
     def build(self, question: Question) -> tuple[Question, Route]:
         route = route_of(question.scenario)
@@ -144,7 +144,7 @@ class Headings(SearchSolver):
                 length = route_length(route, guess)
                 answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
                 yield Run("headings", perf_counter() - began, guess, *answer, length)
-            elif ENGINES[self.engine].kind == NLP:
+            elif self.library.kind == NLP:
                 yield self._descend(route, guess, until, trace)
             else:
                 yield self._search(route, guess, random, until, trace)
@@ -154,7 +154,7 @@ class Headings(SearchSolver):
     ) -> Run[FloatArray]:
         """A run of an engine of nonlinear programs."""
         began = perf_counter()
-        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
         if self.trace:
             whole_plane = LengthInBox(route, np.zeros(route.unknowns))
@@ -177,7 +177,7 @@ class Headings(SearchSolver):
         """A search of the box of a full turn a heading, about the guess if the engine takes one."""
         began, k = perf_counter(), route.unknowns
         low = guess - _HALF_TURN if self.guided else np.full(k, route.first)
-        budget = self.evaluations or min(ENGINES[self.engine].evaluations * k, _MOST_EVALUATIONS)
+        budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until, self.trace)
         begin = np.full(k, _HALF_TURN) if self.guided else None
         claim, message = Task(function, begin, random).search(self.engine, self.options)

@@ -20,7 +20,7 @@ import numpy as np
 
 from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
 from dubins_study.solvers.course import heading_gap, path_of
-from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Expressions,
@@ -108,7 +108,7 @@ class RouteNlp(EngineSolver):
     def method(self) -> Method:
         words = self.model == "words"
         posed = "one NLP a word" if words else "joint NLP, LRSLR a leg"
-        method = ENGINES[self.engine].method(posed, self.initial_guess, self.options, self.tol)
+        method = self.library.method(posed, self.initial_guess, self.options, self.tol)
         # the words come from the closed form, by a dynamic program
         return method._replace(knows="formula") if words else method
 
@@ -125,7 +125,7 @@ class RouteNlp(EngineSolver):
         # at zero no constraint qualification holds, as in (4.12)
         if there := at_start(question):
             return there
-        engine: NlpCall = ENGINES[self.engine].load()(self.tol, self.max_iter, self.options)
+        engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
         def run(guess: FloatArray, until: float) -> Run[FloatArray]:
             began = perf_counter()

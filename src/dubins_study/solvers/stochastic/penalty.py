@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
-from dubins_study.solvers.engines import ENGINES, SearchSolver, names, packages
+from dubins_study.solvers.engines import SearchSolver, names, packages
 from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
 from dubins_study.solvers.paper_nlp.model import (
     ORDERS,
@@ -93,11 +93,11 @@ class Penalty(SearchSolver):
 
     @property
     def _budget(self) -> int:
-        return self.evaluations or ENGINES[self.engine].evaluations
+        return self.evaluations or self.library.evaluations
 
     @property
     def method(self) -> Method:
-        return Method("penalty", ENGINES[self.engine].label, self.guess)
+        return Method("penalty", self.library.label, self.guess)
 
     def solve(self, model: Question, limit: float) -> Solution:
         if there := at_start(model):
