@@ -64,10 +64,6 @@ class Extremal(NamedTuple):
         return self.costate_x, self.costate_y
 
 
-# columns of `study.rows.schema` that hold the numbers that are measured here
-MEASURED = (*(name for name in Extremal._fields if name != "abnormal"), "cut_margin")
-
-
 def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
     """The costates of a path of one leg that can be driven, and the cut margin if `free`.
 
