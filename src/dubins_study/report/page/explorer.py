@@ -45,16 +45,6 @@ PRESETS = (
     Preset("Pose", "0,0,30deg,4,1,1;final=180deg", "A final heading is given: six words"),
     Preset("Route", "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg", "Two points to pass on the way"),
 )
-FIELDS = (
-    ("target_x", "target x"),
-    ("target_y", "target y"),
-    ("heading", "heading, deg"),
-    ("radius", "radius R"),
-    ("x", "start x"),
-    ("y", "start y"),
-    ("final_heading", "final heading, deg"),
-)
-COPIES = (("command", "Command line"), ("python", "Python"), ("link", "Link to this scenario"))
 
 
 def _explorer() -> Markup:
@@ -66,10 +56,7 @@ def _explorer() -> Markup:
         for name in ("problem", "words")
     }
     branches = [branch for branch in BRANCHES if branch != "best"]
-    text = template.render(
-        presets=PRESETS, fields=FIELDS, copies=COPIES, branches=branches, drawings=drawings
-    )
-    return Markup(text)
+    return Markup(template.render(presets=PRESETS, branches=branches, drawings=drawings))
 
 
 def explorer_section(results: Results) -> Section:

@@ -157,11 +157,10 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
     shares = wide["right_share"][names].to_numpy(dtype=np.float64)
     few = wide["few"][names].to_numpy()
     lines, across = len(drawn), len(names)
-    flat: Style = {"interpolation": "nearest", "aspect": "auto"}
-    ax.imshow(np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **flat)
-    gaps: Style = {"colors": PAPER, "linewidth": 1.2}
-    ax.hlines(np.arange(1, lines) - 0.5, -0.5, across - 0.5, **gaps)
-    ax.vlines(np.arange(1, across) - 0.5, -0.5, lines - 0.5, **gaps)
+    gaps: Style = {"edgecolors": PAPER, "linewidth": 1.2}
+    places = range(across), range(lines)
+    ax.pcolormesh(*places, np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **gaps)
+    ax.invert_yaxis()
     for i, j in np.argwhere(np.isfinite(shares)):
         text = f"{percent(shares[i, j], 0)}{'*' if few[i, j] else ''}"
         ink = MAP_PAPER if shares[i, j] > _DARK else ON_MAP
