@@ -88,21 +88,17 @@ def pose_costates(
 ) -> tuple[float, float, bool, float, float]:
     """The costates of a leg with a given final heading, a path CSC or CCC or a part of one.
 
-    Where S vanishes, or an arc of CCC, there are many: then those of CSC are taken, which satisfy
-    Pontryagin's conditions whatever the arcs (docs/derivation.md, section 9).
+    Where S vanishes there are many: then those of CSC are taken, which satisfy Pontryagin's
+    conditions whatever the arcs (docs/derivation.md, section 9).
 
     Args:
         heading: of the start (rad).
         turn1, turn2, turn3: rates +1, 0 or -1 of the pieces; turn2 is 0 in CSC.
-        first, second, third: their lengths in radii, 0 for what is not there.
+        first, second, third: their lengths in radii; in CSC, 0 for what is not there.
 
     Returns:
         As `costates`, without the cut margin.
     """
-    if turn2 != 0.0 and first == 0.0:
-        turn1, first, turn2, second = turn2, second, 0.0, 0.0
-    elif turn2 != 0.0 and third == 0.0:
-        turn2, second, turn3, third = 0.0, 0.0, turn2, second
     if second == 0.0 and turn1 == turn3:
         first, third = first + third, 0.0
     return _inflected(heading, turn1, first, turn2, second, turn3, third)
