@@ -9,12 +9,11 @@ import numpy as np
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.check.two_arcs import PATH_WORDS
-from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.closed_form.shortest import REGIONS, shortest_path
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.judging.verdict_frame import (
     NO_WORD,
-    REGIONS,
     VERDICTS,
     FrameJudgement,
     judge_frame,

@@ -119,7 +119,8 @@ def _columns(
     seconds: float,
 ) -> dict[str, Any]:
     """The answer's columns, None for a missing one: codes and flat buffers are taken over."""
-    from dubins_study.study.judging.verdict_frame import LEG_WORDS, REGIONS, VERDICTS
+    from dubins_study.study.closed_form.shortest import REGIONS
+    from dubins_study.study.judging.verdict_frame import LEG_WORDS, VERDICTS
 
     n = len(solution.paths)
     claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)

@@ -22,11 +22,11 @@ from dubins_study.report.topics.failures import failures, gist
 from dubins_study.report.topics.success import gap_quantiles, gap_shares
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.topics.time import solver_times
+from dubins_study.study.closed_form.shortest import REGIONS
 from dubins_study.study.scenario import NUMBERS
 from tests.unit.report.results_folder import attempts_of
 
 SOLVERS = ("analytic", "slsqp", "slsqp[count=3]")
-REGIONS = ("outside", "left disc", "right disc", "circle")
 _GAPS = st.none() | st.sampled_from([0.0, 1e-16, 1e-4]) | st.floats(-1e-9, 10)
 _SIZES = st.none() | st.floats(0, 1e3)
 

@@ -15,7 +15,7 @@ from dubins_study.asking.frame import COLUMNS, solve_frame
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
-from dubins_study.study.check.extremal import MEASURED
+from dubins_study.study.check.extremal import Extremal
 from dubins_study.study.closed_form.kernel_compile import SMALL
 from dubins_study.study.judging import verdict_frame
 from dubins_study.study.judging.judge import judge
@@ -25,6 +25,7 @@ from dubins_study.study.scenario_frame import check_frame, scenarios
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES
 from tests.hard_cases import hard_frame, hard_poses
 
+MEASURED = {*Extremal._fields, "cut_margin"} - {"abnormal"}
 TIMES = {"build_s", "solve_s", "wall_s"}
 FRAME = pd.DataFrame(
     {

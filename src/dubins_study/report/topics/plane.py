@@ -27,6 +27,7 @@ from dubins_study.report.elements.style import (
 )
 from dubins_study.report.statistics.metrics import solver_order, success
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.closed_form.shortest import LEFT_DISC, REGIONS, RIGHT_DISC
 from dubins_study.study.path import Paths
 from dubins_study.study.scenario_frame import check_frame
 
@@ -46,7 +47,7 @@ WRONG = (
     Mark("misses", colour=VERMILION, marker="x"),
     Mark("none", colour=BLUE, marker="s", filled=False),
 )
-_DISCS = ("left disc", "right disc")
+_DISCS = (LEFT_DISC, RIGHT_DISC)
 
 
 def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
@@ -61,7 +62,7 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
     from dubins_study.study.closed_form.kernel import RATES, WORDS, curvatures, shortest_rows
-    from dubins_study.study.judging.verdict_frame import REGIONS, judge_frame
+    from dubins_study.study.judging.verdict_frame import judge_frame
 
     x, y = (each.ravel() for each in np.meshgrid(*dense))
     first = {name: float(exact[name].iloc[0]) for name in ("x", "y", "heading", "radius")}
@@ -74,7 +75,7 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(
         word=np.array(WORDS)[best.word],
         length=best.length,
-        region=np.array([str(region) for region in REGIONS])[judged.region],
+        region=np.array(REGIONS)[judged.region],
     )
 
 

@@ -29,8 +29,9 @@ from dubins_study.report.statistics.methods import (
 )
 from dubins_study.report.statistics.metrics import by_solver, gaps, upper_quantile
 from dubins_study.report.topics.summary import best_solvers, solver_summary, summary_table
+from dubins_study.study.closed_form.shortest import REGIONS
 
-REGIONS = ("all", "outside", "left disc", "right disc", "circle")
+ALL_REGIONS = ("all", *REGIONS)
 QUANTILES = (
     SOLVER,
     *columns(kind="text", region="target lies"),
@@ -51,7 +52,7 @@ def gap_quantiles(attempts: pd.DataFrame) -> pd.DataFrame:
     Columns: solver, region, attempts, arrived (a share of them), and q50, q90, q99, q100.
     """
     asked = attempts.loc[attempts["answerable"], ["solver", "region"]].assign(gap=gaps(attempts))
-    each = asked[asked["region"].isin(REGIONS)]
+    each = asked[asked["region"].isin(ALL_REGIONS)]
     groups = pd.concat([asked.assign(region="all"), each]).groupby(["solver", "region"])["gap"]
     lines = [
         (*key, len(part), np.isfinite(part).mean(), *(upper_quantile(part, q) for q in _SHARES))
@@ -61,7 +62,7 @@ def gap_quantiles(attempts: pd.DataFrame) -> pd.DataFrame:
     frame = pd.DataFrame(lines, columns=names)
     every = frame.groupby("solver")["attempts"].transform("max")
     news = frame[(frame["region"] == "all") | (frame["attempts"] < every)]
-    return by_solver(news.sort_values("region", key=lambda region: region.map(REGIONS.index)))
+    return by_solver(news.sort_values("region", key=lambda region: region.map(ALL_REGIONS.index)))
 
 
 def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:

@@ -30,9 +30,10 @@ from dubins_study.study.check.two_arcs import (
     FULL_RATE,
     NO_LENGTH,
     NO_TURN,
+    Word,
     costates,
+    cut_margin,
     nearest_rate,
-    pose_costates,
 )
 from dubins_study.study.path import FEW, Path, corners
 from dubins_study.study.scenario import Pose
@@ -64,10 +65,6 @@ class Extremal(NamedTuple):
         return self.costate_x, self.costate_y
 
 
-# columns of `study.rows.schema` that hold the numbers that are measured here
-MEASURED = (*(name for name in Extremal._fields if name != "abnormal"), "cut_margin")
-
-
 def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | None, float | None]:
     """The costates of a path of one leg that can be driven, and the cut margin if `free`.
 
@@ -91,16 +88,13 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
         word = _free_word(rates, lengths) if free else _posed_word(rates, lengths)
         if word is None:
             return extremal(path.start.heading, u, length, free), None
-    cut: float | None = None
-    if free:
-        x, y, abnormal, H, margin, cut = costates(path.start.heading, *word)
-    else:
-        x, y, abnormal, H, margin = pose_costates(path.start.heading, *word)
+    x, y, abnormal, H, margin = costates(path.start.heading, word)
     transversality = 0.0 if free else None
-    return Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin)), cut
+    best = Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin))
+    return best, cut_margin(word) if free else None
 
 
-def _free_word(u: list[float], length: list[float]) -> list[float] | None:
+def _free_word(u: list[float], length: list[float]) -> Word | None:
     """Rates and lengths of S, C, CS or CC at full rate; None if pieces are another path.
 
     A piece that is next to nothing is left out if the path then still ends where it did.
@@ -124,10 +118,10 @@ def _free_word(u: list[float], length: list[float]) -> list[float] | None:
         t2, l2, off2, moved = 0.0, 0.0, 0.0, without2
     full = max(off1, off2) <= FULL_RATE and moved <= allowed
     letters = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
-    return [t1, l1, t2, l2] if full and letters and l1 > 0.0 else None
+    return ((t1, l1), (t2, l2), _NO_PIECE) if full and letters and l1 > 0.0 else None
 
 
-def _posed_word(u: list[float], length: list[float]) -> list[float] | None:
+def _posed_word(u: list[float], length: list[float]) -> Word | None:
     """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
     rates, total = [nearest_rate(k) for k in u], sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
@@ -140,9 +134,9 @@ def _posed_word(u: list[float], length: list[float]) -> list[float] | None:
         arcs.insert(0, _NO_PIECE)
     if len(arcs) == 2 and arcs[1][0] != 0.0:
         arcs.insert(1, _NO_PIECE)
-    (u1, l1), (u2, l2), (u3, l3) = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
-    named = len(arcs) <= 3 and (u2 == 0.0 or u1 == u3 == -u2)
-    return [u1, l1, u2, l2, u3, l3] if named else None
+    first, second, third = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
+    named = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
+    return (first, second, third) if named else None
 
 
 def pieces(rate: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:

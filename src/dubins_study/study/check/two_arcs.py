@@ -26,6 +26,11 @@ NO_LENGTH = 1e-6
 ABNORMAL = 1e-9
 
 
+# rate +1, 0 or -1 and length (radii) of a piece; and the pieces of a path, (0, 0) for what it lacks
+Piece = tuple[float, float]
+Word = tuple[Piece, Piece, Piece]
+
+
 def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
     """`Path.word` of two arcs of curvatures k and lengths l >= 0, as an index into `PATH_WORDS`."""
     k1, k2 = (k1 if l1 > 0.0 else 0.0), (k2 if l2 > 0.0 else 0.0)
@@ -52,75 +57,37 @@ def nearest_rate(u: float) -> float:
     return math.copysign(1.0, u) if abs(u) > 0.5 else 0.0
 
 
-def costates(
-    heading: float, turn1: float, first: float, turn2: float, second: float
-) -> tuple[float, float, bool, float, float, float]:
-    """The costates of a word S, C, CS or CC in closed form, and how well they satisfy Pontryagin.
+def cut_margin(word: Word) -> float:
+    """By how much (rad) a path S, C, CS or CC stays clear of where another one becomes shorter.
 
-    The final heading is free: nu3 is 0 at the end (docs/derivation.md, sections 9 and 10).
+    The final heading is free (docs/derivation.md, section 10).
+    """
+    (turn1, first), (turn2, second), _ = word
+    if turn2 != 0.0:
+        longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
+        return min(second - math.pi, TWO_PI - second, longest - first)
+    return math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
+
+
+def costates(heading: float, word: Word) -> tuple[float, float, bool, float, float]:
+    """The costates of a path in closed form, and how well they satisfy Pontryagin's conditions.
+
+    Of S, C, CS and CC they are those of a free final heading, where nu3 is 0; of CSC and CCC those
+    of a given one. Where S vanishes there are many: then those of CSC are taken, which satisfy the
+    conditions whatever the arcs (docs/derivation.md, section 9). They have nu3 = 0 at both ends of
+    the second piece; what is measured comes from positions and headings, not from the word.
 
     Args:
         heading: of the start (rad).
-        turn1, turn2: rates +1, 0 or -1 of the pieces; turn1 is 0 only if there is but one.
-        first, second: their lengths in radii.
+        word: the pieces; the second is S in CSC, and of no length if it is not there.
 
     Returns:
         nu1 and nu2 in the world frame, with nu0 = 1 or of norm 1 if abnormal; whether nu0 = 0;
-        max |H|, sign margin and cut margin.
+        max |H| and sign margin.
     """
-    if turn2 != 0.0:
-        longest = 2 * math.atan2(-math.sin(second), 2 - math.cos(second))
-        cut = min(min(second - math.pi, TWO_PI - second), longest - first)
-    else:
-        cut = math.pi if turn1 == 0.0 else 2 * (math.pi - math.atan(second)) - first
-    x, y, abnormal, worst, margin = _inflected(heading, turn1, first, turn2, second, 0.0, 0.0)
-    return x, y, abnormal, worst, margin, cut
-
-
-def pose_costates(
-    heading: float,
-    turn1: float,
-    first: float,
-    turn2: float,
-    second: float,
-    turn3: float,
-    third: float,
-) -> tuple[float, float, bool, float, float]:
-    """The costates of a leg with a given final heading, a path CSC or CCC or a part of one.
-
-    Where S vanishes, or an arc of CCC, there are many: then those of CSC are taken, which satisfy
-    Pontryagin's conditions whatever the arcs (docs/derivation.md, section 9).
-
-    Args:
-        heading: of the start (rad).
-        turn1, turn2, turn3: rates +1, 0 or -1 of the pieces; turn2 is 0 in CSC.
-        first, second, third: their lengths in radii, 0 for what is not there.
-
-    Returns:
-        As `costates`, without the cut margin.
-    """
-    if turn2 != 0.0 and first == 0.0:
-        turn1, first, turn2, second = turn2, second, 0.0, 0.0
-    elif turn2 != 0.0 and third == 0.0:
-        turn2, second, turn3, third = 0.0, 0.0, turn2, second
+    (turn1, first), (turn2, second), (turn3, third) = word
     if second == 0.0 and turn1 == turn3:
         first, third = first + third, 0.0
-    return _inflected(heading, turn1, first, turn2, second, turn3, third)
-
-
-def _inflected(
-    heading: float,
-    turn1: float,
-    first: float,
-    turn2: float,
-    second: float,
-    turn3: float,
-    third: float,
-) -> tuple[float, float, bool, float, float]:
-    """Costates with nu3 = 0 at both ends of the second piece, and how well they satisfy Pontryagin.
-
-    What is measured comes from positions and headings, not from the word.
-    """
     middle = turn1 * first
     last = middle + turn2 * second
     if turn2 != 0.0:  # along or against the chord of the arc

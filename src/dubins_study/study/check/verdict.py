@@ -8,6 +8,7 @@ from copy import copy
 from itertools import groupby
 from typing import NamedTuple
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits
@@ -124,7 +125,7 @@ def seen_of(
     miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
     turned, blur = 0.0, 0.0
     if scenario.final_heading is not None:
-        turned = abs(math.remainder(end.heading - scenario.final_heading, 2 * math.pi))
+        turned = abs(math.remainder(end.heading - scenario.final_heading, TWO_PI))
         blur = DRIVEN * (abs(end.heading) + abs(scenario.final_heading) + length / radius)
     there = arrives(miss, radius, extent, length, tolerances.miss)
     return Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)

@@ -170,13 +170,17 @@ def as_path(start: Pose, radius: float, word: str, segments: tuple[float, ...]) 
     return Path(start, [TURN[letter] / radius for letter in word], driven)
 
 
+REGIONS = ("outside", "left disc", "right disc", "circle")
+OUTSIDE, LEFT_DISC, RIGHT_DISC, CIRCLE = REGIONS
+
+
 def region_of(left: float, right: float) -> str:
-    """The target's region from w of both discs: `outside`, `circle`, `left disc`, `right disc`."""
+    """The target's region, one of `REGIONS`, from w of both discs."""
     if left > 0:
-        return "left disc"
+        return LEFT_DISC
     if right > 0:
-        return "right disc"
-    return "circle" if left == 0 or right == 0 else "outside"
+        return RIGHT_DISC
+    return CIRCLE if left == 0 or right == 0 else OUTSIDE
 
 
 def margin_local(X: float, y: float) -> float:

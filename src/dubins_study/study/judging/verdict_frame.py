@@ -34,6 +34,7 @@ from dubins_study.study.closed_form.kernel import (
 from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
 from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
+from dubins_study.study.closed_form.shortest import REGIONS
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import Judgement
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 VERDICTS = tuple(Verdict)
-REGIONS = ("outside", "left disc", "right disc", "circle")
 ODD = 254  # verdict of a row that is left to the scalar check
 NO_WORD = NO_PATH
 # the words of three arcs; the first ones are those of two, and of `kernel.WORDS`

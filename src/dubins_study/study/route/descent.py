@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
@@ -99,7 +100,7 @@ def _on_arcs(headings: FloatArray, arc_ends: Sequence[FloatArray]) -> tuple[Floa
     moved, others = headings.copy(), np.ones(headings.size, np.bool_)
     for i, ends in enumerate(arc_ends):
         for end in ends:
-            away = math.remainder(headings[i] - end, 2 * math.pi)
+            away = math.remainder(headings[i] - end, TWO_PI)
             if abs(away) < _BESIDE_ARC:
                 moved[i] -= away
                 others[i] = False

@@ -112,19 +112,23 @@ def lrl_bound(box: Box) -> float:
     rate11, rate12 = -1.0 - math.cos(u) / c - math.sin(u) / s, math.sin(u) / s - math.cos(u) / c
     rate22, rate21 = -1.0 - math.cos(v) / c - math.sin(v) / s, math.sin(v) / s - math.cos(v) / c
     size = rate11 * rate22 - rate12 * rate21
-    for flat in range(7):
-        mu1 = mu2 = 0.0
-        if flat == 4 and short1 and short2:
-            mu1 = (rise1 * rate22 - rise2 * rate12) / size
-            mu2 = (rise2 * rate11 - rise1 * rate21) / size
-        elif flat < 2 and short1:
-            mu1 = rise1 / rate11 if flat == 0 else rise2 / rate21
-        elif 2 <= flat < 4 and short2:
-            mu2 = rise1 / rate12 if flat == 2 else rise2 / rate22
-        elif flat == 5 and short1:
-            mu1 = 4.0 - _ALONG * c
-        elif flat == 6 and short2:
-            mu2 = 4.0 - _ALONG * c
+    along_axis = 4.0 - _ALONG * c
+    flat_in_both = (
+        (rise1 * rate22 - rise2 * rate12) / size,
+        (rise2 * rate11 - rise1 * rate21) / size,
+    )
+    multipliers = (
+        (rise1 / rate11, 0.0),
+        (rise2 / rate21, 0.0),
+        (0.0, rise1 / rate12),
+        (0.0, rise2 / rate22),
+        flat_in_both,
+        (along_axis, 0.0),
+        (0.0, along_axis),
+    )
+    for mu1, mu2 in multipliers:
+        if (mu1 != 0.0 and not short1) or (mu2 != 0.0 and not short2):
+            continue
         mu1, mu2 = min(mu1, 8.0), min(mu2, 8.0)
         if not (mu1 >= 0.0 and mu2 >= 0.0 and mu1 + mu2 > 0.0):
             continue

@@ -60,7 +60,6 @@ class Route(NamedTuple):
     low: float
     high: float
     closed: bool  # whether low and high are within the tolerance
-    rounds: int
     boxes: int  # pairs of intervals that were bounded, and local searches counted in them
     seconds: float
 
@@ -358,6 +357,13 @@ class _Search:
         words, segments = route_words(self.legs, self.headings)
         names = tuple(WORDS6[word] for word in words)
         return Route(
-            *(self.headings, names, segments, self.length, self.low, self.high, self.closed),
-            *(self.rounds, self.effort.spent, perf_counter() - self.effort.began),
+            headings=self.headings,
+            words=names,
+            segments=segments,
+            length=self.length,
+            low=self.low,
+            high=self.high,
+            closed=self.closed,
+            boxes=self.effort.spent,
+            seconds=perf_counter() - self.effort.began,
         )
