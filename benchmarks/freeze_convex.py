@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import block_diag, bmat, csr_array, diags_array, eye_array, hstack, vstack
 
-from dubins_study.solvers.convex.engines import NATIVE, Ask
-from dubins_study.solvers.optimal_control.arcs import Elements, rollout
+from dubins_study.solvers.arcs import Elements, rollout
+from dubins_study.solvers.convex.adapters import NATIVE, Ask
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex import digests, problem
 from dubins_study.study.convex.problem import Point, Problem

@@ -258,7 +258,7 @@ ENGINES = {
     "uno-filtersqp": _nlp("Uno filterSQP", "unopy", "uno:filtersqp", _of_uno()),
     # reads nothing but Pyomo's model of (4.12), with its own tolerances
     "knitro": Engine(
-        "KNITRO", NLP, ("knitro",), check="paper_nlp.program:unlicensed", keeps_limit=False
+        "KNITRO", NLP, ("knitro",), check="paper_nlp.pyomo_model:unlicensed", keeps_limit=False
     ),
     "scip": _proven("SCIP", "pyscipopt", "scip", versions=scip_in_pyscipopt),
     # counts the processor's seconds, and whole ones

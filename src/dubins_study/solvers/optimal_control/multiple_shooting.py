@@ -9,15 +9,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.course import Course, heading_gap
-from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
-from dubins_study.solvers.optimal_control.arcs import (
+from dubins_study.solvers.arcs import (
     INTEGRATORS,
     Elements,
     Rates,
     chord,
     most_turn,
 )
+from dubins_study.solvers.course import Course, heading_gap
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
     Meshed,

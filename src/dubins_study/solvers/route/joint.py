@@ -18,7 +18,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
 from dubins_study.solvers.course import heading_gap, path_of
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, packages
 from dubins_study.solvers.nlp_engines.program import (
@@ -31,6 +30,7 @@ from dubins_study.solvers.nlp_engines.program import (
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
+from dubins_study.solvers.runs import Attempts, Run, at_start, settled, spent, tried
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -123,15 +123,16 @@ class RouteNlp(EngineSolver):
     def solve(self, model: PosedRoute, limit: float) -> Solution:
         question, program, places = model.question, model.program, model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if there := at_start(question):
+        if there := at_start(question.scenario, model.route.target):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
         def run(guess: FloatArray, until: float) -> Run[FloatArray]:
             began = perf_counter()
             result = engine(program, _kept(guess, places), until - began)
-            seconds, length = perf_counter() - began, float(_arcs(result.x, places).sum())
-            return Run(self.model, seconds, *result, length=length)
+            seconds = perf_counter() - began
+            length = float(_arcs(result.x, places).sum())
+            return Run(self.model, seconds, result, result.x, length=length)
 
         guesses = self._guesses(model)
         enough = self.initial_guess == "bearing"  # of the others every guess is tried
@@ -143,7 +144,7 @@ class RouteNlp(EngineSolver):
         route = model.route
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
-            if self.initial_guess == "bearing" and route.free_leg:
+            if self.initial_guess == "bearing" and route.target is not None:
                 yield words_guess(route, model.known)
         elif self.initial_guess == "words":
             yield words_guess(route, model.known)
@@ -166,7 +167,7 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
     if claim is Claim.INFEASIBLE and known is not None:
         claim = Claim.FAILED  # of these words: others may have a path
-    n = route.legs
+    n, duals = route.legs, best.result.duals
     path = None
     if claim is not Claim.INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
@@ -176,11 +177,9 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
         path=path,
         claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
         # those of the last leg's end
-        multipliers=None if best.duals is None else tuple(best.duals[3 * n - 2 : 3 * n]),
-        native_status=best.status,
-        message=best.message,
-        best_run=best.effort,
-        **costs(runs),
+        multipliers=None if duals is None else tuple(duals[3 * n - 2 : 3 * n]),
+        message=best.result.message,
+        **spent(runs, best),
     )
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, diags_array, eye_array, hstack, triu, vstack
 
-from dubins_study.solvers.answers import claim_of
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import Point, Problem, ProblemError
 from dubins_study.study.words import Claim
