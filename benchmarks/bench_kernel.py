@@ -22,7 +22,7 @@ def measure() -> Iterable[Measurement]:
         [frame[name].to_numpy() for name in NAMES]
         for frame in (random_frame(N, seed) for seed in range(4))
     ]
-    out, total = Rows.empty(N), np.empty(N)
+    out, total = Rows.empty(2, N), np.empty(N)
     a, b = data[0][:2]
     functions = {
         "kernel": lambda: shortest_rows(*data[0], out=out),

@@ -26,7 +26,8 @@ from dubins_study.asking.frame import solve_frame
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.enclosure import enclose_pose
 from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
+from dubins_study.study.closed_form.kernel import Rows
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows
 from dubins_study.study.scenario import Pose
 
 N = sized(1_000_000, 1_000)
@@ -45,7 +46,7 @@ def measure() -> Iterable[Measurement]:
 
 
 def _measure() -> Iterable[Measurement]:
-    legs, out, theirs = random_legs(N), PoseRows.empty(N), np.empty(N)
+    legs, out, theirs = random_legs(N), Rows.empty(3, N), np.empty(N)
     few = PoseArrays(*(column[:PAIRS] for column in legs))
     frame = pd.DataFrame(legs._asdict())
 

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from dubins_study.solvers.registry import load
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.closed_form.shortest import margin_local
 from dubins_study.study.scenario import COLUMNS, NUMBERS, Scenario
 from dubins_study.study.words import FROZEN
 
@@ -35,6 +37,12 @@ QUICK_ENGINES = (
     *("ipopt", "slsqp", "uno-filtersqp", "nlopt-slsqp"),
     *("scip", "differential-evolution", "powell", "hybr", "piqp"),
 )
+
+
+def margin(scenario: Scenario) -> float:
+    """Distance from the target to the nearer turning circle, in units of the radius."""
+    target = local(scenario)
+    return margin_local(target.X, abs(target.Y))
 
 
 def engine_params(names: Iterable[str], quick: Iterable[str] = QUICK_ENGINES) -> list[Any]:

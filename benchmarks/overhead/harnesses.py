@@ -74,7 +74,6 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     from dubins_study.experiments.executors.local import row_of
     from dubins_study.experiments.plan.run_plan import Request, RunSettings, plan_run
     from dubins_study.experiments.store.part_writer import write_part
-    from dubins_study.solvers.protocol import Question
     from dubins_study.solvers.registry import load
     from dubins_study.study.rows.parts import rows_table
 
@@ -82,8 +81,11 @@ def in_process(cells: int, folder: FilePath) -> Spent:
     began = perf_counter()
     groups = plan_run(Request(file, solvers=[_SOLVER])).chains
     solver, shared = load(_SOLVER), RunSettings("in-process", 60.0)
-    answers = [ask(solver, Question(group[0].scenario)) for group in groups]
-    rows = [row_of(group[0], None, shared, a)[0] for group, a in zip(groups, answers, strict=True)]
+    answers = [ask(solver, group[0].question()) for group in groups]
+    rows = [
+        row_of(group[0], group[0].question(), shared, a)
+        for group, a in zip(groups, answers, strict=True)
+    ]
     (folder / "parts").mkdir()
     write_part(folder, "in-process", rows_table(rows))
     whole = perf_counter() - began

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from cases import EDGES, PAPER, placed
+from cases import EDGES, PAPER, margin, placed
 from hard_cases import hard_frame
 
 from dubins_study.report.page.environment import scripts
@@ -16,7 +16,7 @@ from dubins_study.study.body_coordinates import EPS, local
 from dubins_study.study.check.enclosure import enclose
 from dubins_study.study.check.extremal import measure
 from dubins_study.study.closed_form.pose import WORDS6, leg, shortest_to_pose
-from dubins_study.study.closed_form.shortest import as_path, margin, region_of, shortest
+from dubins_study.study.closed_form.shortest import as_path, region_of, shortest
 from dubins_study.study.path import Path as Driven
 from dubins_study.study.route.search import search
 from dubins_study.study.scenario import NUMBERS, Pose, Scenario
@@ -155,7 +155,7 @@ def test_certificates_are_the_package_s(in_page):
             driven = [length for length in optimum.segments if length > 0]
             if not np.allclose(entry["segments"], driven, rtol=0, atol=1e-9):
                 continue
-            path = as_path(case, optimum.word, optimum.segments)
+            path = as_path(case.start, case.radius, optimum.word, optimum.segments)
             extremal, cut = measure(path, case.radius)
             found = entry["certificate"]
             # 1e-9 of the segments, twice; 1e9 R away positions lose 16 ulp a radius in costates

@@ -153,26 +153,6 @@ def test_a_noisy_run_says_so(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("entry", "code"),
-    [
-        ({}, 0),
-        ({"probes": "x", "seconds": "long", "jobs": "many", "state": 3, "started": None}, 2),
-        ({"jobs": -3, "seconds": -1.0, "probes": [[0, 0]] * 9}, 2),
-        ({"run_id": "\x1b[31mred\x1b[0m\n", "seconds": 10**400}, 2),
-    ],
-)
-def test_entries_that_no_run_writes(folder, entry, code):
-    """They are shown or refused: never a traceback, and no control characters on the terminal."""
-    amend(folder, runs=[entry])
-    said = finished("status", folder)
-
-    assert said.returncode == code, said.stderr
-    assert "Traceback" not in said.stderr
-    assert "\x1b" not in said.stdout + said.stderr
-
-
-@pytest.mark.slow
 def test_subsets_and_repeats_keep_count(tmp_path):
     """A run of one solver alone does not make the folder finished, nor forget the others."""
     experiment = str(quick_experiment(tmp_path, 4, 'analytic", "slsqp'))

@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 76_900,
-    "solvers": 70_000,
-    "asking": 5_500,
-    "experiments": 36_600,
-    "conformance": 12_600,
-    "report": 95_800,
-    "cli": 13_100,
-    "package": 309_900,
+    "study": 75_900,
+    "solvers": 68_500,
+    "asking": 5_700,
+    "experiments": 35_900,
+    "conformance": 12_100,
+    "report": 90_000,
+    "cli": 13_300,
+    "package": 301_200,
     "tests": 251_500,
 }
 

@@ -140,7 +140,8 @@ def check_request(branch: str, limit: float, limit_name: str = "limit") -> None:
     except Exception:  # `float` of a value of any type may raise anything
         seconds = math.nan
     if not (math.isfinite(seconds) and seconds > 0):
-        raise QuestionError(f"{limit_name} is {short(limit)}; expected a number of seconds above 0")
+        expected = "expected a finite number of seconds above 0"
+        raise QuestionError(f"{limit_name} is {short(limit)}; {expected}")
 
 
 def attempt(
@@ -151,6 +152,8 @@ def attempt(
     spec: str | None = None,
 ) -> Answer:
     """Put a question to a solver, time it, and judge whatever comes back, an exception among it."""
+    if pathless_kind_of(question.branch) is None:  # before any clock starts
+        kind_of(question.scenario, question.branch).prepare()
     began = monotonic()
     reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
     return judged(spec or solver.name, question, reply, allowed, stated_method(solver))
@@ -168,9 +171,12 @@ def judged(
     return Answer(scenario=question.scenario, path=reply.solution.path, **fields)
 
 
+_SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
+
+
 def shorter_answer(answer: Answer) -> Answer | None:
-    """The shortest path that the check knows, judged, where the answer is found longer."""
-    if answer.verdict != Verdict.LONGER:
+    """The shortest path that the check knows, judged, where the answer has no path as short."""
+    if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
         return None
     at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
     path = reference_of(answer.scenario, answer.branch, at_once).path
@@ -207,6 +213,8 @@ def _judged(
     """The fields of an answer that are columns of a row under the same name."""
     solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
+    if path is not None and pathless_kind_of(branch) is None:
+        kind_of(scenario, branch).prepare()
     allowed = allowed.begun()
     if pathless := pathless_kind_of(branch):
         tolerance = method.tolerance or allowed.gap

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import shlex
 import sys
 import textwrap
 from collections.abc import Sequence
@@ -40,7 +39,6 @@ _GEOJSON = (
 
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 _AFTER_FROM = "; --from takes X Y HEADING"  # two numbers too, and the third is the target's x
-_LONG_S = 0.02  # a solve from which on a faster setting is named
 
 
 def solve(
@@ -108,8 +106,6 @@ def solve(
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
-    if not as_json and (faster := _faster(answer, profile)):
-        print(f"dubins-study: a faster setting: --solver {shlex.quote(faster)}", file=sys.stderr)
     flown = answer
     if shortest:
         flown = shorter_answer(answer) or answer
@@ -118,24 +114,6 @@ def solve(
     ended = answer.outcome == Outcome.RETURNED
     if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
-
-
-def _faster(answer: Answer, profile: str) -> str | None:
-    """The spec that leaves out words which cannot exist, of a solver that took long over all."""
-    from dubins_study.solvers.registry import load, ours, settings, stated_method
-    from dubins_study.study.kinds.table import LEG, kind_of
-
-    spec = answer.solver
-    has_words = kind_of(answer.scenario) is LEG  # that a presolve may leave out
-    if not (ours(spec) and has_words and (answer.solve_s or 0.0) > _LONG_S):
-        return None
-    solver = load(spec, profile)
-    tries_words = "words" in stated_method(solver).columns()["knows"]
-    if settings(solver).get("presolve") is not False or not tries_words:
-        return None
-    name, _, rest = spec.removesuffix("]").partition("[")
-    given = [setting for setting in rest.split(",") if setting and "presolve" not in setting]
-    return f"{name}[{','.join([*given, 'presolve=true'])}]"
 
 
 def _points(

@@ -147,21 +147,17 @@ def _changed(first: Seen, again: Seen, when: str) -> Finding:
 
 def _difference(first: Seen, second: Seen) -> float:
     """How far two answers differ (share of the length); infinite if not only in numbers."""
-    answers = first.answer, second.answer
-    one, other = (answer.path for answer in answers)
-    if len({(answer.outcome, answer.claim) for answer in answers}) > 1:
+    one, other = first.answer, second.answer
+    if (one.outcome, one.claim) != (other.outcome, other.claim):
         return math.inf
-    if one is None or other is None:
-        return 0.0 if one is other else math.inf
-    if one.lengths.shape != other.lengths.shape or one.start != other.start:
+    if one.path is None or other.path is None:
+        return 0.0 if one.path is other.path else math.inf
+    if one.path.lengths.shape != other.path.lengths.shape:
         return math.inf
-    (k, lengths), (other_k, other_lengths) = (
-        (np.nan_to_num(path.curvatures), np.nan_to_num(path.lengths)) for path in (one, other)
-    )
     with np.errstate(all="ignore"):
-        turned = np.abs(k * lengths - other_k * other_lengths).max(initial=0.0)
-        moved = np.abs(lengths - other_lengths).max(initial=0.0)
-        return float(np.nan_to_num(max(moved / max(one.length, 1e-300), turned)))
+        poses = np.nan_to_num(one.path.poses)
+        apart = np.abs(poses - np.nan_to_num(other.path.poses)).max()
+        return float(np.nan_to_num(apart / max(one.path.length, 1e-300)))
 
 
 # state -> what to do instead of changing it

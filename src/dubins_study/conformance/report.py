@@ -179,14 +179,12 @@ def report_text(report: ConformanceReport, width: int | None = None) -> str:
             summary = f" ({plain(result.summary)})" if result.summary else ""
             line = f"{mark}  {result.name:<12} {result.title}{summary}"
         blocks.append(_wrapped(line, width, _MARGIN))
-        for place, found in enumerate(result.findings, 1):
-            later = [one for one in result.findings[place:] if one.status is Status.FAIL]
-            if found.command in [one.command for one in later]:
-                found = replace(found, command="")  # one command repeats them all: below the last
-            if found.advice and found.advice in told:
+        for found in result.findings:
+            if found.advice in told:
                 found = replace(found, advice="", traceback="")
+            elif found.advice:
+                told.add(found.advice)
             blocks.append(indent(_finding(found, width - len(_MARGIN)), _MARGIN))
-            told.add(found.advice)
     last = [_wrapped(line, width, "  ") for line in _verdict(report)]
     return "\n".join([plain(report.solver), "", *blocks, "", *last])
 

@@ -118,7 +118,9 @@ def _solve(
     stop: Interruption,
 ) -> None:
     """Solve the cells; write the rows as they come, then unite them in one part."""
-    folder, experiment = plan.folder, plan.experiment_file.experiment
+    folder = plan.folder
+    experiment = plan.experiment_file.experiment
+    rising = experiment.rising
     manifest, repairs = open_folder(folder, _new_manifest(plan, request.command()), request.restart)
     for repair in repairs:
         _LOG.warning("dubins-study: %s", repair)
@@ -129,40 +131,35 @@ def _solve(
         **experiment.model_dump(include={"time_limit_s", "memory_limit_gib", "seed"}),
     )
     done_keys = done(folder)
-    left = sum(cell.key not in done_keys for chain in plan.chains for cell in chain)
+    left = len(plan.keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
         *(plan.experiment_file.name, folder, plan.rows, left, settings),
     )
     totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
-    writer = PartWriter(folder, settings.run_id, plan.rows, progress)
     if left < plan.rows:
         for sentence in _other_limits(manifest, settings):
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
+    writer = PartWriter(folder, settings.run_id, plan.rows, progress)
+    writer.skip(plan.rows - left)
     recorded_as_finished = manifest.finished is not None or not completes
     if recorded_as_finished and not left:
-        writer.skip(plan.rows)
         return
     entry = RunEntry(
         command=request.command(),
-        run_id=settings.run_id,
-        executor=settings.executor,
-        jobs=settings.jobs,
         threads=THREADS,
-        time_limit_s=settings.time_limit_s,
-        memory_limit_gib=settings.memory_limit_gib,
+        **{name: value for name, value in settings._asdict().items() if name != "seed"},
         **executor.run_entry,
     )
     with RunRecord(folder, manifest, entry, completes) as record:
         writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process
-                writer.skip(plan.rows - left)
-                for limit, chains in stages(plan.chains, experiment.rising):
+                for limit, chains in stages(plan.chains, rising):
                     limited = settings._replace(time_limit_s=limit)
                     unit = unfinished(folder, chains, done_keys, limited)
-                    if experiment.rising:
+                    if rising:
                         writer.flush()  # the verdicts so far decide what is asked
                         unit, rows = not_asked(folder, unit)
                         writer.add(rows)

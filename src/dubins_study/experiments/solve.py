@@ -69,7 +69,8 @@ def solve(
     if not isinstance(scenario, Scenario):
         raise QuestionError(f"scenario is {scenario!r}; expected a Scenario")
     if initial_guess is not None and not isinstance(initial_guess, Path):
-        raise QuestionError(f"initial_guess is {initial_guess!r}; expected a Path or None")
+        kind = type(initial_guess).__name__
+        raise QuestionError(f"initial_guess is of type {kind}; expected a Path or None")
     check_branch(scenario, branch)
     if doubt := doubtful_units(scenario):
         _LOG.warning("dubins-study: %s", doubt)

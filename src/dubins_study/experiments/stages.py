@@ -51,5 +51,5 @@ def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
             continue
         message = "not asked: it found the shortest route of none with fewer legs"
         reply = no_answer(Outcome.NOT_ASKED, message)
-        skipped += [row_of(cell, None, unit.settings, reply)[0] for cell in chain]
+        skipped += [row_of(cell, cell.question(), unit.settings, reply) for cell in chain]
     return unit._replace(chains=asked), skipped

@@ -8,12 +8,11 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
-from dubins_study.report.topics.paper_figures import plot_paths
+from dubins_study.report.topics.paper_figures import labelled, plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path
@@ -91,7 +90,7 @@ def plot_path(
             figure = cast("Figure", ax.get_figure(root=True))
             _plot(ax, named_paths, scenario)
         if place is not None:
-            image = figure_bytes(figure, place.suffix.removeprefix("."))
+            image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
                 place.write_bytes(image)
             except OSError as error:
@@ -105,17 +104,11 @@ def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None
         [(name, path)] = named_paths.items()
         plot_route(ax, path, scenario, name)
         return
-    shared = {
-        "target_x": scenario.target_x,
-        "target_y": scenario.target_y,
-        "radius": scenario.radius,
+    texts = {
+        labelled(name, short_word(path.word(1e-2), 24) or "–", path): path
+        for name, path in named_paths.items()
     }
-    rows = [
-        {"branch": short_word(path.word(1e-2), 24) or "–", "path": path, "length": path.length}
-        for path in named_paths.values()
-    ]
-    paths = pd.DataFrame(rows).assign(rank=range(1, len(rows) + 1), **shared)
-    plot_paths(ax, paths, names=tuple(named_paths))
+    plot_paths(ax, texts, scenario)
 
 
 def check_format(file: str | FilePath) -> FilePath:
@@ -125,7 +118,7 @@ def check_format(file: str | FilePath) -> FilePath:
         PlotError: if its suffix is not .svg, .pdf or .png, or it cannot be written.
     """
     place = FilePath(file)
-    if place.suffix not in _FORMATS:
+    if place.suffix.lower() not in _FORMATS:
         raise PlotError(f"file is {str(file)!r}; expected a name ending in .svg, .pdf or .png")
     if reason := unwritable(place):  # before a solve that may take long
         raise PlotError(f"cannot write {place}: {reason}")

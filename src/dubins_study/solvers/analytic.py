@@ -66,24 +66,21 @@ class Analytic(Solver):
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.study.closed_form.kernel import NO_PATH, Rows, curvatures, shortest_rows
-        from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows
+        from dubins_study.study.closed_form.kernel import NO_PATH, RATES, curvatures, shortest_rows
+        from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
         from dubins_study.study.path import CLAIMS, Paths
         from dubins_study.study.scenario_frame import with_final_headings
 
-        n, radius = len(frame), np.ascontiguousarray(frame["radius"], np.float64)
-        columns = (np.ascontiguousarray(frame[name], np.float64) for name in PoseArrays._fields)
-        rows: Rows | PoseRows
+        columns = [frame[name] for name in PoseArrays._fields]
         if with_final_headings(frame):
-            length = np.empty((3, n))
-            rows = PoseRows._make([np.empty(n), *length, np.empty(n, np.uint8)])
-            pose_rows(*columns, branch=branch, out=rows)
-            curvature = rows.curvatures(radius)
+            rates = SIDES
+            rows = pose_rows(*columns, branch=branch)
         else:
-            curvature, length = np.empty((2, n)), np.empty((2, n))
-            rows = Rows(np.empty(n), length[0], length[1], np.empty(n, np.uint8))
-            shortest_rows(*list(columns)[:-1], branch=branch, out=rows)
-            curvatures(rows.word, radius, curvature)
+            rates = RATES
+            rows = shortest_rows(*columns[:-1], branch=branch)
+        length = rows.segments
+        curvature = np.empty_like(length)
+        curvatures(rates, rows.word, frame["radius"].to_numpy(np.float64), curvature)
         paths = Paths(curvature, length)
         absent = rows.word == NO_PATH
         if not absent.any():

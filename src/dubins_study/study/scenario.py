@@ -222,7 +222,7 @@ def _heading(name: str, text: float | str) -> float:
 
 
 _CONVENTION = "counterclockwise from +x (east), so north is 90deg"
-_PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)]"
+_PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)], or a frame with columns x and y"
 
 
 def _via(points: Any) -> tuple[tuple[float, float], ...]:
@@ -232,6 +232,8 @@ def _via(points: Any) -> tuple[tuple[float, float], ...]:
     if isinstance(points, str | bytes | Mapping | Set):  # which no order or no pairs are in
         raise ScenarioError(f"via is {short(points)}; {_PAIRS}")
     try:
+        if hasattr(points, "columns") and any(isinstance(name, str) for name in points.columns):
+            points = points[["x", "y"]]
         if hasattr(points, "to_numpy"):  # a frame that is iterated gives the names of its columns
             points = points.to_numpy()
         pairs = [tuple(point) for point in points]

@@ -93,5 +93,5 @@ def arrives(miss: float, radius: float, extent: float, length: float, allowed: f
     `miss` is the distance from its end to the target, `extent` is `Scenario.extent`, `allowed` is
     `Tolerances.miss` (radii). `judging.verdict_frame` compiles this function.
     """
-    rounding = DRIVEN * (extent + length)
-    return (miss <= allowed * radius + rounding) & (rounding <= radius)
+    near = miss <= allowed_miss(allowed, radius, extent, length)
+    return near & (DRIVEN * (extent + length) <= radius)

@@ -8,7 +8,6 @@ from importlib.metadata import version
 import pytest
 
 from dubins_study import Scenario, plot_path, solve
-from dubins_study.cli import solve as solve_command
 from dubins_study.report.path_plot import PlotError
 from tests.unit.cli.conftest import asked, line_of
 
@@ -57,24 +56,6 @@ def test_the_text_names_what_it_shows():
 
     assert "travel time 5.59864663148" in [line[:25] for line in lines]
     assert not any(line.startswith("time") for line in lines)
-
-
-@pytest.mark.parametrize(
-    ("options", "hint"),
-    [
-        (("--solver", "slsqp[count=5]"), "slsqp[count=5,presolve=true]"),
-        (("--solver", "slsqp[count=5]", "--json"), None),
-        (("--solver", "slsqp[presolve=true]"), None),
-        (("--solver", "penalty[engine=direct]"), None),  # its presolve is for a word alone
-        (("--solver", "analytic"), None),
-    ],
-)
-def test_a_setting_that_is_many_times_faster_is_named(options, hint, monkeypatch):
-    """However fast this machine is; it can be typed as it is printed."""
-    monkeypatch.setattr(solve_command, "_LONG_S", 0.0)
-    done = asked(*PATH, *options)
-
-    assert done.stderr == (f"dubins-study: a faster setting: --solver '{hint}'\n" if hint else "")
 
 
 MISSES = {

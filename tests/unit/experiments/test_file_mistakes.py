@@ -163,5 +163,5 @@ def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(ExperimentError, match="cannot be read: No such file"):
         read(str(tmp_path / "nope.toml"))
     (tmp_path / "latin.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(ExperimentError, match="'utf-8' codec can't decode byte 0xff"):
+    with pytest.raises(ExperimentError, match="cannot be read: it is not UTF-8 text"):
         read(str(tmp_path / "latin.toml"))

@@ -2,7 +2,9 @@
 
 import json
 import math
+import socket
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,6 +13,7 @@ from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import WorkUnit
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.isolation.messages import (
+    Channel,
     decode_question,
     encode_question,
 )
@@ -18,6 +21,7 @@ from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.run_plan import RunSettings
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.path import Path
 from dubins_study.study.rows.parts import row_key, row_path
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Scenario
@@ -35,7 +39,7 @@ def solved(one: Cell, arrives: bool = True):
     path = shortest_path(one.scenario)
     solution = Solution(Claim.LOCAL, path) if arrives else Solution(Claim.FAILED)
     reply = Reply(Outcome.RETURNED, solution, Times(0.1, 0.2, math.nan))
-    return row_of(one, None, RUN, reply)[0]
+    return row_of(one, one.question(), RUN, reply)
 
 
 # three easy questions in a row, and one beside them
@@ -91,3 +95,20 @@ def test_a_question_travels_as_json(route):
     question = Question(Scenario(1, 2, 0.1, 3, 4, 2, label="ä", **route), repeat=3)
 
     assert decode_question(json.loads(json.dumps(encode_question(question)))) == question
+
+
+def test_paths_and_arrays_travel_in_messages():
+    """Bit by bit; a setting of any name is no path."""
+    end, other_end = socket.socketpair()
+    path = Path((0.1, -1e-300, 3), [1 / 3, 0.0], [math.nan, 2.0])
+    sent = {"settings": {"path": "x"}, "path": path, "arrays": [np.array([0.1, -0.0])]}
+    with end, other_end:
+        channel = Channel(end)
+        channel.put(sent)
+        channel.flush()
+        received = Channel(other_end).receive()
+
+    assert received["settings"] == {"path": "x"}
+    assert received["path"].start == path.start
+    assert received["path"].lengths.tobytes() == path.lengths.tobytes()
+    assert received["arrays"][0].tobytes() == sent["arrays"][0].tobytes()

@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 
-from dubins_study.report.elements.identity import share_text, with_share
+from dubins_study.report.elements.identity import percent, share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods, stratum_order
-from dubins_study.report.topics.matrix import matrix, matrix_section, whole_percent
+from dubins_study.report.topics.matrix import matrix, matrix_section
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.scenario import Scenario
@@ -136,7 +136,7 @@ def test_the_section_shows_every_pair_and_every_reason(benchmark):
     ("share", "expected"), [(0, "0"), (1e-4, "1"), (0.5, "50"), (0.9999, "99"), (1, "100")]
 )
 def test_whole_percents_say_all_only_of_all(share, expected):
-    assert whole_percent(share) == expected
+    assert percent(share, 0) == expected
 
 
 def test_a_share_of_nothing_is_a_dash():

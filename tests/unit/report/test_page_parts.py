@@ -24,14 +24,12 @@ from dubins_study.report.page.environment import TEMPLATES
 from dubins_study.report.page.explorer import explorer_section, write_explorer
 from dubins_study.report.page.glossary import WORDS, Glossed
 from dubins_study.report.page.markup import inline
-from dubins_study.report.page.render import head_of
 from dubins_study.report.page.sections import KEYS, TOPICS, sections_of
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path as Driven
 from dubins_study.study.rows.parts import ResultsError
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.words import Claim
 from tests.fuzz.page import odd_parts
 from tests.unit.report.results_folder import attempt, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -110,34 +108,6 @@ def test_an_empty_run_makes_a_page_that_says_so(results, tmp_path):
     for folders, message in (([none, tmp_path / "nowhere"], "not a folder"), ([], "at least one")):
         with pytest.raises(ResultsError, match=message):
             render(folders, tmp_path / "out")
-
-
-@pytest.mark.parametrize(
-    ("vias", "finals", "way", "end"),
-    [
-        ((False, False), (False, False), "to a target,", "R and any heading"),
-        ((True, True), (False, False), "to a target, past given points,", "R and any heading"),
-        ((True, False), (True, True), "to a target, directly or past", "R and a given heading"),
-        ((False, False), (False, True), "to a target, with", "R and any or a given heading"),
-    ],
-)
-def test_the_question_of_a_page_is_true_of_its_rows(load_rows, vias, finals, way, end):
-    """Of every row: which of them have points on the way, and which a final heading."""
-    asked = [
-        attempt(
-            Scenario(
-                0, 0, 0, 9, 2, via=[(4, 1)] if via else (), final_heading=1 if final else None
-            ),
-            **{"path": None, "claim": Claim.FAILED, "repeat": repeat},
-        )
-        for repeat, (via, final) in enumerate(zip(vias, finals, strict=True))
-    ]
-    of_no_question = {"name": "a", "title": "", "question": "", "text": "a = 1"}
-    results = load_rows("a", asked, experiment=of_no_question)
-    text = head_of(results.folders, results).asked
-
-    assert way in text
-    assert end in text
 
 
 SPEC = "slsqp[model=joint,order=LRS,initial_guess=given,capped=false]"

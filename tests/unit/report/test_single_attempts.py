@@ -12,7 +12,7 @@ import pytest
 
 from dubins_study.report.data.results import Results, load
 from dubins_study.report.topics import single_attempts as section
-from dubins_study.report.topics.single_attempts import GRID, WORST, drawn, packed, sample
+from dubins_study.report.topics.single_attempts import WORST, arcs_of, packed, sample
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import NUMBERS, Pose, Scenario
 from dubins_study.study.words import Claim
@@ -67,11 +67,6 @@ def unpacked(chosen: pd.DataFrame) -> dict[str, Any]:
     return json.loads(packed(chosen, {"more": 1}))
 
 
-def points(path: dict[str, Any]) -> np.ndarray:
-    """The points of a path of many arcs."""
-    return np.array(path["box"][:2]) + path["box"][2] * np.cumsum(path["steps"], axis=1).T
-
-
 def test_every_value_comes_back(results: Results):
     """Texts and scenarios exactly, measured numbers to four digits, null as null."""
     chosen = sample(results, 10**6)
@@ -114,62 +109,16 @@ def test_via_points_and_final_headings_come_back(results, tmp_path):
     assert "via_x" not in unpacked(sample(results, 10))["scenarios"]
 
 
-def test_long_paths_come_back_as_points_of_the_path(results: Results):
-    """From the start to the end, each point within a grid's step of the path."""
+def test_paths_come_back_as_arcs(results: Results):
+    """Of any number, to seven digits in turning radii; the page's JSON holds no infinity."""
     chosen = sample(results, 10**6)
-    path = arcs(40)
-    along = path.at(np.linspace(0, path.length, 100_001))[:, :2]
-    long = [each for each in unpacked(chosen)["paths"] if each and "box" in each]
+    for row, found in zip(chosen.to_dict("records"), unpacked(chosen)["paths"], strict=True):
+        expected = [row["curvatures"] * row["radius"], row["lengths"] / row["radius"]]
+        np.testing.assert_allclose(np.array(found).T, expected, rtol=1e-6)
 
-    assert len(long) == (chosen["curvatures"].str.len() > 3).sum() > 20
-    for each in long[:3]:
-        step = each["box"][2]
-        assert np.cumsum(each["steps"], axis=1).max() == GRID
-        distance = np.hypot(*(points(each)[:, None] - along[None]).transpose(2, 0, 1)).min(axis=1)
-        assert distance.max() <= step
-        assert np.hypot(*(points(each)[[0, -1]] - along[[0, -1]]).T).max() <= step
-
-
-def drawn_path(curvature: list[float], length: list[float]) -> dict[str, Any] | None:
-    start = {"x": 3.0, "y": 4.0, "heading": 1.0, "radius": 1.0}
-    return drawn(start | {"curvatures": np.array(curvature), "lengths": np.array(length)})
-
-
-def test_points_lie_close_where_a_path_turns():
-    """Chords of the drawn points are never further from an arc than 0.3 % of its radius."""
-    radius = 3.0
-    shown = drawn_path([1 / radius] * 4, [radius] * 4)
-    assert shown is not None
-    each = points(shown)
-    middles = (each[1:] + each[:-1]) / 2
-    centre = 3 - radius * math.sin(1), 4 + radius * math.cos(1)
-    sagitta = radius - np.hypot(*(middles - centre).T)
-
-    # 0.15^2 / 8 of the radius, and two roundings to the grid
-    assert sagitta.max() <= radius * 0.15**2 / 8 + 2 * shown["box"][2]
-
-
-def test_points_gather_in_the_turns_between_long_straights():
-    """The drawn line cuts no corner: a chord's middle is as near to the path as in a turn alone."""
-    path = Path(Pose(3.0, 4.0, 1.0), [1.0, 0.0, -1.0, 0.0] * 3, [1.0, 20.0] * 6)
-    shown = drawn_path(path.curvatures.tolist(), path.lengths.tolist())
-    assert shown is not None
-    each = points(shown)
-    middles = (each[1:] + each[:-1]) / 2
-    along = path.sample(100_000)[:, :2]
-    distance = np.hypot(*(middles[:, None] - along[None, ::10]).transpose(2, 0, 1)).min(axis=1)
-
-    assert distance.max() <= 0.15**2 / 8 + 2 * shown["box"][2]
-
-
-@pytest.mark.parametrize(
-    ("curvature", "length"),
-    [(1.0, -1.0), (1e308, 1e308), (0.0, 1e308), (1e200, 1e200), (0.0, np.inf), (np.nan, 1.0)],
-)
-def test_a_path_that_cannot_be_drawn_has_no_points(curvature: float, length: float):
-    """And the page's JSON holds no number that is none."""
-    assert drawn_path([curvature] * 5, [length] * 5) is None
-    json.dumps(drawn_path([curvature], [length]), allow_nan=False)
+    assert chosen["curvatures"].str.len().max() == 40
+    assert arcs_of(None, [], 1.0) is None
+    assert arcs_of([np.inf, 1e308], [1.0, np.nan], 2.0) == [["Infinity", 0.5], ["Infinity", None]]
 
 
 def test_the_worst_attempts_are_false_claims_before_longer_paths_before_misses(tmp_path):

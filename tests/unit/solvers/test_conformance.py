@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import PAPER, engine_params, question_for, scenarios
+from cases import PAPER, engine_params, margin, question_for, scenarios
 from hypothesis import assume, given, settings
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.protocol import Guarantee, Question
 from dubins_study.solvers.registry import available_solvers, entries, load, registered
-from dubins_study.study.closed_form.shortest import as_path, margin, shortest
+from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.kinds.table import PATH_BRANCHES
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import (
@@ -169,12 +169,12 @@ def test_multipliers_are_the_costates(scenario, spec, error):
     if answer.multiplier_x is None and spec not in TWO_ARCS:
         pytest.skip("reports no multipliers")
     optimum = shortest(scenario)
-    path = as_path(scenario, optimum.word, optimum.segments)
-    x, y, heading = path.at(optimum.segments.first * scenario.radius)[0]
+    path = as_path(scenario.start, scenario.radius, optimum.word, optimum.segments)
+    x, y, heading = path.at(optimum.segments[0] * scenario.radius)[0]
     along = (math.cos(heading), math.sin(heading))
     if optimum.word == "RL":  # of radius 1, its chord is 2 sin(a2 / 2) long
         chord = np.array((scenario.target_x - x, scenario.target_y - y))
-        along = chord / math.sin(optimum.segments.second)
+        along = chord / math.sin(optimum.segments[1])
 
     assert (answer.multiplier_x, answer.multiplier_y) == pytest.approx(along, abs=error)
 

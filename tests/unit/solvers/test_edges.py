@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from dubins_study.experiments.solve import solve
 from dubins_study.study.body_coordinates import local
 from dubins_study.study.check.enclosure import enclose
-from dubins_study.study.closed_form.shortest import Segments, as_path, shortest
+from dubins_study.study.closed_form.shortest import as_path, shortest
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Scenario
@@ -53,7 +53,11 @@ def test_a_full_turn_to_a_target_that_is_the_start_exactly_is_longer():
     scenario = Scenario(0, 0, 0.4, 0, 0, 1)
     for branch in ("best", "LS", "RL"):
         assert enclose(scenario, branch)[:3] == (0.0, math.ulp(0.0), False)
-        turn = judge(scenario, as_path(scenario, "L", Segments(2 * math.pi, 0.0)), branch=branch)
+        turn = judge(
+            scenario,
+            as_path(scenario.start, scenario.radius, "L", (2 * math.pi, 0.0)),
+            branch=branch,
+        )
         assert turn.verdict in ("longer", "misses")
 
 
@@ -72,13 +76,13 @@ def test_on_a_front_half_both_lengths_are_right_and_none_between(angle, offset, 
 
     scenario = seen(1 + off * 0.4 * local(seen(1.0)).delta)
     inside = shortest(seen(1 - 10 * local(scenario).delta))
-    arc = as_path(scenario, "L", Segments(angle, 0.0))
-    around = as_path(scenario, inside.word, inside.segments)
+    arc = as_path(scenario.start, scenario.radius, "L", (angle, 0.0))
+    around = as_path(scenario.start, scenario.radius, inside.word, inside.segments)
 
     for path in (arc, around):
         judged = judge(scenario, path, Claim.OPTIMAL)
         assert (judged.verdict, judged.region) == ("optimal", "circle"), path
         assert certify(scenario, path, judged).proof == "proved"
     assert around.length - arc.length > 0.1
-    longer = as_path(scenario, "L", Segments(angle + 2 * math.pi, 0.0))
+    longer = as_path(scenario.start, scenario.radius, "L", (angle + 2 * math.pi, 0.0))
     assert judge(scenario, longer, Claim.OPTIMAL).false_claim

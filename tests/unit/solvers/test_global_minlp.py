@@ -8,7 +8,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from cases import PAPER, scenarios
+from cases import PAPER, margin, scenarios
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +27,7 @@ from dubins_study.solvers.minlp_engines.mixed_program import (
     Written,
 )
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Proof, Verdict
 

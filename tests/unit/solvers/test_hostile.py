@@ -240,7 +240,7 @@ def test_a_time_that_is_impossible_is_refused(monkeypatch, clock):
 
 @pytest.mark.parametrize("limit", [10**400, True, 0, -1.0, "5", math.nan, math.inf, None])
 def test_a_limit_that_is_none_is_refused(limit):
-    with pytest.raises(QuestionError, match="expected a number of seconds above 0"):
+    with pytest.raises(QuestionError, match="expected a finite number of seconds above 0"):
         solve(Scenario(target_x=3, target_y=1), "slsqp", limit=limit)
 
 

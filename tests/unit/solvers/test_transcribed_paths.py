@@ -10,7 +10,7 @@ from time import process_time
 import numpy as np
 import pytest
 from brute_force import integrated
-from cases import EDGES, QUICK_ENGINES, placed
+from cases import EDGES, QUICK_ENGINES, margin, placed
 from hard_cases import hard_frame
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -25,7 +25,7 @@ from dubins_study.solvers.optimal_control.turn_rate_template import EngineError,
 from dubins_study.solvers.optimal_control.turn_rates import expressions
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import load
-from dubins_study.study.closed_form.shortest import margin, shortest
+from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Judgement

@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
+from benchmarks.freeze_convex import write
 from dubins_study.study.convex.digests import DIGESTS
-from dubins_study.study.convex.problem import Point, Problem, ProblemError, parse, read, write
+from dubins_study.study.convex.problem import Point, Problem, ProblemError, parse, read
 from dubins_study.study.convex.proof import (
     judge_convex,
     lower_bound,

@@ -21,7 +21,7 @@ from dubins_study.study.closed_form.kernel import NO_PATH, Rows, ScenarioArrays,
 from dubins_study.study.closed_form.kernel_compile import SMALL, compiled
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.pose import leg, shortest_to_pose
-from dubins_study.study.closed_form.pose_kernel import PoseArrays, PoseRows, pose_rows, turn_between
+from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows, turn_between
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import POSE_BRANCHES
@@ -208,7 +208,7 @@ def test_just_behind_the_start_a_turn_of_nothing_is_none():
 class Kind(NamedTuple):
     """The loops of one kind of leg, frames of hard ones, and the branches that are enclosed."""
 
-    lengths: Callable[..., Rows | PoseRows]
+    lengths: Callable[..., Rows]
     arrays: type[ScenarioArrays | PoseArrays]
     hard: Callable[[int], pd.DataFrame]
     branches: tuple[str, ...]
@@ -232,12 +232,13 @@ def test_threads_and_vectors_do_not_change_a_bit(kind):
     alone, threaded = kind.lengths(*short), kind.lengths(*long)
     for i in range(0, 700, 7):
         single = kind.lengths(*columns(kind, frame[i : i + 1]))
-        assert [a[0] for a in single] == [a[i] for a in alone]
+        for a, b in zip(single, alone, strict=True):
+            np.testing.assert_array_equal(a[..., 0], b[..., i])
     of_branches = ((bound_rows(short, b), bound_rows(long, b)) for b in kind.branches)
     for few, all_rows in [(alone, threaded), *of_branches]:
         for a, b in zip(few, all_rows, strict=True):
-            np.testing.assert_array_equal(a, b[:700])
-            np.testing.assert_array_equal(a, b[700:1400])
+            np.testing.assert_array_equal(a, b[..., :700])
+            np.testing.assert_array_equal(a, b[..., 700:1400])
 
 
 GOOD = {"x": 0.0, "y": 0.0, "heading": 0.0, "target_x": 3.0, "target_y": 1.0, "radius": 1.0}

@@ -149,7 +149,7 @@ def test_rows_are_the_scalar_form(branch):
     n, allowed = (3_000, 20 * EPS) if branch == "best" else (500, 1e-12)
     for columns in (random_arrays(n, seed=6), arrays(n, seed=6)):
         rows = pose_rows(*columns, branch=branch)
-        found = np.array([rows.first, rows.middle, rows.last]) / columns[5]
+        found = rows.segments / columns[5]
         for i, row in enumerate(zip(*columns, strict=True)):
             scalar = shortest_to_pose(*poses_of(row), branch)
             assert (rows.word[i] == NO_PATH) == (scalar is None)

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from dubins_study import solve
-from dubins_study.asking.attempt import judged, shorter_answer
+from dubins_study.asking.attempt import attempt, judged, shorter_answer
 from dubins_study.asking.reply import Reply
+from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge, miss_reason
@@ -284,3 +285,23 @@ def test_rounding_beside_the_turning_circle_costs_no_turn(seed):
     certificate = certify(scenario, path, found, tolerances=quick)
     assert certificate.reference_low <= path.length * (1 + 1e-9)
     assert certificate.proof in (Proof.PROVED, Proof.EXTREMAL)
+
+
+def test_the_check_knows_a_path_where_the_answer_has_none():
+    """Also of a leg; not of an answer that is the shortest."""
+    nothing = judged("nobody", Question(FREE), Reply(Outcome.RETURNED, Solution(Claim.FAILED)))
+
+    assert shorter_answer(nothing).verdict in (Verdict.OPTIMAL, Verdict.UNDECIDED)
+
+
+def test_what_loads_is_no_part_of_a_limit(monkeypatch):
+    """The loops of the search are ready before a solver builds, and before its limit begins."""
+    ready = []
+    monkeypatch.setattr("dubins_study.study.route.search.compile_loops", lambda: ready.append(1))
+
+    class Late(Analytic):
+        def build(self, question):
+            assert ready
+            return question
+
+    assert attempt(Late(), Question(FREE)).outcome is Outcome.RETURNED

@@ -388,6 +388,15 @@ def test_extent_is_the_largest_over_legs(points):
     assert route.extent == max(leg.extent for leg in legs)
 
 
+def test_points_of_a_frame_are_its_columns_x_and_y():
+    """Whatever their order; one without them is refused, since it could be anything."""
+    frame = pd.DataFrame({"name": ["a", "b"], "y": [1, -2], "x": [4, 6]})
+
+    assert Scenario(target_x=9, target_y=0, via=frame).via == ((4.0, 1.0), (6.0, -2.0))
+    with pytest.raises(ScenarioError, match="or a frame with columns x and y"):
+        Scenario(target_x=9, target_y=0, via=frame.rename(columns={"x": "lon", "y": "lat"}))
+
+
 def test_a_scenario_names_its_needs():
     assert PLAIN.needs == (FREE_FINAL_HEADING,)
     assert POSE.needs == (FINAL_HEADING,)

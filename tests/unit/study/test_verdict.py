@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.check.verdict import curvature_excess
-from dubins_study.study.closed_form.kernel import curvatures, shortest_rows
+from dubins_study.study.closed_form.kernel import RATES, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
-    Segments,
     as_path,
     right_left_pair,
     shortest,
@@ -234,7 +233,7 @@ def test_another_word_far_off_is_a_wrong_basin_though_it_turns_as_far():
     scenario = on_left_circle(2.8, inside=-1e-5)
     target = local(scenario)
     first, second, _, _ = right_left_pair(*target)
-    path = as_path(scenario, "RL", Segments(first, second))
+    path = as_path(scenario.start, scenario.radius, "RL", (first, second))
     found = judge(scenario, path, Claim.LOCAL)
 
     assert found.gap > 0.3
@@ -272,8 +271,8 @@ def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch)
     )
     rows = shortest_rows(*(HARD[name].to_numpy() for name in NUMBERS[:6]))
     k = np.empty((2, N))
-    curvatures(rows.word, HARD["radius"].to_numpy(), k)
-    found = judge_frame(HARD, Paths(k, np.array([rows.first, rows.second])), Claim.OPTIMAL)
+    curvatures(RATES, rows.word, HARD["radius"].to_numpy(), k)
+    found = judge_frame(HARD, Paths(k, rows.segments), Claim.OPTIMAL)
 
     assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
     assert not found.false_claim.any()
@@ -332,7 +331,7 @@ def test_targets_that_rounding_hides_are_met(X, Y):
         for target in (Local(X, Y, 4e-15), Local(X, -Y, 4e-15)):
             found = shortest_local(target, branch)
             if found is not None:
-                path = as_path(unit(0, 0), found.word, found.segments)
+                path = as_path(unit(0, 0).start, 1.0, found.word, found.segments)
                 off = math.hypot(path.end.x - target.X, path.end.y - target.Y)
                 # the root of a rounding of 4e-15 is 6e-8; the verdict allows 1e-6
                 assert off < 2e-7, (branch, target)

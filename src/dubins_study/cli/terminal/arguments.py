@@ -114,4 +114,7 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
+    if via and via[0] == pose[:2]:  # as of a recorded track
+        first = f"the first point, {via[0].x:g},{via[0].y:g}, is the start"
+        raise CommandError(f"{first}; expected the points after it: leave it out, or change --from")
     return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)

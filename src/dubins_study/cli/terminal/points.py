@@ -13,6 +13,7 @@ from dubins_study.cli.terminal.output import plain
 
 _LOG = logging.getLogger(__name__)
 _COLUMNS = ("x", "y", "name")
+_OPEN = "expected a point on each line: is a quotation mark left open?"
 _NO_HEADINGS = (
     "headings at points are not taken yet; expected none, and that of the last point as "
     "--final-heading"
@@ -31,7 +32,7 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
     line_before = 0  # the line of the last point
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
-            reader = csv.DictReader(text, skipinitialspace=True, restval="")
+            reader = csv.DictReader(text, skipinitialspace=True, restval="", strict=True)
             reader.fieldnames = head = [name.strip().lower() for name in reader.fieldnames or ()]
             if head.count("x") != 1 or head.count("y") != 1 or head.count("name") > 1:
                 found = f"{','.join(head)!r:.60}; expected the column names x and y, once each"
@@ -40,6 +41,8 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
             unread = [name for name in head if name not in (*_COLUMNS, *headings)]
             for row in reader:
                 place = f"{file}: line {reader.line_num}"
+                if any("\n" in cell for cell in row.values() if isinstance(cell, str)):
+                    raise CommandError(f"{place} ends a text that began in an earlier one; {_OPEN}")
                 if None in row:  # as of numbers with a decimal comma
                     raise CommandError(f"{place} has more cells than the first line")
                 x, y = (_coordinate(place, name, row[name].strip()) for name in ("x", "y"))
@@ -55,7 +58,7 @@ def read_points(file: FilePath) -> tuple[list[Point], list[str]]:
     except UnicodeError:
         raise CommandError(f"{file}: cannot be read: it is not UTF-8 text") from None
     except (OSError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
+        reason = getattr(error, "strerror", None) or f"line {reader.line_num}: {error}; {_OPEN}"
         raise CommandError(f"{file}: cannot be read: {reason}") from None
     if not points:
         raise CommandError(f"{file}: no points; expected a line each")

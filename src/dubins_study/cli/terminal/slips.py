@@ -25,6 +25,7 @@ def arranged(
         if param.param_type_name == "option":
             options |= dict.fromkeys(param.opts, param)
     taken: list[str] = []
+    seen: set[str] = set()  # options that are given once at most
     arguments: list[str] = []
     rest = iter(words)
     for word in rest:
@@ -41,6 +42,9 @@ def arranged(
             if not all(f"-{letter}" in options for letter in word[1:]):  # as in -qv
                 refuse(f"no option {name!r:.60}; {_meant(name, options)}")
         elif not option.is_flag:
+            if option.name in seen and not option.multiple:
+                refuse(f"{name} is given twice; expected it once")
+            seen.add(option.name)
             first = [value] if equals else []
             following = list(islice(rest, option.nargs - len(first)))
             values = [*first, *takewhile(lambda v: v not in options and v[:2] != "--", following)]
@@ -48,6 +52,15 @@ def arranged(
                 given = f"is {' '.join(values)!r:.60}" if values else "has no value"
                 refuse(f"{name} {given}; expected {option.metavar}: {option.help}")
             taken += following
+    wanted = [param for param in params if param.param_type_name == "argument"]
+    helped = {"--help", "-h"} & {*taken}
+    too_many = len(arguments) > len(wanted) and all(param.nargs == 1 for param in wanted)
+    if too_many and not helped:
+        names = " ".join(param.metavar or param.name.upper() for param in wanted) or "none"
+        refuse(
+            f"arguments are {' '.join(arguments)!r:.60}; expected {names}: a value with a space is "
+            "quoted, and an option that may be repeated is written each time"
+        )
     return [*taken, "--", *arguments]
 
 
@@ -56,7 +69,8 @@ def _meant(name: str, options: Mapping[str, Any]) -> str:
     from dubins_study.study.values import nearest  # numpy, which no help waits for
 
     names = [known.removeprefix("--") for known in options if known.startswith("--")]
-    match = nearest(name.lstrip("-"), names)
+    longer = [known for known in names if known.startswith(name.lstrip("-"))]
+    match = longer[0] if len(longer) == 1 else nearest(name.lstrip("-"), names)
     if match is None:
         return f"choose one of: {', '.join(_usage(known, options) for known in names)}"
     return f"did you mean {_usage(match, options)} ({options[f'--{match}'].help})?"

@@ -80,7 +80,9 @@ def text_of(name: str) -> tuple[str, str, str]:
         )
     try:
         return path.stem, name, path.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as error:  # ValueError: no UTF-8, or a path that cannot be
+    except UnicodeError:
+        raise ExperimentError(f"experiment {name}: cannot be read: it is not UTF-8 text") from None
+    except (OSError, ValueError) as error:  # ValueError: a path that cannot be
         reason = getattr(error, "strerror", None) or error
         raise ExperimentError(f"experiment {name}: cannot be read: {reason}") from None
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from operator import attrgetter
 from pathlib import Path as FilePath
 from typing import Any
@@ -22,6 +23,7 @@ _LOG = logging.getLogger(__name__)
 MOST_SCENARIOS = 1_000_000
 # of other columns an empty cell is a measurement that is missing
 _MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading")
+_OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left open?"
 # Where a row stands, such as `line 7`, and its values by column.
 _Row = tuple[str, dict[str, Any]]
 
@@ -42,27 +44,28 @@ def read_scenarios(file: str | FilePath) -> list[Scenario]:
     if read is None or place.stem in (".", ".."):  # the results folder is named after the stem
         raise ScenarioFileError(f"{file}: expected a name ending in .csv or .parquet")
     try:
-        rows = read(place)
+        rows, problems = read(place)
     except ScenarioFileError:
         raise
     except OSError as error:
         raise ScenarioFileError(f"{file}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # the parser's own words
+    except UnicodeError:
+        raise ScenarioFileError(f"{file}: cannot be read: it is not UTF-8 text") from None
+    except ValueError as error:  # the Parquet reader's own words
         first = plain(str(error).partition("\n")[0])
         raise ScenarioFileError(f"{file}: cannot be read: {first}") from None
-    if not 0 < len(rows) <= MOST_SCENARIOS:
+    if not problems and not 0 < len(rows) <= MOST_SCENARIOS:
         found = f"more than {MOST_SCENARIOS} scenarios; expected fewer"
         raise ScenarioFileError(f"{file}: {found if rows else 'no scenarios; expected a row each'}")
-    scenarios = _scenarios(str(file), rows)
+    scenarios = _scenarios(str(file), rows, problems)
     for remark in _remarks(scenarios):
         _LOG.warning("dubins-study: %s: %s", plain(str(file)), remark)
     return scenarios
 
 
-def _scenarios(file: str, rows: list[_Row]) -> list[Scenario]:
-    """The scenarios of the rows; all rows that are not valid are refused together."""
+def _scenarios(file: str, rows: list[_Row], problems: list[Problem]) -> list[Scenario]:
+    """The scenarios of the rows; those that are not valid are refused with earlier problems."""
     scenarios: list[Scenario] = []
-    problems: list[Problem] = []
     for place, row in rows:
         try:
             scenarios.append(scenario_of({name: _value(name, row) for name in COLUMNS}))
@@ -122,37 +125,49 @@ def _value(name: str, row: dict[str, Any]) -> Any:
         raise ScenarioFileError(f"{name} is {short(value)}; expected a number") from None
 
 
-def _csv_rows(file: FilePath) -> list[_Row]:
-    """The rows as texts, each with its line; of a quoted text with line breaks, the first line."""
-    import pandas as pd
+def _csv_rows(file: FilePath) -> tuple[list[_Row], list[Problem]]:
+    """The rows as texts, each with its line, and a problem for each line that is no row."""
+    rows: list[_Row] = []
+    problems: list[Problem] = []
+    with file.open(encoding="utf-8-sig", newline="") as text:
+        lines = _cells_of_lines(file, text)
+        head = [name.strip() for name in next(lines, (1, 1, []))[2]]
+        if not head:
+            raise ScenarioFileError(f"{file}: line 1 is empty; expected the names of the columns")
+        _check_columns(file, head, "line 1")
+        for first_line, last_line, cells in lines:
+            place = f"line {first_line}"
+            if last_line > first_line:
+                sentence = f"{place}: a text goes on to line {last_line}; {_OPEN_QUOTE}"
+                problems.append(Problem((), sentence))
+            elif len(cells) > len(head):
+                sentence = f"{place}: {len(cells)} cells; expected {len(head)}, as in line 1"
+                problems.append(Problem((), sentence))
+            elif any(cells):  # no empty line
+                cells += [""] * (len(head) - len(cells))
+                rows.append((place, dict(zip(head, cells, strict=True))))
+    return rows, problems
 
-    cells = pd.read_csv(
-        file,
-        header=None,
-        dtype=str,
-        keep_default_na=False,
-        skip_blank_lines=False,
-        encoding="utf-8-sig",
-    ).fillna("")
-    breaks = cells.apply(lambda column: column.str.count("\n")).sum(axis="columns")
-    lines = 1 + cells.index + breaks.cumsum().shift(fill_value=0)
-    head, *rows = cells.to_numpy().tolist()
-    head = [name.strip() for name in head]
-    _check_columns(file, head, "line 1")
-    return [
-        (f"line {line}", dict(zip(head, row, strict=True)))
-        for line, row in zip(lines[1:], rows, strict=True)
-        if any(row)  # no empty line
-    ]
+
+def _cells_of_lines(file: FilePath, text: Iterable[str]) -> Iterator[tuple[int, int, list[str]]]:
+    """The first line, the last line and the cells of each row."""
+    reader = csv.reader(text, strict=True)
+    first_line = 1
+    try:
+        for cells in reader:
+            yield first_line, reader.line_num, cells
+            first_line = reader.line_num + 1
+    except csv.Error as error:
+        raise ScenarioFileError(f"{file}: line {first_line}: {error}; {_OPEN_QUOTE}") from None
 
 
-def _parquet_rows(file: FilePath) -> list[_Row]:
+def _parquet_rows(file: FilePath) -> tuple[list[_Row], list[Problem]]:
     import pyarrow.parquet as pq
 
     with pq.ParquetFile(file) as content:
         _check_columns(file, content.schema_arrow.names, "the file")
         rows = content.read().to_pylist()
-    return [(f"row {number}", row) for number, row in enumerate(rows, 1)]
+    return [(f"row {number}", row) for number, row in enumerate(rows, 1)], []
 
 
 def _check_columns(file: FilePath, head: Sequence[str], where: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
 from dubins_study.asking.attempt import Answer, judged, judged_row
 from dubins_study.asking.reply import Reply
@@ -40,32 +41,43 @@ def local_executor(jobs: int) -> Iterator[Executor]:
     yield Executor(jobs, {}, solve)
 
 
+class _Step(NamedTuple):
+    """A cell whose job is under way, and what its chain goes on with."""
+
+    cell: Cell
+    following: Iterator[Cell]
+    earlier_path: Path | None  # the last that arrived before this cell
+
+
 def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
     """Yield the judged rows of all cells as they come; an empty list if none come for a while."""
-    # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
-    ordered = sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver))
-    jobs = (
-        job for chain in ordered for job in _next_job(iter(chain), unit.before.get(chain[0].key))
-    )
-    for results in pool.solve(jobs, stop, unit.settings.time_limit_s):
+    for results in pool.solve(_first_jobs(unit), stop, unit.settings.time_limit_s):
         rows = []
         for job, reply in results:
-            cell, following, earlier_path = job.tag
-            check_code(cell, reply, unit.settings.executor)
-            row, path = row_of(cell, job.question.initial_guess, unit.settings, reply)
+            step: _Step = job.tag
+            check_code(step.cell, reply, unit.settings.executor)
+            row = row_of(step.cell, job.question, unit.settings, reply)
             rows.append(row)
-            pool.put_first(_next_job(following, path or earlier_path))
+            arrived = row["gap"] is not None
+            path = reply.solution.path if arrived else step.earlier_path
+            pool.put_first(_next_job(step.following, path))
         yield rows
+
+
+def _first_jobs(unit: WorkUnit) -> Iterator[Job]:
+    """The jobs of the first cells of all chains."""
+    # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
+    for chain in sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver)):
+        yield from _next_job(iter(chain), unit.before.get(chain[0].key))
 
 
 def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
     """The job of the next cell of a chain, if any; `path` is the last that arrived before it."""
     for cell in itertools.islice(cells, 1):
         guess = path if cell.initial_guess == "warm" else given_guess(cell)
-        question = Question(cell.scenario, cell.branch, guess, cell.repeat)
-        yield Job(cell.solver, cell.profile, question, (cell, cells, path))
+        yield Job(cell.solver, cell.profile, cell.question(guess), _Step(cell, cells, path))
 
 
 def check_code(cell: Cell, reply: Reply, executor: str) -> None:
@@ -84,12 +96,11 @@ def check_code(cell: Cell, reply: Reply, executor: str) -> None:
     )
 
 
-def row_of(
-    cell: Cell, initial_guess: Path | None, settings: RunSettings, reply: Reply
-) -> tuple[Row, Path | None]:
-    """The row for a worker's reply to a cell, and the path if it reaches the target."""
-    known: Row = dict(zip(_KEY, cell.key, strict=True))
-    known |= {
+def row_of(cell: Cell, question: Question, settings: RunSettings, reply: Reply) -> Row:
+    """The row for a worker's reply to a cell."""
+    row = judged_row(cell.solver, question, reply, tolerances(cell.profile), cell.method)
+    row |= zip(_KEY, cell.key, strict=True)
+    row |= {
         "versions": reply.versions,
         "machine": host(),
         "threads": THREADS,
@@ -101,10 +112,7 @@ def row_of(
         "run_id": settings.run_id,
         "started": reply.started or now(),
     }
-    question = Question(cell.scenario, cell.branch, initial_guess, cell.repeat)
-    row = judged_row(cell.solver, question, reply, tolerances(cell.profile), cell.method)
-    row.update(known)
-    return row, reply.solution.path if row["gap"] is not None else None
+    return row
 
 
 def ask_isolated(
@@ -112,9 +120,10 @@ def ask_isolated(
 ) -> Iterator[Answer]:
     """Yield the judged answers to questions, in their order, as a run would have them."""
     jobs = (Job(solver, profile, question) for question in questions)
-    known = tolerances(profile, limit), describe_solver(solver, profile).method
+    allowed = tolerances(profile, limit)
+    method = describe_solver(solver, profile).method
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
     with WorkerPool(1, warm_up=ours(solver)) as pool:
         for results in pool.solve(jobs, Interruption(), limit):
             for job, reply in results:  # in their order, as there is one worker
-                yield judged(solver, job.question, reply, *known)
+                yield judged(solver, job.question, reply, allowed, method)

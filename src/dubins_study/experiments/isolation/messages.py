@@ -1,8 +1,8 @@
 """Questions and replies as they travel between a pool and its workers: only plain values.
 
 A plug-in may return objects of its own classes, which would run its code where they are unpickled.
-Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles: a path
-is an object of the single key `path`, an array one of the key `doubles`, its bytes in base64.
+Therefore every message is a line of JSON. A channel also takes paths and arrays of doubles: each is
+an object of a single key that names no setting, the bytes of an array in base64.
 """
 
 from __future__ import annotations
@@ -27,22 +27,24 @@ from dubins_study.study.words import Outcome
 
 _READ_BYTES = 2**20
 _MAX_TEXT_CHARS = 2000
+# Keys of encoded paths and arrays; with a space, since settings are names of Python.
+_PATH, _ARRAY = "a path", "an array"
 
 
 def _encode(value: Any) -> dict[str, Any]:
     """A path or an array of doubles as JSON has it."""
     if isinstance(value, Path):
-        return {"path": [*value.start, value.curvatures, value.lengths]}
-    return {"doubles": b2a_base64(value.tobytes(), newline=False).decode()}
+        return {_PATH: [*value.start, value.curvatures, value.lengths]}
+    return {_ARRAY: b2a_base64(value.tobytes(), newline=False).decode()}
 
 
 def _decode(values: dict[str, Any]) -> Any:
     """The path or the array that was encoded; any other object as it is."""
-    if values.keys() == {"path"}:
-        *start, curvatures, lengths = values["path"]
+    if values.keys() == {_PATH}:
+        *start, curvatures, lengths = values[_PATH]
         return Path(Pose(*start), curvatures, lengths)
-    if values.keys() == {"doubles"}:
-        return np.frombuffer(a2b_base64(values["doubles"]))
+    if values.keys() == {_ARRAY}:
+        return np.frombuffer(a2b_base64(values[_ARRAY]))
     return values
 
 

@@ -124,7 +124,8 @@ class WorkerPool:
     ):
         self._probed = probed
         self._memory_bytes = round(memory_limit_gib * _BYTES_PER_GIB)
-        self._workers: list[_Worker | None] = [None] * workers
+        self._most_workers = workers
+        self._workers: list[_Worker] = []
         self._warm_up = warm_up
         # Warm-ups that ended a worker: solvers, on a leg or on a route; they go without.
         self._without_warm_up: set[tuple[SolverKey, bool]] = set()
@@ -142,12 +143,12 @@ class WorkerPool:
 
     def __exit__(self, *_: object) -> None:
         self.kill_workers()
-        for worker in self._live_workers():
+        for worker in [*self._workers]:
             self._remove(worker)
 
     def kill_workers(self) -> None:
         """Kill all workers; may be called from any thread."""
-        for worker in self._live_workers():
+        for worker in [*self._workers]:
             worker.kill()
 
     def put_first(self, jobs: Iterable[Job]) -> None:
@@ -174,10 +175,10 @@ class WorkerPool:
             if stop.requested:
                 self.drop_waiting()
             results = self._feed()
-            if not (results or any(worker.pending for worker in self._live_workers())):
+            if not (results or any(worker.pending for worker in self._workers)):
                 return
             timeout_s = 0.0 if results else POLL_INTERVAL_S
-            for worker, event in wait(self._live_workers(), timeout_s):
+            for worker, event in wait([*self._workers], timeout_s):
                 if isinstance(event, Ended):
                     results += self._ended(worker, event)
                     continue
@@ -187,9 +188,6 @@ class WorkerPool:
             if results or monotonic() - yielded_s > _YIELD_INTERVAL_S:
                 yield results
                 yielded_s = monotonic()
-
-    def _live_workers(self) -> list[_Worker]:
-        return [worker for worker in self._workers if worker is not None]
 
     def _next_job(self) -> Job | None:
         """The first waiting job, which stays in the queue; None if there is none."""
@@ -210,10 +208,9 @@ class WorkerPool:
             if worker is None:
                 break
             self._give(worker, self._first.popleft())
-        first = self._workers[0]
-        if first is not None and self._probed is not None and monotonic() > self._next_probe_s:
+        if self._workers and self._probed is not None and monotonic() > self._next_probe_s:
             self._next_probe_s = monotonic() + _PROBE_INTERVAL_S
-            first.put(["probe"], _PROBING)
+            self._workers[0].put(["probe"], _PROBING)
         return []
 
     def _free_worker(self, group: str) -> _Worker | None:
@@ -222,29 +219,36 @@ class WorkerPool:
         Best is an idle worker of the group, then a new process, then one in the place of an idle
         worker of another group, then the worker of the group that is expected to be free first.
         """
-        ranks = []
-        for place, worker in enumerate(self._workers):
-            if worker is None:
-                ranks.append((1, 0.0, place))
-            elif not worker.pending:
-                ranks.append((0 if worker.group == group else 2, 0.0, place))
-            elif worker.group == group and len(worker.pending) < _AHEAD_JOBS:
-                left_s = sum(map(self._expected_task_s, worker.pending))
-                if left_s < AHEAD_S:
-                    ranks.append((3, left_s, place))
-        if not ranks:
+        idle = [worker for worker in self._workers if not worker.pending]
+        for worker in idle:
+            if worker.group == group:
+                return worker
+        if idle and len(self._workers) == self._most_workers:
+            self._remove(idle[0])
+        if len(self._workers) < self._most_workers:
+            return self._start(group)
+        own = [
+            each
+            for each in self._workers
+            if each.group == group and len(each.pending) < _AHEAD_JOBS
+        ]
+        first = min(own, key=self._expected_left_s, default=None)
+        if first is None or self._expected_left_s(first) >= AHEAD_S:
             return None
-        place = min(ranks)[-1]
-        worker = self._workers[place]
-        if worker is not None and worker.group != group:
-            self._remove(worker)
-            worker = None
-        if worker is None:
-            try:
-                worker = self._workers[place] = _Worker(group, self._memory_bytes)
-            except (OSError, ForkServerError) as error:
-                raise RunError(f"no worker process starts ({error})") from None
+        return first
+
+    def _start(self, group: str) -> _Worker:
+        """A new worker."""
+        try:
+            worker = _Worker(group, self._memory_bytes)
+        except (OSError, ForkServerError) as error:
+            raise RunError(f"no worker process starts ({error})") from None
+        self._workers.append(worker)
         return worker
+
+    def _expected_left_s(self, worker: _Worker) -> float:
+        """Seconds after which a worker is expected to have answered all its tasks."""
+        return sum(map(self._expected_task_s, worker.pending))
 
     def _expected_task_s(self, task: Task) -> float:
         """Seconds that a task is expected to take; beside one that is no solve no job waits."""
@@ -309,8 +313,8 @@ class WorkerPool:
         return [(task.tag, reply)]
 
     def _remove(self, worker: _Worker) -> None:
-        """End a worker and free its place; put its unanswered jobs back in the queue."""
-        self._workers[self._workers.index(worker)] = None
+        """End a worker; put its unanswered jobs back in the queue."""
+        self._workers.remove(worker)
         worker.close()
         tasks = worker.pending
         self.put_first(task.tag for task in tasks if _solves(task))

@@ -7,7 +7,6 @@ that we forget to restore would affect later answers. Our own solvers are not wa
 
 from __future__ import annotations
 
-import _signal  # type: ignore[import-not-found]
 import decimal
 import gc
 import locale
@@ -22,7 +21,6 @@ import warnings
 from contextlib import suppress
 from operator import attrgetter
 from pathlib import Path as FilePath
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -40,15 +38,11 @@ _MARGIN_BYTES = 512 * 2**20
 # Seed of the global random generators before every solve, so that a solve can be repeated.
 SEED = 0
 
-_SIGNALS = [int(s) for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
+_SIGNALS = [s for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
 _RLIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
-# The interpreter's own dictionary: decoding all names and values takes longer than a quick solve.
-_ENVIRONMENT: dict[bytes, bytes] = os.environ._data  # type: ignore[attr-defined]
 # Share of the memory limit that solves may leave allocated, and number of files that they may leave
 # open.
 _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
-# Seconds between two checks of memory and open files, which take longer than the other checks.
-_LEAK_INTERVAL_S = 0.02
 # Functions that a solver must not replace.
 _clocks = attrgetter("time", "monotonic", "perf_counter", "process_time", "perf_counter_ns")
 
@@ -65,11 +59,11 @@ def bound_process(memory_bytes: int) -> None:
 
 
 def _state() -> dict[str, Any]:
-    """What libraries change for the whole process, but for their thread counts; cheap to read."""
+    """What libraries change for the whole process, but for their thread counts."""
     context = decimal.getcontext()
     return {
         "working directory": os.getcwd(),  # noqa: PTH109
-        "environment variables": _ENVIRONMENT.copy(),
+        "environment variables": os.environ.copy(),
         "sys.path": sys.path.copy(),
         "warnings filters": warnings.filters[:],
         "numpy's error handling": np.geterr(),
@@ -79,8 +73,7 @@ def _state() -> dict[str, Any]:
         "garbage collector": gc.isenabled(),
         "exception hooks": (sys.excepthook, sys.unraisablehook, threading.excepthook),
         "threads": threading.enumerate(),
-        # `_signal` returns plain numbers; `signal` would convert each to an enumeration.
-        "signal handlers": [_signal.getsignal(number) for number in _SIGNALS],
+        "signal handlers": [signal.getsignal(number) for number in _SIGNALS],
         "clock": _clocks(time),
         "timers": signal.getitimer(signal.ITIMER_REAL)[0] > 0,
         "resource limits": [resource.getrlimit(number) for number in _RLIMITS],
@@ -112,7 +105,6 @@ class ProcessState:
         self._max_leak = _MAX_LEAK_SHARE * memory_limit
         self._process = psutil.Process()
         self._modules, self._libraries = 0, ThreadpoolController()
-        self._next_leak_check = 0.0
         self.accept()
 
     def accept(self) -> None:
@@ -146,9 +138,6 @@ class ProcessState:
         return changed
 
     def _leaks(self) -> bool:
-        if monotonic() < self._next_leak_check:
-            return False
-        self._next_leak_check = monotonic() + _LEAK_INTERVAL_S
         resident, files = self._leakable()
         return resident - self._resident > self._max_leak or files - self._files > _MAX_OPEN_FILES
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.asking.reply import ask, exception_text, no_answer
+from dubins_study.asking.reply import Reply, ask, exception_text, no_answer
 from dubins_study.experiments.code_digest import code_digest
 from dubins_study.experiments.isolation.messages import Channel, decode_question, encode_reply
 from dubins_study.experiments.isolation.process_state import (
@@ -78,8 +78,8 @@ class _Worker:
 
     def __init__(self, memory_limit: float):
         self._solvers: dict[tuple[str, str], _LoadedSolver] = {}
-        # Solver that cannot be loaded or warmed up -> the encoded reply to all questions.
-        self._refused: dict[tuple[str, str], list[Any]] = {}
+        # Solver that cannot be loaded or warmed up -> the reply to all questions.
+        self._refused: dict[tuple[str, str], Reply] = {}
         self._state = ProcessState(memory_limit)
 
     def handle(self, task: list[Any]) -> tuple[Any, bool]:
@@ -87,27 +87,42 @@ class _Worker:
         kind, *arguments = task
         if kind == "probe":
             return probe(), False
-        spec, profile, *arguments = arguments
-        key, started = (spec, profile), now()
-        reply = self._refused.get(key)
-        try:
-            if kind == "load":
-                self._solvers[key] = _load(spec, profile)
-            elif kind == "warm up" and reply is None:
-                self._solvers[key] = _warmed_up(self._solvers[key], *arguments)
-            elif reply is None:
-                reply = _reply(self._solvers[key], *arguments)
-        except BaseException as error:  # a plug-in may raise anything, anywhere: recorded as rows
-            outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
-            failed = no_answer(outcome, exception_text(error))
-            digest = _digest(spec, profile)
-            reply = encode_reply(failed._replace(started=started, code_digest=digest))
         if kind == "solve":
-            return reply, not ours(spec) and bool(self._state.changes())
-        if reply is not None:
-            self._refused[key] = reply
-        self._state.accept()
+            return self._solve(*arguments)
+        self._prepare(*arguments)
         return None, False
+
+    def _prepare(self, spec: str, profile: str, *warm_up: Any) -> None:
+        """Load a solver, or warm up one that is loaded; remember why it cannot be asked."""
+        key = spec, profile
+        if key not in self._refused:
+            try:
+                loaded = _warmed_up(self._solvers[key], *warm_up) if warm_up else _load(*key)
+                self._solvers[key] = loaded
+            except BaseException as error:  # a plug-in may raise anything
+                self._refused[key] = _failure(error, *key)
+        self._state.accept()
+
+    def _solve(
+        self, spec: str, profile: str, question: list[Any], time_limit: float
+    ) -> tuple[list[Any], bool]:
+        """The encoded reply to a question, and whether a plug-in has changed the process."""
+        key = spec, profile
+        reply = self._refused.get(key)
+        if reply is None:
+            try:
+                reply = _reply(self._solvers[key], question, time_limit)
+            except BaseException as error:  # a plug-in may raise anything, anywhere
+                reply = _failure(error, *key)
+        changed = not ours(spec) and bool(self._state.changes())
+        return encode_reply(reply), changed
+
+
+def _failure(error: BaseException, spec: str, profile: str) -> Reply:
+    """The reply of a solver that raised where it was not asked."""
+    outcome = Outcome.OUT_OF_MEMORY if isinstance(error, MemoryError) else Outcome.RAISED
+    reply = no_answer(outcome, exception_text(error))
+    return reply._replace(started=now(), code_digest=_digest(spec, profile))
 
 
 def _digest(spec: str, profile: str) -> str:
@@ -139,21 +154,19 @@ def _warmed_up(loaded: _LoadedSolver, route: bool, limit: float, floors: bool) -
     return loaded._replace(floor_s=floor_s(solver))
 
 
-def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> list[Any]:
-    """The encoded reply to a question."""
+def _reply(loaded: _LoadedSolver, encoded: list[Any], time_limit: float) -> Reply:
+    """The reply to a question, with what its row records of the solve."""
     question = decode_question(encoded)
     seed()
     before, started = peak_kib(reset=True), now()
     reply = ask(loaded.solver, question, time_limit)
     peak = peak_kib() if before else 0
-    return encode_reply(
-        reply._replace(
-            started=started,
-            versions=loaded.versions,
-            code_digest=loaded.code_digest,
-            memory_mib=(peak - before) / _KIB_PER_MIB if peak else None,
-            floor_s=loaded.floor_s,
-        )
+    return reply._replace(
+        started=started,
+        versions=loaded.versions,
+        code_digest=loaded.code_digest,
+        memory_mib=(peak - before) / _KIB_PER_MIB if peak else None,
+        floor_s=loaded.floor_s,
     )
 
 

@@ -23,7 +23,7 @@ from dubins_study.experiments.plan.solver_description import (
     describe_solver,
     expand_solvers,
 )
-from dubins_study.solvers.protocol import Method
+from dubins_study.solvers.protocol import Method, Question
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Key
 from dubins_study.study.scenario import Scenario
@@ -144,6 +144,10 @@ class Cell(NamedTuple):
     def key(self) -> Key:
         """The values of the row's key columns."""
         return self[:7]
+
+    def question(self, guess: Path | None = None) -> Question:
+        """The question that is put to the solver."""
+        return Question(self.scenario, self.branch, guess, self.repeat)
 
 
 # Cells that must be solved in this order: all cells of a warm sweep, or a single cell.

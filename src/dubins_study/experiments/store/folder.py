@@ -154,11 +154,8 @@ def _mend(folder: FilePath) -> list[str]:
 
 def done(folder: FilePath) -> set[Key]:
     """The keys of all cells that have a row in a folder."""
-    keys: set[Key] = set()
-    for part in part_files(folder):
-        table = read_part(part, names(KEY))
-        keys.update(zip(*(column.to_pylist() for column in table.columns), strict=True))
-    return keys
+    columns = read_rows(folder, names(KEY)).columns
+    return set(zip(*(column.to_pylist() for column in columns), strict=True))
 
 
 def read_rows(

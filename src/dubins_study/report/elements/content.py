@@ -37,7 +37,7 @@ class Table:
     columns: tuple[Column, ...]  # those that are shown, in order
     # (row position, key) -> `good`, `bad` or `note`. The text also says what a mark says, for
     # readers who do not see the colour.
-    marks: dict[tuple[int, str], str] | None = None
+    marks: Mapping[tuple[int, str], str] = field(default_factory=dict)
     # more columns for the CSV file, such as the ends of an interval that is shown as text
     numbers: tuple[str, ...] = ()
     dense: bool = False  # whether it has so many columns that its letters are smaller
@@ -59,10 +59,6 @@ class Table:
         """
         shown = [_numbers_of(self.frame, column.key) for column in self.columns]
         return [list(row) for row in zip(*shown, strict=True)]
-
-    def mark(self, row: int, column: Column) -> str:
-        """The mark of a cell; empty if the cell is not marked."""
-        return (self.marks or {}).get((row, column.key), "")
 
 
 def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
@@ -95,20 +91,19 @@ def picture(
     caption: str,
     alt: str,
     height: float,
-    width: float = HALF,
     legend: int = 0,
 ) -> Picture:
-    """A figure (inches) with one panel, drawn by `plot(ax, *data)`.
+    """A figure of half the page's width with one panel, drawn by `plot(ax, *data)`.
 
     `plot` may return the legend's entries; `legend` is the number of columns of the legend below
     the panel, 0 for no legend.
     """
-    figure = new_figure(width, height)
+    figure = new_figure(HALF, height)
     entries = plot(figure.add_subplot(), *data)
     if legend:
         below: Style = {"loc": "outside lower left", "ncols": legend, "fontsize": 7.5}
         figure.legend(**below if entries is None else below | {"handles": entries})
-    return Picture(name, caption, figure, alt, width == HALF)
+    return Picture(name, caption, figure, alt, half=True)
 
 
 def panels_picture(

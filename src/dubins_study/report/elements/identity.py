@@ -88,7 +88,7 @@ def best_first(
     if len(table.frame) <= MOST_LINES or not lines:
         return (table,)
     place = {line: number for number, line in enumerate(lines)}
-    marked = (table.marks or {}).items()
+    marked = table.marks.items()
     short = replace(
         table,
         name=f"{table.name}-best",
@@ -133,12 +133,12 @@ def share_text(share: float, low: float, high: float, of: float) -> str:
     return f"{percent(share)} % of {questions(of)},\n{percent(low)} to {percent(high)} %"
 
 
-def percent(share: float) -> str:
-    """A share in percent with one decimal, rounded to 100 only for 1 and to 0 only for 0."""
-    value = 100 * share
-    if value in (0, 100):
-        return f"{value:.0f}"
-    return f"{min(max(value, 0.1), 99.9):.1f}"
+def percent(share: float, places: int = 1) -> str:
+    """A share in percent with so many decimals, rounded to 100 only for 1 and to 0 only for 0."""
+    if share in (0, 1):
+        return f"{100 * share:.0f}"
+    least = 10.0**-places
+    return f"{min(max(100 * share, least), 100 - least):.{places}f}"
 
 
 def questions(number: float) -> str:

@@ -58,14 +58,15 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
     if own_name(str(row["solver"])):
         return one_line(", ".join(filter(None, [engine, str(row["settings"])])))
     where = "" if formulation == engine else _FORMULATIONS.get(formulation, formulation)
-    settings = str(row["settings"]).split(", ")
-    guess = str(row["variant"]).removesuffix(str(row["settings"])).removesuffix(", ")
-    method = ", ".join(filter(None, [engine, where, guess]))
+    settings = str(row["settings"])
+    guess = str(row["variant"]).removesuffix(settings).removesuffix(", ")
+    method = [engine, where, guess]
+    name = ", ".join(filter(None, [*method, settings]))
     # the settings of a long name that come last are those that a study varies
-    texts = [", ".join(["…", *settings[number:]]) for number in range(1, len(settings))]
-    names = [", ".join(filter(None, [method, text])) for text in [str(row["settings"]), *texts]]
-    short_enough = (name for name in names if len(name) <= _MOST_CHARACTERS)
-    return one_line(next(short_enough, names[0]))
+    while len(name) > _MOST_CHARACTERS and ", " in settings:
+        settings = settings.partition(", ")[2]
+        name = ", ".join(filter(None, [*method, "…", settings]))
+    return one_line(name)
 
 
 def distinct(labels: Sequence[str]) -> list[str]:

@@ -18,7 +18,6 @@ from dubins_study.report.page.environment import (
     scripts,
     stylesheets,
 )
-from dubins_study.report.paper.printed import PROBLEMS, Problem
 from dubins_study.study.words import BRANCHES
 
 
@@ -30,20 +29,15 @@ class Preset(NamedTuple):
     title: str  # what there is to see
 
 
-def _printed(problem: Problem) -> Preset:
-    number = problem.position.removeprefix("problem ")
-    radius = f", R = {problem.radius}" if number == "5" else ""
-    x, y = problem.target
-    text = f"0,0,{int(problem.heading * 180)}deg,{x},{y},{problem.radius}"
-    return Preset(f"Problem {number}{radius}", text, f"The paper's test problem {number}{radius}")
-
-
 # One of each of the paper's five problems, then where the shortest path changes its kind. Just
 # outside and just inside are 0.001 R from the left circle at the arc angle 0.3, where the length
 # jumps by 6.235 R.
 PRESETS = (
-    *(_printed(PROBLEMS[f"problem {number}"]) for number in (1, 2, 3, 4)),
-    _printed(PROBLEMS["problem 5, R=25"]),
+    Preset("Problem 1", "0,0,120deg,10,5,1", "The paper's test problem 1"),
+    Preset("Problem 2", "0,0,120deg,-6,3,1", "The paper's test problem 2"),
+    Preset("Problem 3", "0,0,60deg,-1,5,1", "The paper's test problem 3"),
+    Preset("Problem 4", "0,0,60deg,-2,-5,1", "The paper's test problem 4"),
+    Preset("Problem 5, R = 25", "0,0,120deg,-80,20,25", "The paper's test problem 5, R = 25"),
     Preset("Straight behind", "0,0,0deg,-2,0,1", "The only tie of two different paths: LS and RS"),
     Preset("Inside a disc", "0,0,0deg,0,1,1", "At the left circle's centre: RL, which turns away"),
     Preset("Just outside", "0,0,0deg,0.2958,0.0437,1", "0.001 R outside the left circle: LS"),
@@ -51,16 +45,6 @@ PRESETS = (
     Preset("Pose", "0,0,30deg,4,1,1;final=180deg", "A final heading is given: six words"),
     Preset("Route", "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg", "Two points to pass on the way"),
 )
-FIELDS = (
-    ("target_x", "target x"),
-    ("target_y", "target y"),
-    ("heading", "heading, deg"),
-    ("radius", "radius R"),
-    ("x", "start x"),
-    ("y", "start y"),
-    ("final_heading", "final heading, deg"),
-)
-COPIES = (("command", "Command line"), ("python", "Python"), ("link", "Link to this scenario"))
 
 
 def _explorer() -> Markup:
@@ -72,10 +56,7 @@ def _explorer() -> Markup:
         for name in ("problem", "words")
     }
     branches = [branch for branch in BRANCHES if branch != "best"]
-    text = template.render(
-        presets=PRESETS, fields=FIELDS, copies=COPIES, branches=branches, drawings=drawings
-    )
-    return Markup(text)
+    return Markup(template.render(presets=PRESETS, branches=branches, drawings=drawings))
 
 
 def explorer_section(results: Results) -> Section:

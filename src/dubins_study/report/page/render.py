@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
-import pandas as pd
 from jinja2 import Template
 from markupsafe import Markup
 
@@ -33,7 +32,6 @@ from dubins_study.report.paper.printed import CITATION, TITLE
 from dubins_study.report.topics.appendix import limits_section
 from dubins_study.report.topics.failures import failures_section
 from dubins_study.study.rows.parts import folder_paths
-from dubins_study.study.words import FROZEN
 
 
 class Head(NamedTuple):
@@ -43,32 +41,19 @@ class Head(NamedTuple):
     asked: str
 
 
-def head_of(folders: Sequence[Folder], results: Results | None) -> Head:
+_ASKED = (
+    "From a start pose to a target, perhaps past given points or to a given heading, with no turn "
+    "tighter than the radius R: which formulation, engine and initial guess find the shortest "
+    "path, how surely, how fast, and who proves it?"
+)
+
+
+def head_of(folders: Sequence[Folder]) -> Head:
     """Title and question of the experiment; of several the report's."""
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
-        return Head("The shortest bounded-curvature path", _asked(results))
-    return Head(first.title, first.manifest.experiment.question or _asked(results))
-
-
-def _asked(results: Results | None) -> str:
-    """The question of the rows, which may have points on the way and final headings."""
-    way, rule = "", "with no turn tighter than the radius R"
-    if results is not None:
-        rows = results.rows[results.rows["branch"] != FROZEN]
-        ways = ("", ", past given points", ", directly or past given points")
-        way = _of_part(rows["via_x"].notna(), *ways)
-        end = _of_part(rows["final_heading"].notna(), "any", "a given", "any or a given")
-        rule += f" and {end} heading at the end"
-    return (
-        f"From a start pose to a target{way}, {rule}: which formulation, engine and initial guess "
-        "find the shortest path, how surely, how fast, and who proves it?"
-    )
-
-
-def _of_part(rows: pd.Series[bool], none: str, every: str, some: str) -> str:
-    """The text for what is true of none, every or some of the rows."""
-    return none if not rows.any() else every if rows.all() else some
+        return Head("The shortest bounded-curvature path", _ASKED)
+    return Head(first.title, first.manifest.experiment.question or _ASKED)
 
 
 Progress = Callable[[str], None]
@@ -104,9 +89,7 @@ def render(
         results, empty = load_with_rows(given)
         target = given[0] / "report" if out is None else FilePath(out)
         every = (*(results.folders if results else ()), *empty)
-        return write_page(
-            target, lambda: _sections(results, progress), every, head_of(every, results)
-        )
+        return write_page(target, lambda: _sections(results, progress), every, head_of(every))
     finally:
         gc.set_threshold(*thresholds)
 

@@ -87,40 +87,38 @@ def _place(topic: Topic, results: Results) -> Place:
 
 def _selections(topic: Topic, results: Results) -> dict[str, Results]:
     """Experiment, or empty -> attempts, for each section that the topic may have."""
-    keys: dict[str, str | None] = {}
-    for run in results.folders:
-        keys.setdefault(run.name, run.section)
+    # of folders with one name the first one's key
+    keys = {run.name: run.section for run in reversed(results.folders)}
     if isinstance(topic.about, str):
-        about = [name for name, key in keys.items() if key == topic.about]
+        about = [run.name for run in results.folders if keys[run.name] == topic.about]
         return {name: results.only({name}) for name in about}
-    if topic.about is General.EVERY:
+    names = _of_kinds(keys)[topic.about]
+    if names == set(keys):
         return {"": results}
-    suites = _suites(keys)
-    if topic.about is General.BENCHMARKED:
-        return {"": results.only(suites)} if suites else {}
-    names = _pooled(keys, General.COMPARED if topic.about is General.DECIDED else topic.about)
-    if topic.about is General.DECIDED:
-        names = suites or names
-    if topic.about is General.POOLED:
-        names = names or suites
-    if names:
-        return {"": results.only(names)}
-    # If the report has only studies, they are pooled.
-    return {} if topic.about is General.COMPARED else {"": results}
+    return {"": results.only(names)} if names else {}
 
 
-def _suites(keys: Mapping[str, str | None]) -> set[str]:
-    """The experiments of a benchmark, and studies that enter it; none without a benchmark."""
-    entering = {topic.about for topic in TOPICS if General.BENCHMARKED in topic.enters}
-    if BENCHMARK not in keys.values():
-        return set()
-    return {name for name, key in keys.items() if key == BENCHMARK or key in entering}
+def _of_kinds(keys: Mapping[str, str | None]) -> dict[General, set[str]]:
+    """The experiments of each general kind, of all with the keys that they give."""
+    own = {topic.about for topic in TOPICS}
+    admitted = {kind: {topic.about for topic in TOPICS if kind in topic.enters} for kind in General}
 
+    def entering(kind: General) -> set[str]:
+        return {name for name, key in keys.items() if key not in own or key in admitted[kind]}
 
-def _pooled(keys: Mapping[str, str | None], kind: General) -> set[str]:
-    """The experiments, with the keys that they give, that enter the sections of a general kind."""
-    apart = {topic.about for topic in TOPICS} - {t.about for t in TOPICS if kind in t.enters}
-    return {name for name, key in keys.items() if key not in apart}
+    every = set(keys)
+    suites: set[str] = set()
+    if BENCHMARK in keys.values():
+        of_suites = {BENCHMARK, *admitted[General.BENCHMARKED]}
+        suites = {name for name, key in keys.items() if key in of_suites}
+    return {
+        General.EVERY: every,
+        General.BENCHMARKED: suites,
+        General.COMPARED: entering(General.COMPARED),
+        # studies alone are pooled
+        General.POOLED: entering(General.POOLED) or suites or every,
+        General.DECIDED: suites or entering(General.COMPARED) or every,
+    }
 
 
 def _named_after(section: Section, experiment: str) -> Section:

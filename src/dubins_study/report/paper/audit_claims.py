@@ -19,7 +19,7 @@ from dubins_study.report.paper.exact import (
     text,
     truncated,
 )
-from dubins_study.report.paper.printed import PROBLEMS, WORDS, Problem
+from dubins_study.report.paper.printed import NUMBERS, PROBLEMS, WORDS, Problem
 from dubins_study.study.check.enclosure import right_left_solutions
 
 Record = dict[str, Any]
@@ -113,52 +113,27 @@ def statements() -> list[Record]:
     inside = [end for end in ends if positive(end) and positive(2 * arb.pi() - end)]
     crossings = algorithm()
     left = [crossing for crossing in crossings if crossing["circle"] == "left"]
-    radii = ", ".join(str(crossing["example_radius"]) for crossing in crossings)
-    table = (
-        (
-            "(4.10), (4.11)",
-            "the end point of a turn left, a turn right and a straight",
-            f"met to 60 digits by the exact LS and RS of all {len(PROBLEMS)} scenarios: "
-            "no sign is off",
-        ),
-        (
-            "(4.1), Algorithm 1",
-            "the shortest path is LS or RS",
-            "only outside the turning circles. Inside, RL or LR is shorter: the algorithm's path "
-            f"is {_range(crossings, 'example_excess')} too long on its own five problems at the "
-            f"radii {radii}",
-        ),
-        (
-            "(4.12)",
-            "a left turn, a right turn and a straight, in this order, hold the optimum",
-            f"it holds LR but not RL: right for the {len(crossings) - len(left)} problems whose "
-            f"target enters the right circle, {_range(left, 'model_excess')} too long just beyond "
-            f"R* for the {len(left)} whose target enters the left one",
-        ),
-        (
-            "(2.4)-(2.15)",
-            "the conditions that an optimal path meets",
-            "three are left out: nu0 >= 0, multipliers not all zero (zeros meet the rest on any "
-            "path) and nu3 = 0 at the end, where the heading is free. With them they are still not "
-            f"sufficient: {len(qualify)} of the {len(ends)} exact LS and RS qualify, "
-            f"up to {max(ratios):.2f} times as long as the optimum",
-        ),
-        (
-            "after (2.8)",
-            "tan phi = nu2 / nu1",
-            f"phi taken from it is off by pi on {len(off)} of the {len(ends)} exact paths, where "
-            "(2.15) then comes to 2 instead of 0",
-        ),
-        (
-            "section 2, (4.7)",
-            "theta in [0, 2 pi], and theta1 = theta0 + b z1, theta2 = theta1 - b z2",
-            f"both cannot hold: {len(ends) - len(inside)} of the {len(ends)} exact paths end "
-            "outside [0, 2 pi]",
-        ),
-    )
+    numbers = {
+        "scenarios": len(PROBLEMS),
+        "paths": len(ends),
+        "algorithm_excess": _range(crossings, "example_excess"),
+        "radii": ", ".join(str(crossing["example_radius"]) for crossing in crossings),
+        "right": len(crossings) - len(left),
+        "left": len(left),
+        "model_excess": _range(left, "model_excess"),
+        "qualify": len(qualify),
+        "longest": max(ratios),
+        "off": len(off),
+        "outside": len(ends) - len(inside),
+    }
     return [
-        {"where": where, "says": says, "holds": met and where == table[0][0], "finding": finding}
-        for where, says, finding in table
+        {
+            "where": statement["where"],
+            "says": statement["says"],
+            "holds": met and statement["holds"],
+            "finding": statement["finding"].format(**numbers),
+        }
+        for statement in NUMBERS["statements"]
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from typing import Any
 
 import pandas as pd
@@ -122,7 +123,13 @@ def audit_tables(audit: dict[str, Any]) -> tuple[Table, ...]:
     }
     crossed = {"paths": marks(paths, "beyond", "wrong_sum")}
     return tuple(
-        Table(f"audit-{key}", _CAPTIONS[key].format(**sums), frame, COLUMNS[key], crossed.get(key))
+        Table(
+            f"audit-{key}",
+            _CAPTIONS[key].format(**sums),
+            frame,
+            COLUMNS[key],
+            crossed.get(key, {}),
+        )
         for key, frame in frames.items()
     )
 
@@ -166,7 +173,6 @@ _PRINTED = (
     *columns(digits(12), length="ours", low="proven: at least", high="at most"),
     *columns(digits(2), difference="printed − ours"),
 )
-_COMPARED = ("length", "reference_low", "reference_high")
 
 
 def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
@@ -176,19 +182,15 @@ def printed_routes(rows: pd.DataFrame) -> pd.DataFrame:
     the path's row.
     """
     found = rows[rows["gap"].notna()].sort_values("length", kind="stable")
-    best = found.drop_duplicates("label").reset_index(names="row").set_index("label")
-    paths = best.to_dict("index")
-    return pd.DataFrame(
-        {
-            **{"label": line.label, "source": line.source, "printed": line.printed},
-            **{"legs": path["legs"], "row": path["row"], "length": path["length"]},
-            **{"low": path["reference_low"], "high": path["reference_high"]},
-            **compared(line.printed, *(path[name] for name in _COMPARED)),
-        }
-        for line in PRINTED_ROUTES
-        if line.label in paths
-        for path in [paths[line.label]]
-    )
+    names = {"reference_low": "low", "reference_high": "high"}
+    best = found.drop_duplicates("label").reset_index(names="row").rename(columns=names)
+    paths = best[["label", "legs", "row", "length", "low", "high"]]
+    lines = pd.DataFrame(PRINTED_ROUTES)[["label", "source", "printed"]].merge(paths, on="label")
+    findings = [
+        compared(line["printed"], line["length"], line["low"], line["high"])
+        for line in lines.to_dict("records")
+    ]
+    return lines.join(pd.DataFrame(findings, columns=["difference", "verdict"]))
 
 
 def printed_section(results: Results) -> Section | None:
@@ -196,35 +198,37 @@ def printed_section(results: Results) -> Section | None:
     frame = printed_routes(with_legs(results.rows))
     if frame.empty:
         return None
-    wrong = frame[frame["verdict"] != SHORTEST]
+    wrong = frame["verdict"] != SHORTEST
     caption = (
         "Lengths as printed; ours is that of the best path found, driven by the check. At least "
         "and at most: the proven interval around the shortest length."
     )
-    bad = marks(frame.assign(verdict=frame["verdict"] != SHORTEST), "verdict")
+    bad = marks(frame.assign(verdict=wrong), "verdict")
     blocks: list[Table | Picture] = [Table("routes-printed", caption, frame, _PRINTED, bad)]
-    for line in wrong[wrong["verdict"] == LONGER].to_dict("records"):
-        path = results.path(line["row"])
-        scenario = scenario_of(results.rows.loc[line["row"]].to_dict())
-        caption = f"{line['label']}: a path that is {digits(2)(line['difference'])} shorter."
-        drawn = path, scenario, "ours"
-        alt = "The shortest path through the points of a published route"
-        blocks.append(
-            picture("routes-better", plot_route, *drawn, caption=caption, alt=alt, height=2.9)
-        )
+    blocks += [
+        _better(results, line) for line in frame[frame["verdict"] == LONGER].to_dict("records")
+    ]
+    others = [
+        f"{line['source']}, {line['label']}: {line['verdict']}"
+        for line in frame[wrong].to_dict("records")
+    ]
     text = (
-        f"{count((frame['verdict'] == SHORTEST).sum())} of {count(len(frame))} published lengths "
-        "are the shortest, to the last digit that the proof decides. The others: "
-        + (
-            "; ".join(
-                f"{r['source']}, {r['label']}: {r['verdict']}" for r in wrong.to_dict("records")
-            )
-            or "none"
-        )
-        + ". dubins-study audit kaya searches for the shortest paths again."
+        f"{count((~wrong).sum())} of {count(len(frame))} published lengths are the shortest, to "
+        f"the last digit that the proof decides. The others: {'; '.join(others) or 'none'}. "
+        "dubins-study audit kaya searches for the shortest paths again."
     )
     lead = "See which published lengths of four routes are the shortest, by proof."
     return Section("routes-printed", "Published routes", text, tuple(blocks), lead)
+
+
+def _better(results: Results, line: Mapping[Hashable, Any]) -> Picture:
+    """The path that is shorter than a published length."""
+    path = results.path(line["row"])
+    scenario = scenario_of(results.rows.loc[line["row"]].to_dict())
+    caption = f"{line['label']}: a path that is {digits(2)(line['difference'])} shorter."
+    alt = "The shortest path through the points of a published route"
+    drawn = path, scenario, "ours"
+    return picture("routes-better", plot_route, *drawn, caption=caption, alt=alt, height=2.9)
 
 
 TOPIC = Topic("the audit of the paper", audit_section, "paper", place=Place.PAPER)

@@ -155,21 +155,23 @@ def plot_times(
 
 def _quickest(sizes: pd.DataFrame) -> Table:
     """By kind and size a line, by tolerance the quickest engine whose every answer is right."""
-    tolerances, lines = sorted(sizes["tolerance"].unique(), reverse=True), []
-    for key, each in sizes.sort_values("wall_s").groupby(["kind", "rates"]):
-        line = {"problem": f"{key[0]}, {count(key[1])} turn rates"}
-        right = each[each["right"] & each["interface"].eq(_OWN)]
+    tolerances = sorted(sizes["tolerance"].unique(), reverse=True)
+    right = sizes[sizes["right"] & sizes["interface"].eq(_OWN)].sort_values("wall_s")
+    lines = []
+    for (kind, rates), _ in sizes.groupby(["kind", "rates"]):
+        line = {"problem": f"{kind}, {count(rates)} turn rates"}
+        same = right[(right["kind"] == kind) & (right["rates"] == rates)]
         for place, tolerance in enumerate(tolerances):
-            chosen = right[right["tolerance"] == tolerance][["engine", "wall_s"]].to_numpy()[:2]
-            line[f"quickest_{place}"] = "\n".join(f"{e} {seconds(s)}" for e, s in chosen) or ABSENT
+            two = same[same["tolerance"] == tolerance].head(2)
+            pairs = zip(two["engine"], two["wall_s"], strict=True)
+            texts = [f"{engine} {seconds(took)}" for engine, took in pairs]
+            line[f"quickest_{place}"] = "\n".join(texts) or ABSENT
         lines.append(line)
-    shown = (
-        Column("problem", "problem", kind="text"),
-        *(
-            Column(f"quickest_{place}", f"tolerance {power(tolerance)}", kind="pick")
-            for place, tolerance in enumerate(tolerances)
-        ),
-    )
+    picks = [
+        Column(f"quickest_{place}", f"tolerance {power(tolerance)}", kind="pick")
+        for place, tolerance in enumerate(tolerances)
+    ]
+    shown = (Column("problem", "problem", kind="text"), *picks)
     caption = (
         "The two quickest engines by their own interfaces, of those whose every answer to the well "
         "and the badly conditioned problem is right."

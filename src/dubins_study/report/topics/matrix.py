@@ -120,7 +120,7 @@ def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame
     if len(names) < 2:
         return None
     texts = [
-        f"{whole_percent(value)} %\n{whole_percent(low)}–{whole_percent(high)}"
+        f"{percent(value, 0)} %\n{percent(low, 0)}–{percent(high, 0)}"
         for value, low, high in shares[["right_share", "right_low", "right_high"]].to_numpy()
     ]
     wide = shares.assign(text=texts).pivot(index="solver", columns="stratum", values="text")
@@ -146,13 +146,6 @@ DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, 
 _DARK = 0.5
 
 
-def whole_percent(share: float) -> str:
-    """A share in whole percent, 100 only for 1 and 0 only for 0."""
-    if share in (0, 1):
-        return f"{100 * share:.0f}"
-    return f"{min(max(100 * share, 1), 99):.0f}"
-
-
 def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
     """Shares of right answers in percent, the engines that have rows by formulations.
 
@@ -164,13 +157,12 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
     shares = wide["right_share"][names].to_numpy(dtype=np.float64)
     few = wide["few"][names].to_numpy()
     lines, across = len(drawn), len(names)
-    flat: Style = {"interpolation": "nearest", "aspect": "auto"}
-    ax.imshow(np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **flat)
-    gaps: Style = {"colors": PAPER, "linewidth": 1.2}
-    ax.hlines(np.arange(1, lines) - 0.5, -0.5, across - 0.5, **gaps)
-    ax.vlines(np.arange(1, across) - 0.5, -0.5, lines - 0.5, **gaps)
+    gaps: Style = {"edgecolors": PAPER, "linewidth": 1.2}
+    places = range(across), range(lines)
+    ax.pcolormesh(*places, np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **gaps)
+    ax.invert_yaxis()
     for i, j in np.argwhere(np.isfinite(shares)):
-        text = f"{whole_percent(shares[i, j])}{'*' if few[i, j] else ''}"
+        text = f"{percent(shares[i, j], 0)}{'*' if few[i, j] else ''}"
         ink = MAP_PAPER if shares[i, j] > _DARK else ON_MAP
         # the layout need not measure what lies inside the axes
         ax.text(*(j, i, text), ha="center", va="center", fontsize=7, color=ink, in_layout=False)

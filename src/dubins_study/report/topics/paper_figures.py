@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -36,8 +35,8 @@ from dubins_study.report.elements.style import (
     WIDE,
     new_figure,
 )
+from dubins_study.report.paper.printed import PROBLEMS, WORDS, Problem
 from dubins_study.report.topics.paper import word_paths
-from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.path import Path, outline
 from dubins_study.study.scenario import Pose, Scenario
@@ -50,75 +49,65 @@ _TARGET_RING: dict[str, Any] = {
 }
 
 
-def plot_paths(
-    ax: Axes, paths: pd.DataFrame, names: Sequence[str] = ("optimal", "feasible")
-) -> None:
-    """Paths to one target at one radius, named in a legend above the panel.
+def labelled(name: str, word: str, path: Path) -> str:
+    """A path's entry in a legend."""
+    return f"{name}: {word}, {digits(4)(path.length)}"
 
-    Columns: branch, path (`study.path.Path`), length, rank (1 the shortest), target_x, target_y,
-    radius. Both turning circles of the start, the start's arrow and the target are drawn too.
+
+def _by_length(paths: Mapping[str, Path]) -> list[tuple[str, Path]]:
+    return sorted(paths.items(), key=lambda item: item[1].length)
+
+
+def plot_paths(ax: Axes, paths: Mapping[str, Path], scenario: Scenario) -> None:
+    """One or two paths of a scenario by their names in a legend above the panel, shortest first.
+
+    Both turning circles of the start, the start's arrow and the target are drawn too.
     """
-    for row in paths.sort_values("rank").to_dict("records"):
-        colour, line = _BY_RANK[int(row["rank"]) - 1]
-        text = f"{names[int(row['rank']) - 1]}: {_word_and_length(row)}"
-        points, _ = outline(row["path"])
+    for (text, path), (colour, line) in zip(paths.items(), _BY_RANK, strict=False):
+        points, _ = outline(path)
         ax.plot(points[:, 0], points[:, 1], color=colour, linestyle=line, label=text, zorder=3)
-    first = paths.iloc[0]
     for side in (1, -1):
-        _turning_circle(ax, first["path"], side * first["radius"], RULE)
-    target = (first["target_x"], first["target_y"])
-    plot_start_and_target(ax, first["path"].start, target)
+        _turning_circle(ax, scenario.start, side * scenario.radius, RULE)
+    plot_start_and_target(ax, scenario.start, (scenario.target_x, scenario.target_y))
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.07)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
 
 
-def plot_radii(ax: Axes, paths: pd.DataFrame, reach: float) -> None:
-    """The shortest path of each radius, up to `reach` from the start (length unit); named.
-
-    Columns of `plot_paths`, one row per radius.
-    """
-    rows = paths.sort_values("radius", ascending=False).to_dict("records")
-    shown: list[FloatArray] = []
-    for place, row in enumerate(rows):
-        path, radius = row["path"], float(row["radius"])
+def plot_radii(ax: Axes, paths: Mapping[Problem, Path], reach: float) -> None:
+    """The shortest path of each radius, up to `reach` from the start (length unit); named."""
+    for (problem, path), colour, line in zip(paths.items(), _BY_RADIUS, LINES, strict=False):
         points = path.sample(600)[:, :2]
-        near = np.hypot(*(points - points[0]).T) <= reach
-        shown.append(points[near])
-        colour, line = _BY_RADIUS[place % 3], LINES[place % len(LINES)]
-        text = f"R = {radius:g}: {_word_and_length(row)}"
-        ax.plot(*shown[-1].T, color=colour, linestyle=line, label=text, zorder=3)
-        _turning_circle(ax, path, radius * math.copysign(1.0, path.curvatures[0]), colour)
-    low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
-    pad = 0.08 * float(np.max(high - low))
-    first = paths.iloc[0]
-    target = (first["target_x"], first["target_y"])
-    plot_start_and_target(ax, first["path"].start, target)
+        near = points[np.hypot(*(points - points[0]).T) <= reach]
+        text = labelled(f"R = {problem.radius:g}", path.word(), path)
+        ax.plot(*near.T, color=colour, linestyle=line, label=text, zorder=3)
+    box = ax.dataLim.frozen()  # of the paths alone
+    pad = 0.08 * max(box.size)
+    for (problem, path), colour in zip(paths.items(), _BY_RADIUS, strict=False):
+        side = math.copysign(problem.radius, path.curvatures[0])
+        _turning_circle(ax, path.start, side, colour)
+    plot_start_and_target(ax, path.start, problem.target)
     ax.set_aspect("equal", adjustable="box", anchor="NW")  # as wide as the paths
-    ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - 2 * pad, high[1] + pad))
+    ax.set(xlim=(box.x0 - pad, box.x1 + pad), ylim=(box.y0 - 2 * pad, box.y1 + pad))
 
 
-def plot_feasible(ax: Axes, paths: pd.DataFrame) -> None:
+def plot_feasible(ax: Axes, paths: Mapping[str, Path], scenario: Scenario) -> None:
     """Figure 3.1: LS and RS to one target, with the points that the paper names."""
-    plot_paths(ax, paths, names=("feasible", "feasible"))
-    first = paths.iloc[0]
-    points = {"P": first["path"].start, "X₃ = T": (first["target_x"], first["target_y"])}
-    for word, path in zip(paths["branch"], paths["path"], strict=True):
-        points["X₁" if word == "LS" else "X₂"] = path.poses[1]
-        ax.plot(*path.poses[1][:2], "o", color=MUTED, markersize=3.5, zorder=5)
+    plot_paths(ax, {labelled("feasible", *each): each[1] for each in _by_length(paths)}, scenario)
+    target = scenario.target_x, scenario.target_y
+    points = {"P": scenario.start[:2], "X₃ = T": target}
+    for name, path in zip(("X₁", "X₂"), paths.values(), strict=True):
+        points[name] = (path.poses[1][0], path.poses[1][1])
+        ax.plot(*points[name], "o", color=MUTED, markersize=3.5, zorder=5)
     lifts = {"P": (-11, -2), "X₁": (-6, -13), "X₂": (4, -10), "X₃ = T": (-34, 6)}
-    for name, (x, y, *_) in points.items():
-        ax.annotate(name, (x, y), xytext=lifts[name], textcoords="offset points", fontsize=9)
+    for name, place in points.items():
+        ax.annotate(name, place, xytext=lifts[name], textcoords="offset points", fontsize=9)
     ax.margins(0.09)
 
 
-def _word_and_length(row: Any) -> str:
-    return f"{row['branch']}, {digits(4)(row['length'])}"
-
-
-def _turning_circle(ax: Axes, path: Path, side: float, colour: str) -> None:
+def _turning_circle(ax: Axes, start: Pose, side: float, colour: str) -> None:
     """A turning circle at the start; `side` is its radius, positive on the left."""
-    x, y, heading = path.start
+    x, y, heading = start
     centre = x - side * math.sin(heading), y + side * math.cos(heading)
     look: dict[str, Any] = {"edgecolor": colour, "linewidth": 0.8, "zorder": 1}
     look |= {"alpha": 1.0 if colour == RULE else 0.45}
@@ -152,38 +141,37 @@ _HEIGHT = 2.9  # inches
 
 def feasible_picture() -> Picture:
     """Figure 3.1 for a target of our own."""
-    paths = {word: shortest_path(_FEASIBLE, word) for word in ("LS", "RS")}
-    frame = pd.DataFrame(
-        {"branch": word, "path": path, "length": path.length}
-        for word, path in paths.items()
-        if path is not None
-    )
-    place = {"target_x": _FEASIBLE.target_x, "target_y": _FEASIBLE.target_y, "radius": 1.0}
-    frame = frame.assign(rank=frame["length"].rank(), **place)
+    found = {word: shortest_path(_FEASIBLE, word) for word in WORDS}
+    paths = {word: path for word, path in found.items() if path is not None}
     caption = (
         "As the paper's Figure 3.1. From P the vehicle turns left to X₁ or right to X₂, then "
         "drives straight to X₃ = T: the feasible paths LS and RS. Faint: the turning circles."
     )
     alt = "The paths LS and RS from a start to a target"
-    return picture("paths-feasible", plot_feasible, frame, caption=caption, alt=alt, height=_HEIGHT)
-
-
-def problem_picture(problem: int, paths: pd.DataFrame) -> Picture:
-    """The paper's figure of one test problem; `paths` are those of `problem_paths`."""
-    if problem == 5:
-        return _radii_picture(paths)
+    drawn = paths, _FEASIBLE
     return picture(
-        f"paths-{problem}",
-        plot_paths,
-        paths,
-        caption=f"Figure 6.{problem}. Optimal (solid) and feasible (dashed) path with their "
-        "lengths; length units.",
-        alt=f"Paths of test problem {problem}",
-        height=_HEIGHT,
+        "paths-feasible", plot_feasible, *drawn, caption=caption, alt=alt, height=_HEIGHT
     )
 
 
-def _radii_picture(paths: pd.DataFrame) -> Picture:
+def problem_picture(problem: Problem, paths: Mapping[str, Path]) -> Picture:
+    """The paper's figure of one of its first four test problems; paths by their words."""
+    named = {
+        labelled(name, *each): each[1]
+        for name, each in zip(("optimal", "feasible"), _by_length(paths), strict=False)
+    }
+    number = problem.label.removeprefix("problem ")
+    caption = (
+        f"Figure 6.{number}. Optimal (solid) and feasible (dashed) path with their lengths; length "
+        "units."
+    )
+    alt = f"Paths of test {problem.label}"
+    drawn = named, problem.scenario
+    return picture(f"paths-{number}", plot_paths, *drawn, caption=caption, alt=alt, height=_HEIGHT)
+
+
+def radii_picture(paths: Mapping[Problem, Path]) -> Picture:
+    """The paper's figure of the fifth test problem: the shortest path at each radius."""
     caption = (
         "Figure 6.5. Optimal paths of test problem 5 for three turning radii with their lengths, "
         "and the same paths near the start, where they differ; faint: the turning circles. Length "
@@ -193,7 +181,7 @@ def _radii_picture(paths: pd.DataFrame) -> Picture:
     return panels_picture("paths-5", caption, _two_scales, alt, paths)
 
 
-def _two_scales(paths: pd.DataFrame, *, narrow: bool) -> Figure:
+def _two_scales(paths: Mapping[Problem, Path], *, narrow: bool) -> Figure:
     """The whole paths, and what is near the start, side by side or one below the other."""
     figure = new_figure(*((HALF, 4.6) if narrow else (WIDE, 2.4)))
     apart: dict[str, Any] = {"nrows": 2} if narrow else {"ncols": 2, "width_ratios": (7, 4)}
@@ -206,33 +194,21 @@ def _two_scales(paths: pd.DataFrame, *, narrow: bool) -> Figure:
     return figure
 
 
-def problem_paths(results: Results, problem: int) -> pd.DataFrame:
-    """The closed form's paths that the paper's figure of one test problem shows.
-
-    Columns label, branch, path, length, rank (1 the shorter of LS and RS), target_x, target_y,
-    radius. For problem 5, as in the paper, only the shorter paths at its three radii.
-    """
-    paths = word_paths(results, EXACT)
-    records = [
-        {"label": label, "branch": branch, "path": path, "length": path.length}
-        for (label, branch), path in paths.items()
-        if label.startswith(f"problem {problem}")
-    ]
-    if not records:
-        return pd.DataFrame()
-    frame = pd.DataFrame(records)
-    frame["rank"] = frame.groupby("label")["length"].rank(method="first")
-    scenarios = results.rows.drop_duplicates("label")
-    frame = frame.merge(scenarios[["label", "target_x", "target_y", "radius"]], on="label")
-    return frame[frame["rank"] == 1] if problem == 5 else frame
-
-
 def figures_section(results: Results) -> Section | None:
     """Figures 3.1 and 6.1-6.5, redrawn from the paths in the rows."""
-    frames = {problem: problem_paths(results, problem) for problem in range(1, 6)}
-    pictures = [problem_picture(problem, frame) for problem, frame in frames.items() if len(frame)]
-    if not pictures:
+    found = word_paths(results, EXACT)
+    if not found:
         return None
+    pictures = [feasible_picture()]
+    radii: dict[Problem, Path] = {}
+    for label, problem in PROBLEMS.items():
+        paths = {word: found[label, word] for word in WORDS if (label, word) in found}
+        if problem.position == "problem 5" and paths:
+            radii[problem] = min(paths.values(), key=lambda path: path.length)
+        elif paths:
+            pictures.append(problem_picture(problem, paths))
+    if radii:
+        pictures.append(radii_picture(radii))
     text = (
         "The paper's Figures 3.1 and 6.1–6.5, drawn from the controls in the rows. The "
         "arrow is the start heading, the ring the target; faint are the "
@@ -243,7 +219,7 @@ def figures_section(results: Results) -> Section | None:
         "In every problem one of two paths is the shortest, LS or RS; see how far the other is "
         "round."
     )
-    return Section("paths", "The paper's figures", text, (feasible_picture(), *pictures), lead)
+    return Section("paths", "The paper's figures", text, tuple(pictures), lead)
 
 
 TOPIC = Topic("the paper's figures", figures_section, "paper", place=Place.PAPER)

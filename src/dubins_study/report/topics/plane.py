@@ -60,7 +60,7 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
         return exact.iloc[:0]
     dense = [np.linspace(side[0], side[-1], _DENSE) for side in sides]
     # these load numba
-    from dubins_study.study.closed_form.kernel import WORDS, curvatures, shortest_rows
+    from dubins_study.study.closed_form.kernel import RATES, WORDS, curvatures, shortest_rows
     from dubins_study.study.judging.verdict_frame import REGIONS, judge_frame
 
     x, y = (each.ravel() for each in np.meshgrid(*dense))
@@ -69,8 +69,8 @@ def exact_answers(rows: pd.DataFrame) -> pd.DataFrame:
     columns = ("x", "y", "heading", "target_x", "target_y", "radius")
     best = shortest_rows(*(frame[name].to_numpy(np.float64) for name in columns))
     turns = np.empty((2, len(frame)))
-    curvatures(best.word, frame["radius"].to_numpy(np.float64), turns)
-    judged = judge_frame(frame, Paths(turns, np.stack([best.first, best.second])))
+    curvatures(RATES, best.word, frame["radius"].to_numpy(np.float64), turns)
+    judged = judge_frame(frame, Paths(turns, best.segments))
     return frame.assign(
         word=np.array(WORDS)[best.word],
         length=best.length,

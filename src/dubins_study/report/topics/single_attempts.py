@@ -8,7 +8,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path as FilePath
@@ -25,10 +25,8 @@ from dubins_study.report.elements.content import General, Section, Topic, Widget
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
-from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
-from dubins_study.study.scenario import NUMBERS, VIA, Pose
-from dubins_study.study.scenario_frame import numbers_of
+from dubins_study.study.scenario import NUMBERS
 
 # The embedded attempts take at most so many bytes of the page, as base64 of gzip. More points than
 # these would also be slow to draw.
@@ -96,14 +94,14 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
     """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
     most = _MOST_ATTEMPTS
-    paths: dict[tuple[Any, ...], dict[str, Any] | None] = {}
     while True:
         rows = sample(results, most)
-        content = packed(rows, {"solvers": _solvers(rows["solver"], results)}, paths)
+        content = packed(rows, {"solvers": _solvers(rows["solver"], results)})
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
-        most = max(_FEWEST_ATTEMPTS, int(0.9 * min(most, len(rows)) * _MOST_BYTES / size))
+        shrunk = 0.9 * min(most, len(rows)) * _MOST_BYTES / size
+        most = max(_FEWEST_ATTEMPTS, int(shrunk))
 
 
 def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:
@@ -195,34 +193,20 @@ def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
 
 
 _DIGITS = 4  # that are kept of measured numbers; the page shows three
+_ARC_DIGITS = 7  # of controls, from which the page draws a path
 _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *NUMBERS)
 _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
 # what a solver is made of stands once in the header
 _CODED = [name for name in TEXTS if name not in (*_OF_SCENARIO, *names(METHOD))]
-_DRAWN = ["x", "y", "heading", "radius", VIA[0], "curvatures", "lengths"]  # what a drawing reads
-MOST_ARCS = 3  # paths of more arcs are embedded as points on a grid
-GRID = 4000  # steps along the larger side of their box; a drawing has some 1000 pixels
-_FEWEST_POINTS, _MOST_POINTS = 40, 160  # the most: a leg
-_ANGLE = 0.15  # rad between points in a turn
 
 
-def packed(
-    rows: pd.DataFrame,
-    more: Mapping[str, Any],
-    paths: dict[tuple[Any, ...], dict[str, Any] | None] | None = None,
-) -> bytes:
+def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
     """The attempts of `sample` as JSON.
 
     `count`; `texts` (column -> the texts that its numbers stand for, from 1; 0 is null); `columns`
     (column -> a number each row; `scenario` is a place in `scenarios`); `scenarios` (columns, with
-    all digits; those of `ROUTE` where they are not empty); `paths` (`drawn`); and `more`.
-    Paths are taken from `paths`, by question and repeat; what is drawn is added there.
+    all digits; those of `ROUTE` where they are not empty); `paths` (`arcs_of`); and `more`.
     """
-    known = {} if paths is None else paths
-    keys = list(rows[[*_QUESTION, "repeat"]].itertuples(index=False, name=None))
-    for key, row in zip(keys, rows[_DRAWN].to_dict("records"), strict=True):
-        if key not in known:
-            known[key] = drawn(row)
     texts: dict[str, list[str]] = {}
     columns: dict[str, list[Any]] = {}
     for name in _CODED:
@@ -237,12 +221,13 @@ def packed(
     columns |= {name: rows[name].eq(True).astype(int).tolist() for name in FLAGS}
     columns |= {name: rows[name].tolist() for name in ("repeat", "worst")}
     columns["scenario"], scenarios = _scenarios(rows)
+    controls = zip(rows["curvatures"], rows["lengths"], rows["radius"], strict=True)
     content: dict[str, Any] = {
         "count": len(rows),
         "texts": texts,
         "columns": columns,
         "scenarios": scenarios,
-        "paths": [known[key] for key in keys],
+        "paths": [arcs_of(*each) for each in controls],
         **more,
     }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -260,52 +245,26 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     """The place of each row's scenario in the table of scenarios, and that table by columns."""
     key = ["scenario_id", *NUMBERS]
-    judged = rows.sort_values("region", kind="stable", na_position="last")
-    table = judged.drop_duplicates(key).sort_index()
-    numbered = table[key].assign(number=np.arange(len(table)))
-    places = rows[key].merge(numbered, on=key, how="left")["number"]
-    given = [*_OF_SCENARIO, *(name for name in ROUTE if table[name].notna().any())]
-    known = table[given].astype(object)
-    columns = known.where(known.notna(), None)
-    return places.tolist(), {
-        name: [list(v) if isinstance(v, np.ndarray) else v for v in columns[name].tolist()]
-        for name in given
+    given = [*_OF_SCENARIO, *(name for name in ROUTE if rows[name].notna().any())]
+    groups = rows.groupby(key, sort=False)
+    # of attempts that are not judged the region is null: the first that is known
+    first = groups[[name for name in given if name not in key]].first()
+    table = first.reset_index().astype(object)
+    table = table.where(table.notna(), None)
+    columns = {
+        name: [list(v) if isinstance(v, np.ndarray) else v for v in table[name]] for name in given
     }
+    return groups.ngroup().tolist(), columns
 
 
-def drawn(row: Mapping[Any, Any]) -> dict[str, Any] | None:
-    """What is drawn of a row's path; None if there is none, or none that can be drawn.
-
-    Of a few arcs the controls, in units of the turning radius: `arcs`, curvature and length of
-    each. Of more arcs points: `box`, x and y of a grid's corner and its step (length unit), and
-    `steps`, the differences of the points' columns and of their rows, the first ones from 0.
-    """
-    curvature, length = row["curvatures"], row["lengths"]
-    if curvature is None or not len(curvature):
+def arcs_of(
+    curvatures: Sequence[float] | None, lengths: Sequence[float], radius: float
+) -> list[list[Any]] | None:
+    """Curvature and length of each arc of a path, in units of the turning radius; None without."""
+    if curvatures is None or not len(curvatures):
         return None
-    if len(curvature) <= MOST_ARCS:
-        radius = row["radius"]
-        arcs = [[k * radius, s / radius] for k, s in zip(curvature, length, strict=True)]
-        return {"arcs": [[_rounded(k, 7), _rounded(s, 7)] for k, s in arcs]}
-    path = Path(Pose(row["x"], row["y"], row["heading"]), curvature, length)
-    with np.errstate(all="ignore"):
-        turned = float(np.abs(path.curvatures * path.lengths).sum())
-        if (path.lengths < 0).any() or not math.isfinite(turned + path.length):
-            return None
-        wanted = _FEWEST_POINTS + turned / _ANGLE
-        most = _MOST_POINTS * (1 + len(numbers_of(VIA[0], row.get(VIA[0])) or ()))
-        share = path.lengths / (path.length or 1.0)
-        parts = np.abs(path.curvatures * path.lengths) / _ANGLE + _FEWEST_POINTS * share
-        marks = np.linspace(0.0, parts.sum(), int(min(wanted, most)))
-        s = np.interp(marks, np.cumsum([0.0, *parts]), np.cumsum([0.0, *path.lengths]))
-        points = path.at(s)[:, :2]
-        low, size = points.min(axis=0), float(np.ptp(points, axis=0).max())
-        if not math.isfinite(size + float(low.sum())):
-            return None
-    step = size / GRID or 1.0
-    places = np.rint((points - low) / step).astype(int)
-    steps = np.diff(places, axis=0, prepend=0)
-    return {"box": [*low.tolist(), step], "steps": steps.T.tolist()}
+    arcs = zip(curvatures, lengths, strict=True)
+    return [[_rounded(k * radius, _ARC_DIGITS), _rounded(s / radius, _ARC_DIGITS)] for k, s in arcs]
 
 
 TOPIC = Topic("single attempts", attempts_section, General.EVERY)

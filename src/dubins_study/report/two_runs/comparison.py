@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any
 
 import pandas as pd
 
@@ -13,7 +14,6 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import digits, seconds, share
 from dubins_study.report.two_runs.changes import (
     ENDS,
-    SIDES,
     MachineSpeed,
     less_accurate,
     lost,
@@ -83,58 +83,81 @@ def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
     """What became worse, in the order of the kinds; of the new run the cells without an answer."""
-    worse = {kind: pairs[chosen(pairs)] for kind, (chosen, _, _) in _OF_QUESTIONS.items()}
+    was_lost = lost(pairs)
     # Seen in repeats too: a question that is right in one of three was right in all.
     less_often = changes["right_change_high"].lt(0) & changes["right_p"].lt(ALPHA)
-    worse["right less often"] = changes[less_often]
     # Where the machine's speed is not known, `time_p` is NaN and no solver is called slower.
     took_longer = changes["time_ratio_low"].gt(slower) & changes["time_p"].lt(ALPHA)
-    worse["slower"] = changes[took_longer]
-    worse["not answered"] = unanswered
     lines = [
-        (kind, row["solver"], *_line(kind, row))
-        for kind, rows in worse.items()
-        for _, row in rows.iterrows()
+        *_questions("no longer right", pairs[was_lost & pairs["answerable"]], "right", _right),
+        *_questions("no longer denied", pairs[was_lost & ~pairs["answerable"]], "right", _right),
+        *_questions("false claim", pairs[newly_false(pairs)], "false", _false),
+        *_questions("less accurate", pairs[less_accurate(pairs)], "gap", _gap),
+        *map(_less_often, changes[less_often].to_dict("records")),
+        *map(_slower, changes[took_longer].to_dict("records")),
+        *map(_not_answered, unanswered.to_dict("records")),
     ]
     columns = ["kind", "solver", "scenario", "branch", "base", "new", "command"]
-    return pd.DataFrame(lines, columns=columns)
-
-
-def _gap(value: float) -> str:
-    return f"gap {digits(2)(value)}" if value == value else "no path that arrives"
+    empty = dict.fromkeys(columns, "")
+    return pd.DataFrame([{**empty, **line} for line in lines], columns=columns)
 
 
 def _right(value: float) -> str:
     return f"right in {share(value)} of the repeats"
 
 
-# kind -> the questions, the column and how its values are shown
-_OF_QUESTIONS: dict[
-    str, tuple[Callable[[pd.DataFrame], pd.Series[bool]], str, Callable[[float], str]]
-] = {
-    "no longer right": (lambda pairs: lost(pairs) & pairs["answerable"], "right", _right),
-    "no longer denied": (lambda pairs: lost(pairs) & ~pairs["answerable"], "right", _right),
-    "false claim": (newly_false, "false", lambda value: "a false claim" if value else "none"),
-    "less accurate": (less_accurate, "gap", _gap),
-}
+def _false(value: bool) -> str:
+    return "a false claim" if value else "none"
 
 
-def _line(kind: str, row: pd.Series) -> tuple[str, ...]:
-    """The columns of a regression behind its kind and solver."""
-    if kind in _OF_QUESTIONS:
-        _, column, show = _OF_QUESTIONS[kind]
+def _gap(value: float) -> str:
+    return f"gap {digits(2)(value)}" if value == value else "no path that arrives"
+
+
+_Record = Mapping[Hashable, Any]
+
+
+def _questions(
+    kind: str, rows: pd.DataFrame, column: str, show: Callable[[Any], str]
+) -> Iterator[_Record]:
+    """A line for each question, with what both runs have in a column."""
+    for row in rows.to_dict("records"):
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
-        scenario = f"{row['label']}: {place}" if row["label"] else place
-        values = (show(row[f"{column}_{side}"]) for side in SIDES)
-        return scenario, row["branch"], *values, solve_command(row.to_dict())
-    if kind == "right less often":
-        shares = (f"right in {share(row[f'right_{side}'])}" for side in SIDES)
-        return f"all {row['questions']} questions with a path", "", *shares, ""
-    if kind == "slower":
-        ratio, low, high = (digits(3)(row[f"time_ratio{end}"]) for end in ENDS)
-        took = f"{ratio} times as long ({low} to {high})"
-        return f"mean of {row['timed']} questions", "", seconds(row["time_base"]), took, ""
-    return "", "", "", f"{row['rows']} of the {row['cells']} cells asked", ""
+        yield {
+            "kind": kind,
+            "solver": row["solver"],
+            "scenario": f"{row['label']}: {place}" if row["label"] else place,
+            "branch": row["branch"],
+            "base": show(row[f"{column}_base"]),
+            "new": show(row[f"{column}_new"]),
+            "command": solve_command(row),
+        }
+
+
+def _less_often(row: _Record) -> _Record:
+    return {
+        "kind": "right less often",
+        "solver": row["solver"],
+        "scenario": f"all {row['questions']} questions with a path",
+        "base": f"right in {share(row['right_base'])}",
+        "new": f"right in {share(row['right_new'])}",
+    }
+
+
+def _slower(row: _Record) -> _Record:
+    ratio, low, high = (digits(3)(row[f"time_ratio{end}"]) for end in ENDS)
+    return {
+        "kind": "slower",
+        "solver": row["solver"],
+        "scenario": f"mean of {row['timed']} questions",
+        "base": seconds(row["time_base"]),
+        "new": f"{ratio} times as long ({low} to {high})",
+    }
+
+
+def _not_answered(row: _Record) -> _Record:
+    answered = f"{row['rows']} of the {row['cells']} cells asked"
+    return {"kind": "not answered", "solver": row["solver"], "new": answered}
 
 
 def _better(row: pd.Series, slower: float) -> str:

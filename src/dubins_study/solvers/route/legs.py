@@ -42,8 +42,7 @@ def legs(
 
     zeros = np.zeros(x.size)
     rows = pose_rows(zeros, zeros, first, x, y, zeros + 1.0, last)
-    segments = np.array((rows.first, rows.middle, rows.last))
-    return segments, np.asarray(rows.word)
+    return rows.segments, np.asarray(rows.word)
 
 
 def route_of(scenario: Scenario) -> Route:

@@ -21,7 +21,7 @@ import math
 from typing import NamedTuple
 
 from dubins_study.study.closed_form.kernel_compile import inlined
-from dubins_study.study.closed_form.kernel_math import small_arctangent
+from dubins_study.study.closed_form.kernel_math import TAN_3PI_8, TAN_PI_8, small_arctangent
 
 ROUNDING = 2.0**-53  # relative: half an ulp, at most
 GROWTH = 1.0 + 2.0**-48
@@ -30,9 +30,6 @@ TINY = 1e-290
 SINE_COSINE_ERROR = 2.1e-16
 # relative to the slope: of `small_arctangent`, for slopes up to tan(pi/8) + 1e-9
 ARCTANGENT_ERROR = 1.5e-16
-
-_TAN_PI_8 = math.tan(math.pi / 8)
-_TAN_3PI_8 = math.tan(3 * math.pi / 8)
 
 
 class Interval(NamedTuple):
@@ -116,7 +113,7 @@ def angle_above(rise: Interval, run: Interval) -> Interval:
     """
     behind = run.mid < 0.0
     ahead = Interval(abs(run.mid), run.rad)
-    steep, flat = rise.mid > _TAN_3PI_8 * ahead.mid, rise.mid <= _TAN_PI_8 * ahead.mid
+    steep, flat = rise.mid > TAN_3PI_8 * ahead.mid, rise.mid <= TAN_PI_8 * ahead.mid
     # selects, with one division, so that a loop over rows can be vectorised
     top = chosen(flat, rise, chosen(steep, negative(ahead), minus(rise, ahead)))
     bottom = chosen(flat, ahead, chosen(steep, rise, plus(rise, ahead)))

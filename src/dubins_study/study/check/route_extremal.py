@@ -28,6 +28,7 @@ from dubins_study.study.check.extremal import (
     pieces,
     sign_margin,
 )
+from dubins_study.study.check.visits import cut_out
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
@@ -103,11 +104,8 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
     before = after - 1
     nearest = np.where(cuts - ends[before] <= ends[after] - cuts, ends[before], ends[after])
     cuts = np.where(np.abs(nearest - cuts) <= _BESIDE, nearest, cuts)
-    first = np.searchsorted(ends, cuts[:-1], "right") - 1
-    last = np.searchsorted(ends, cuts[1:], "left")
-    for i, (begin, end) in enumerate(pairwise(cuts)):
-        part = slice(first[i], last[i])
-        lengths = np.minimum(ends[1:][part], end) - np.maximum(ends[:-1][part], begin)
+    for begin, end in pairwise(cuts.tolist()):
+        part, lengths = cut_out(ends, begin, end)
         on = lengths > 0.0
         rates = rate[part][on]
         yield conditions(*pieces(rates, lengths[on]), Pose(0.0, 0.0, turned))

@@ -6,6 +6,7 @@ Python runs these functions for one path; `judging.verdict_frame` compiles `path
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.path import RIPPLE
@@ -48,7 +49,7 @@ def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
 
 def nearest_rate(u: float) -> float:
     """The rate +1, 0 or -1 that a rate is nearest to."""
-    return (1.0 if u > 0.5 else 0.0) - (1.0 if u < -0.5 else 0.0)
+    return math.copysign(1.0, u) if abs(u) > 0.5 else 0.0
 
 
 def costates(
@@ -129,10 +130,11 @@ def _inflected(
         nu0, rho, phi = 1.0, -1.0, middle
     angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
     turns = (turn1 * first, turn2 * second, turn3 * third)
-    margin = _least_on_arcs(nu0, rho, angles, turns)
+    arcs = [pair for pair, turn in zip(pairwise(angles), turns, strict=True) if turn != 0.0]
+    margin = min((_least(nu0, rho, *arc) for arc in arcs), default=0.0)
     abnormal = nu0 < ABNORMAL
     if abnormal:  # either sign will do
-        other = _least_on_arcs(nu0, -rho, angles, turns)
+        other = min((_least(nu0, -rho, *arc) for arc in arcs), default=0.0)
         rho, margin = (-rho, other) if other > margin else (rho, margin)
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
@@ -148,7 +150,7 @@ def _inflected(
     # turned by the heading apart: added to a heading of many turns, phi would lose its digits
     c, s = math.cos(heading), math.sin(heading)
     x, y = size * (c * along - s * across), size * (s * along + c * across)
-    return x, y, abnormal, worst, 0.0 if margin == math.inf else margin
+    return x, y, abnormal, worst, margin
 
 
 def _displacement(turn: float, length: float, heading: float) -> tuple[float, float]:
@@ -156,20 +158,6 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
     half = turn * length / 2
     chord = length * (math.sin(half) / half if half != 0.0 else 1.0)
     return chord * math.cos(heading + half), chord * math.sin(heading + half)
-
-
-def _least_on_arcs(
-    nu0: float,
-    rho: float,
-    angles: tuple[float, float, float, float],
-    turns: tuple[float, float, float],
-) -> float:
-    """Least nu0 + rho cos(theta) on three pieces between angles, or infinity without arcs."""
-    margin = math.inf
-    for i in range(3):
-        if turns[i] != 0.0:
-            margin = min(margin, _least(nu0, rho, angles[i], angles[i + 1]))
-    return margin
 
 
 def _least(nu0: float, rho: float, a: float, b: float) -> float:

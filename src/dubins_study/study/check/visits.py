@@ -158,16 +158,23 @@ class _Pieces:
         return np.where(within, first, math.nan), least, near
 
 
+def cut_out(ends: FloatArray, begin: float, end: float) -> tuple[slice, FloatArray]:
+    """The pieces of a path between two arc lengths, and how much of each lies between them.
+
+    Args:
+        ends: of n pieces, shape (n + 1,); the first is 0.
+    """
+    first = max(int(np.searchsorted(ends, begin, "right")) - 1, 0)
+    those = slice(first, int(np.searchsorted(ends, end, "left")))
+    return those, np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
+
+
 def legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Path]:
     """A path cut at arc lengths into its legs, without the pieces that are next to nothing."""
     starts = path.at(np.array([0.0, *at])).tolist()
     ends = np.concatenate(([0.0], np.cumsum(path.lengths)))
     cuts = [0.0, *at, float(ends[-1])]
     for start, begin, end in zip(starts, cuts, cuts[1:], strict=False):
-        those = slice(
-            max(int(np.searchsorted(ends, begin, "right")) - 1, 0),
-            int(np.searchsorted(ends, end, "left")),
-        )
-        lengths = np.minimum(ends[1:][those], end) - np.maximum(ends[:-1][those], begin)
+        those, lengths = cut_out(ends, begin, end)
         kept = lengths > CUT * min(radius, lengths.sum())
         yield Path(Pose(*start), path.curvatures[those][kept], lengths[kept])

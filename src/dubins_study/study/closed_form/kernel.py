@@ -9,6 +9,7 @@ the C library's, and are equal to the bit.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ from dubins_study.study.closed_form.kernel_compile import (
     compiled,
     inlined,
     loop_input,
-    separate,
     threaded,
 )
 from dubins_study.study.closed_form.kernel_math import (
@@ -54,27 +54,41 @@ class ScenarioArrays(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """The shortest paths of n rows: arrays of shape (n,), lengths in the length unit."""
+    """The shortest paths of n rows, lengths in the length unit."""
 
-    length: FloatArray  # NaN where the branch has no path
-    first: FloatArray  # of its first segment; 0 for a letter left out
-    second: FloatArray
-    word: CodeArray  # index into `WORDS`, or `NO_PATH`
+    length: FloatArray  # NaN where the branch has no path; shape (n,)
+    segments: FloatArray  # 0 for a letter left out; shape (m, n)
+    word: CodeArray  # index into the words, or `NO_PATH`; shape (n,)
 
     @classmethod
-    def empty(cls, n: int) -> Rows:
+    def empty(cls, segments: int, n: int) -> Rows:
         """Room for n rows."""
-        return cls(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.uint8))
+        return cls(np.empty(n), np.empty((segments, n)), np.empty(n, np.uint8))
 
 
+Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
 CHUNK = 512  # rows; what a chunk reads and writes stays in the first-level cache
-_LARGEST = np.finfo(np.float64).max
+LARGEST = np.finfo(np.float64).max
 # Below this w, and inside the disc below this q, a row is delicate. At that q the length
 # changes by 3.4 per shift of the target; of 4e7 rows beyond it none was off by 3.6 EPS or more.
 _NEAR = 1e-5
 _STEEP = 0.7
 # delta is at most 2 + 12 sqrt(2) EPS times the coordinates' size in radii
 _FOUR_DELTA = 80.0 * EPS
+
+
+def prepared(
+    columns: Iterable[ArrayLike], segments: int, out: Rows | None
+) -> tuple[list[FloatArray], Rows]:
+    """The columns as loops read them, and the rows to write to: new ones if `out` is None."""
+    arrays = [loop_input(column) for column in columns]
+    n = arrays[0].size
+    rows = Rows.empty(segments, n) if out is None else out
+    checked: list[NDArray[Any]] = [*arrays, *rows]
+    for array in checked:
+        if array.shape not in ((n,), (segments, n)):
+            raise ValueError(f"an array has shape {array.shape}; expected {(n,)} as x has")
+    return arrays, rows
 
 
 def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None) -> Rows:
@@ -85,19 +99,16 @@ def shortest_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = 
         branch: `best`, or a word: `LS`, `RS`, `LR`, `RL`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Nothing is checked but shapes: a row with NaN yields NaN, and one whose radius is not positive
-    means nothing.
+    Words are indices into `WORDS`. Nothing is checked but shapes: a row with NaN yields NaN, and
+    one whose radius is not positive means nothing.
     """
-    scenarios = ScenarioArrays(*map(loop_input, columns))
+    arrays, rows = prepared(columns, 2, out)
+    scenarios = ScenarioArrays(*arrays)
     n = scenarios.x.size
-    rows = Rows.empty(n) if out is None else out
-    arrays: list[NDArray[Any]] = [*scenarios, *rows]
-    for shape in {array.shape for array in arrays} - {(n,)}:
-        raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
     if branch == "best":
         _best_rows(n, scenarios, rows)
     elif branch in BRANCHES:
-        word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
+        _word_rows(scenarios, branch in ("LR", "RL"), branch in ("RS", "LR"), rows)
     else:
         raise ValueError(f"no branch {branch!r}; choose one of: {', '.join(BRANCHES)}")
     return rows
@@ -119,26 +130,39 @@ _left_straight, _right_left = inlined(left_straight), inlined(right_left)
 _best_segments, _chosen_side = inlined(best_segments), inlined(chosen_side)
 
 
-@compiled
-def word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) -> None:
-    """LS, or RL if `arcs`; mirrored, RS or LR, if `right`. With libm."""
+@inlined
+def _exactly(
+    i: Index, best: bool, arcs: bool, right: bool, scenarios: ScenarioArrays, rows: Rows
+) -> None:
+    """Row i by the scalar functions and libm: the shortest of all if `best`, else of one word.
+
+    That is LS, or RL if `arcs`; mirrored, RS or LR, if `right`.
+    """
     x, y, heading, tx, ty, radius = scenarios
-    length, first, second, word = rows
-    for i in range(x.size):
-        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        if right:
-            Y = -Y
+    R = radius[i]
+    X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], R)
+    if best:
+        a, b, arcs = _best_segments(X, abs(Y), delta)
+        right = not _chosen_side(Y, delta)
+    else:
+        Y = -Y if right else Y
         a, b = _right_left(X, Y, delta) if arcs else _left_straight(X, Y, delta)
-        first[i], second[i] = a * radius[i], b * radius[i]
-        length[i] = first[i] + second[i]
-        word[i] = _word(a, b, arcs, right)
+    sound = delta <= LARGEST and a + b >= 0.0
+    rows.segments[0, i] = a * R
+    rows.segments[1, i] = b * R
+    rows.length[i] = a * R + b * R if sound else math.nan
+    rows.word[i] = _word(a, b, arcs, right) if sound else NO_PATH
+
+
+@compiled
+def _word_rows(scenarios: ScenarioArrays, arcs: bool, right: bool, rows: Rows) -> None:
+    for i in range(scenarios.x.size):
+        _exactly(i, False, arcs, right, scenarios, rows)
 
 
 @inlined
 def _word(a: float, b: float, arcs: bool, right: bool) -> int:
     """The code of a word in `WORDS`, letters without length left out."""
-    if not (a + b >= 0.0):
-        return NO_PATH
     # the second letter of RL and LR is the first one's opposite
     start_right = right != arcs
     if a > 0.0 and b > 0.0:
@@ -209,23 +233,16 @@ def _best(X: float, y: float, right: int) -> tuple[float, float, int, float]:
 
 
 @inlined
-def chunks(n: int) -> int:
-    """The number of chunks of n rows."""
-    return (n + CHUNK - 1) // CHUNK
-
-
-@inlined
-def chunk_bounds(chunk: int, n: int) -> tuple[np.uint64, np.uint64]:
-    """The first row of a chunk of n rows and the row after its last.
+def chunk_from(begin: int, end: int) -> tuple[np.uint64, np.uint64]:
+    """The first row of a chunk, and the row after its last, of those before `end`.
 
     Unsigned, so that the compiler knows that no index counts from the end.
     """
-    low = np.uint64(chunk) * np.uint64(CHUNK)
-    return low, min(low + np.uint64(CHUNK), np.uint64(n))
+    return np.uint64(begin), np.uint64(min(begin + CHUNK, end))
 
 
 @inlined
-def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
+def _best_chunk(low: Index, high: Index, scenarios: ScenarioArrays, rows: Rows) -> int:
     """One chunk of rows in two loops, each small enough for the vector registers.
 
     Between them the target in the vehicle's frame lies in the output arrays. Returns how many
@@ -233,8 +250,9 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
     second service: LLVM interleaves two vectors only in loops that have a reduction.
     """
     x, y, heading, tx, ty, radius = scenarios
-    length, first, second, word = rows
-    low, high = chunk_bounds(chunk, x.size)
+    length, segments, word = rows
+    first = segments[0]
+    second = segments[1]
     left = 0
     for i in range(low, high):
         sine, cosine = sine_cosine(heading[i])
@@ -252,33 +270,19 @@ def _best_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> int:
         second[i] = b
         length[i] = a + b if clear > length[i] else math.nan
         word[i] = code
-        left += not (length[i] <= _LARGEST)
+        left += not (length[i] <= LARGEST)
     return left
 
 
 @threaded
 def _best_rows(begin: int, end: int, scenarios: ScenarioArrays, rows: Rows) -> None:
-    for chunk in range(begin // CHUNK, chunks(end)):
-        if _best_chunk(chunk, scenarios, rows):
-            _finish_chunk(chunk, scenarios, rows)
-
-
-@separate
-def _finish_chunk(chunk: int, scenarios: ScenarioArrays, rows: Rows) -> None:
-    """The rows that the vector loops leave: delicate ones, huge headings, radii near underflow."""
-    x, y, heading, tx, ty, radius = scenarios
-    length, first, second, word = rows
-    low, high = chunk_bounds(chunk, x.size)
-    for i in range(low, high):
-        if (abs(heading[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST):
-            continue
-        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        a, b, arcs = _best_segments(X, abs(Y), delta)
-        code = _word(a, b, arcs, not _chosen_side(Y, delta))
-        first[i], second[i] = a * radius[i], b * radius[i]
-        sound = delta <= _LARGEST and a + b >= 0.0
-        length[i] = first[i] + second[i] if sound else math.nan
-        word[i] = code if sound else NO_PATH
+    for chunk in range(begin, end, CHUNK):
+        low, high = chunk_from(chunk, end)
+        if _best_chunk(low, high, scenarios, rows):
+            for i in range(low, high):
+                # delicate ones, huge headings, radii near underflow
+                if not (abs(scenarios.heading[i]) <= LARGEST_ANGLE and rows.length[i] <= LARGEST):
+                    _exactly(i, True, False, False, scenarios, rows)
 
 
 # the rates of each word's first and last letter, and that there is no third, nor any of no word
@@ -287,12 +291,20 @@ RATES[1:, :2] = [(TURN[word[0]], TURN[word[-1]]) for word in WORDS[1:]]
 
 
 @compiled
-def curvatures(word: CodeArray, radius: FloatArray, out: FloatArray) -> None:
-    """Curvatures of both segments of each word, into `out` of shape (2, n), 1 / length unit."""
+def curvatures(rates: FloatArray, word: CodeArray, radius: FloatArray, out: FloatArray) -> None:
+    """Curvatures (1 / length unit) of the segments of words, 0 of a segment that has no rate.
+
+    Args:
+        rates: of the segments of each word, NaN where it has none.
+        word: of n paths, a row of `rates`, or `NO_PATH`; shape (n,).
+        radius: shape (n,), length unit.
+        out: shape (m, n) for words of m segments.
+    """
     for i in range(word.size):
-        code = word[i] if 0 < word[i] < len(RATES) else 1  # straight for those of no length
-        out[0, i] = RATES[code, 0] / radius[i]
-        out[1, i] = RATES[code, 1] / radius[i]
+        code = word[i] if word[i] < len(rates) else 0
+        for arc in range(out.shape[0]):
+            rate = rates[code, arc]
+            out[arc, i] = 0.0 if math.isnan(rate) else rate / radius[i]
 
 
 @compiled
@@ -306,20 +318,16 @@ def flatten(
     """The arcs that have a length, path after path.
 
     Args:
-        curvature, length: controls of n paths of at most m arcs, two or more, shape (m, n).
+        curvature, length: controls of n paths of at most m arcs, shape (m, n).
         offsets: out, shape (n + 1,): where each path begins in the flat arrays.
         flat_curvature, flat_length: out, with room for m n + 1.
     """
     place = 0
     offsets[0] = 0
     for i in range(curvature.shape[1]):
-        # written in any case and overwritten if it does not count: quicker than a branch; and of
-        # two arcs quicker than in a loop
-        flat_curvature[place], flat_length[place] = curvature[0, i], length[0, i]
-        place += length[0, i] != 0.0
-        flat_curvature[place], flat_length[place] = curvature[1, i], length[1, i]
-        place += length[1, i] != 0.0
-        for arc in range(2, curvature.shape[0]):
-            flat_curvature[place], flat_length[place] = curvature[arc, i], length[arc, i]
+        for arc in range(curvature.shape[0]):
+            # written in any case and overwritten if it does not count: quicker than a branch
+            flat_curvature[place] = curvature[arc, i]
+            flat_length[place] = length[arc, i]
             place += length[arc, i] != 0.0
         offsets[i + 1] = place

@@ -62,8 +62,8 @@ _HALF_PI = (math.pi / 2, 6.123233995736766e-17)
 LARGEST_ANGLE = 1.0e9  # rad
 _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer, which then stands in the lowest bits
 _TWO_OVER_PI = 2.0 / math.pi
-_TAN_PI_8 = math.tan(math.pi / 8)
-_TAN_3PI_8 = math.tan(3 * math.pi / 8)
+TAN_PI_8 = math.tan(math.pi / 8)
+TAN_3PI_8 = math.tan(3 * math.pi / 8)
 _PI_4, _PI_2, _PI = math.pi / 4, math.pi / 2, math.pi
 
 
@@ -172,8 +172,8 @@ def upper_arctangent(y: float, x: float) -> float:
     which is done before the one division.
     """
     a = abs(x)
-    steep = y > _TAN_3PI_8 * a
-    flat = y <= _TAN_PI_8 * a
+    steep = y > TAN_3PI_8 * a
+    flat = y <= TAN_PI_8 * a
     low, sum_ = y - a, y + a
     top = -a if steep else low
     bottom = y if steep else sum_

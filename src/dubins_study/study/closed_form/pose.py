@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS, PER_DISTANCE, PER_EXTENT
+from dubins_study.study.closed_form.shortest import Shortest, as_path, named
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import POSE_BRANCHES, TURN
+from dubins_study.study.words import POSE_BRANCHES
 
 WORDS6 = POSE_BRANCHES[1:]
 # What the rounding of both headings, of their sines and cosines and of the circles' centres does
@@ -22,26 +23,6 @@ PER_HEADINGS = 16.0 * EPS
 
 _PI = math.pi
 _NEAR_ZERO = 1e-3  # rad; the sign of an angle below this is taken from coordinates, not from it
-
-
-class PoseShortest(NamedTuple):
-    """The shortest path of a branch: its word in `WORDS6`, and the three segments.
-
-    Segments are in units of the radius (for an arc: its angle in rad).
-    """
-
-    word_index: int
-    segments: tuple[float, float, float]
-
-    @property
-    def word(self) -> str:
-        """The letters that have a length."""
-        letters = zip(WORDS6[self.word_index], self.segments, strict=True)
-        return "".join(letter for letter, length in letters if length > 0)
-
-    @property
-    def total(self) -> float:
-        return sum(self.segments)
 
 
 class Leg(NamedTuple):
@@ -258,7 +239,7 @@ def pose_curvatures(word_index: int, t: float, p: float, q: float) -> tuple[floa
 
 def shortest_to_pose(
     start: Pose, end: Pose, radius: float, branch: str = "best"
-) -> PoseShortest | None:
+) -> Shortest | None:
     """The shortest path of a branch, `best` or one of `WORDS6`; None where the branch has none."""
     x, y, a, b, delta = leg(start, end, radius)
     if branch == "best":
@@ -266,13 +247,10 @@ def shortest_to_pose(
     else:
         index = WORDS6.index(branch)
         t, p, q = pose_segments(x, y, a, b, index, delta)
-    return None if math.isnan(t) else PoseShortest(index, (t, p, q))
+    return None if math.isnan(t) else named(WORDS6[index], (t, p, q))
 
 
 def pose_path(start: Pose, end: Pose, radius: float, branch: str = "best") -> Path | None:
     """The shortest path itself, as controls; None where the branch has none."""
     found = shortest_to_pose(start, end, radius, branch)
-    if found is None:
-        return None
-    driven = [length * radius for length in found.segments if length > 0]
-    return Path(start, [TURN[letter] / radius for letter in found.word], driven)
+    return None if found is None else as_path(start, radius, found.word, found.segments)

@@ -8,23 +8,17 @@ word or length an ulp decides are done with the scalar functions.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.arrays import CodeArray, FloatArray
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.closed_form import pose
-from dubins_study.study.closed_form.kernel import NO_PATH
-from dubins_study.study.closed_form.kernel_compile import (
-    compiled,
-    inlined,
-    loop_input,
-    separate,
-    threaded,
-)
+from dubins_study.study.closed_form.kernel import CHUNK, LARGEST, NO_PATH, Index, Rows, prepared
+from dubins_study.study.closed_form.kernel_compile import compiled, inlined, separate, threaded
 from dubins_study.study.closed_form.kernel_math import (
     LARGEST_ANGLE,
     fma,
@@ -50,35 +44,11 @@ class PoseArrays(NamedTuple):
     final_heading: FloatArray
 
 
-class PoseRows(NamedTuple):
-    """The shortest paths of n legs: arrays of shape (n,), lengths in the length unit."""
-
-    length: FloatArray  # NaN where the branch has no path
-    first: FloatArray
-    middle: FloatArray
-    last: FloatArray
-    word: CodeArray  # index into `pose.WORDS6`, or `NO_PATH`
-
-    @classmethod
-    def empty(cls, n: int) -> PoseRows:
-        """Room for n rows."""
-        return cls._make([*np.empty((4, n)), np.empty(n, np.uint8)])
-
-    def curvatures(self, radius: FloatArray) -> FloatArray:
-        """Curvatures of the three segments (1 / length unit), shape (3, n)."""
-        word = np.where(self.word == NO_PATH, 0, self.word)
-        curved: FloatArray = np.ascontiguousarray(SIDES.T)[:, word] / radius
-        return curved
-
-
 # the rates of each word's letters: curvature times radius
 SIDES = np.array([[TURN[letter] for letter in word] for word in WORDS6])
 
 
-_BLOCK = 512  # rows; what a block reads and writes stays in the first-level cache
-Index = int | np.uint64  # unsigned, where the compiler should know that none counts from the end
 _PI = math.pi
-_LARGEST = np.finfo(np.float64).max
 # at least 4 delta: four times what `pose.pose_delta` adds up, with |x| + |y| at most the extent
 _FOUR_EXTENT, _FOUR_HEADINGS = 60.0 * EPS, 4.0 * pose.PER_HEADINGS
 # A row is delicate where an arc's edge, in radii or rad, or |V|^2 - 4 of a straight is below this.
@@ -93,7 +63,7 @@ pose_shortest, pose_segments = separate(pose.pose_shortest), separate(pose.pose_
 _pose_delta = inlined(pose.pose_delta)
 
 
-def pose_rows(*columns: ArrayLike, branch: str = "best", out: PoseRows | None = None) -> PoseRows:
+def pose_rows(*columns: ArrayLike, branch: str = "best", out: Rows | None = None) -> Rows:
     """The shortest path of every row, as `study.closed_form.pose.pose_shortest` finds it.
 
     Args:
@@ -101,16 +71,13 @@ def pose_rows(*columns: ArrayLike, branch: str = "best", out: PoseRows | None = 
         branch: `best`, or one of `pose.WORDS6`.
         out: arrays to write to (C-contiguous, not overlapping the input); new ones if None.
 
-    Nothing is checked but shapes: a row with NaN or a radius that is not positive yields NaN.
+    Words are indices into `pose.WORDS6`. Nothing is checked but shapes: a row with NaN or a radius
+    that is not positive yields NaN.
     """
-    legs = PoseArrays(*map(loop_input, columns))
-    n = legs.x.size
-    rows = PoseRows.empty(n) if out is None else out
-    arrays: list[NDArray[Any]] = [*legs, *rows]
-    for shape in {array.shape for array in arrays} - {(n,)}:
-        raise ValueError(f"an array has shape {shape}; expected {(n,)} as x has")
+    arrays, rows = prepared(columns, 3, out)
+    legs = PoseArrays(*arrays)
     if branch == "best":
-        _best_rows(n, legs, rows)
+        _best_rows(legs.x.size, legs, rows)
     elif branch in WORDS6:
         _word_rows(legs, WORDS6.index(branch), rows)
     else:
@@ -119,7 +86,7 @@ def pose_rows(*columns: ArrayLike, branch: str = "best", out: PoseRows | None = 
 
 
 @separate
-def _exactly(i: int, word: int, legs: PoseArrays, rows: PoseRows) -> None:
+def _exactly(i: int, word: int, legs: PoseArrays, rows: Rows) -> None:
     """Row i by the scalar functions: the shortest of all, or of a word that is not negative."""
     x, y, heading, tx, ty, radius, final = legs
     R = radius[i]
@@ -131,20 +98,20 @@ def _exactly(i: int, word: int, legs: PoseArrays, rows: PoseRows) -> None:
     else:
         code = word
         t, p, q = pose_segments(dx, dy, heading[i], final[i], word, delta)
-    sound = R > 0.0 and delta <= _LARGEST and t + p + q >= 0.0
+    sound = R > 0.0 and delta <= LARGEST and t + p + q >= 0.0
     _write(i, t, p, q, code if sound else NO_PATH, R if sound else math.nan, rows)
 
 
 @inlined
-def _write(i: Index, t: float, p: float, q: float, code: int, R: float, rows: PoseRows) -> None:
-    length, first, middle, last, word = rows
-    first[i], middle[i], last[i] = t * R, p * R, q * R
+def _write(i: Index, t: float, p: float, q: float, code: int, R: float, rows: Rows) -> None:
+    length, segments, word = rows
+    segments[0, i], segments[1, i], segments[2, i] = t * R, p * R, q * R
     length[i] = t * R + p * R + q * R
     word[i] = code
 
 
 @compiled
-def _word_rows(legs: PoseArrays, word: int, rows: PoseRows) -> None:
+def _word_rows(legs: PoseArrays, word: int, rows: Rows) -> None:
     for i in range(legs.x.size):
         _exactly(i, word, legs, rows)
 
@@ -296,17 +263,17 @@ def _best_block(
     begin: int,
     end: int,
     legs: PoseArrays,
-    rows: PoseRows,
+    rows: Rows,
     scratch: FloatArray,
     waiting: NDArray[np.int64],
 ) -> int:
     """One block: into the frame, then the words with a straight, then RLR and LRL where they count.
 
     Returns how many rows are left: delicate ones, and those without a finite length. What the loops
-    hand on is in `scratch`, shape (7, `_BLOCK`), and `waiting`, shape (`_BLOCK`,).
+    hand on is in `scratch`, shape (7, `CHUNK`), and `waiting`, shape (`CHUNK`,).
     """
     x, y, heading, tx, ty, radius, final = legs
-    length, _, _, _, _ = rows
+    length = rows.length
     X, Y, sine, cosine = scratch[0], scratch[1], scratch[2], scratch[3]
     turn, best, least = scratch[4], scratch[5], scratch[6]
     low, n = np.uint64(begin), np.uint64(end - begin)
@@ -326,7 +293,7 @@ def _best_block(
         _write(i, t, p, q, code, radius[i], rows)
         sound = _is_clear(clear, x[i], y[i], tx[i], ty[i], radius[i])
         length[i] = length[i] if sound else math.nan
-        left += not (length[i] <= _LARGEST)
+        left += not (length[i] <= LARGEST)
     count = 0
     for j in range(n):
         waiting[count] = j
@@ -336,7 +303,7 @@ def _best_block(
         X[k], Y[k], sine[k], cosine[k] = X[j], Y[j], sine[j], cosine[j]
         turn[k], best[k] = turn[j], best[j]
     # to a whole number of vectors: what is left over would be done one by one
-    for k in range(min((count + 15) // 16 * 16, _BLOCK)):
+    for k in range(min((count + 15) // 16 * 16, CHUNK)):
         t, p, q, code, clear = _curves_only(X[k], Y[k], sine[k], cosine[k], turn[k], best[k])
         X[k], Y[k], sine[k], cosine[k], turn[k] = t, p, q, code, clear
     for k in range(count):
@@ -344,7 +311,7 @@ def _best_block(
         if not _is_clear(turn[k], x[i], y[i], tx[i], ty[i], radius[i]):
             length[i] = math.nan
             left += 1
-        elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= _LARGEST:
+        elif X[k] + Y[k] + sine[k] < best[k] and length[i] <= LARGEST:
             _write(i, X[k], Y[k], sine[k], int(cosine[k]), radius[i], rows)
     return left
 
@@ -357,11 +324,11 @@ def _is_clear(clear: float, x: float, y: float, tx: float, ty: float, radius: fl
 
 
 @threaded
-def _best_rows(begin: int, end: int, legs: PoseArrays, rows: PoseRows) -> None:
-    scratch, waiting = np.empty((7, _BLOCK)), np.empty(_BLOCK, np.int64)
-    for low in range(begin, end, _BLOCK):
-        high = min(low + _BLOCK, end)
+def _best_rows(begin: int, end: int, legs: PoseArrays, rows: Rows) -> None:
+    scratch, waiting = np.empty((7, CHUNK)), np.empty(CHUNK, np.int64)
+    for low in range(begin, end, CHUNK):
+        high = min(low + CHUNK, end)
         if _best_block(low, high, legs, rows, scratch, waiting):
             for i in range(low, high):
-                if not rows.length[i] <= _LARGEST:
+                if not rows.length[i] <= LARGEST:
                     _exactly(i, -1, legs, rows)

@@ -12,31 +12,24 @@ from typing import NamedTuple
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import TURN
 
 
-class Segments(NamedTuple):
-    """Two lengths in units of the radius (for an arc: its angle in rad)."""
-
-    first: float
-    second: float
-
-    @property
-    def total(self) -> float:
-        return self.first + self.second
-
-
 class Shortest(NamedTuple):
-    """The shortest path of a branch: word, segments, and every word that ties with it."""
+    """The shortest path of a branch: word, segments, and every word that ties with it.
+
+    The word has the letters whose segments have a length. Segments are in units of the radius (for
+    an arc: its angle in rad).
+    """
 
     word: str
-    segments: Segments
+    segments: tuple[float, ...]
     words: tuple[str, ...]
 
     @property
     def total(self) -> float:
-        return self.segments.total
+        return sum(self.segments)
 
 
 # Python runs the next five functions for one target; `kernel` compiles the same functions for
@@ -132,12 +125,12 @@ def shortest_local(target: Local, branch: str = "best") -> Shortest | None:
         X, Y, delta = target.mirrored if branch in ("RS", "LR") else target
         find = left_straight if branch in ("LS", "RS") else right_left
         arcs = find(X, Y, delta)
-        return None if math.isnan(arcs[0]) else _named(branch, Segments(*arcs))
+        return None if math.isnan(arcs[0]) else named(branch, arcs)
     X, Y, delta = target
     left, on_axis = chosen_side(Y, delta), chosen_side(-abs(Y), delta)
     first, second, arcs_only = best_segments(X, abs(Y), delta)
     letters = ("RL" if left else "LR") if arcs_only else ("LS" if left else "RS")
-    shortest = _named(letters, Segments(first, second))
+    shortest = named(letters, (first, second))
     if not (on_axis and first > 0.0):
         return shortest
     return shortest._replace(words=(shortest.word, shortest.word.replace("L", "R")))
@@ -152,7 +145,7 @@ def chosen_side(Y: float, delta: float) -> bool:
     return -0.25 * delta <= Y
 
 
-def _named(letters: str, segments: Segments) -> Shortest:
+def named(letters: str, segments: tuple[float, ...]) -> Shortest:
     """The word without the letters that have no length."""
     word = "".join(c for c, length in zip(letters, segments, strict=True) if length > 0)
     return Shortest(word, segments, (word,))
@@ -166,13 +159,15 @@ def shortest(scenario: Scenario, branch: str = "best") -> Shortest | None:
 def shortest_path(scenario: Scenario, branch: str = "best") -> Path | None:
     """The shortest path itself, as controls; None where the branch has none."""
     optimum = shortest(scenario, branch)
-    return None if optimum is None else as_path(scenario, optimum.word, optimum.segments)
+    if optimum is None:
+        return None
+    return as_path(scenario.start, scenario.radius, optimum.word, optimum.segments)
 
 
-def as_path(scenario: Scenario, word: str, segments: Segments) -> Path:
+def as_path(start: Pose, radius: float, word: str, segments: tuple[float, ...]) -> Path:
     """Controls of a word; segments of no length are left out, as their letters are."""
-    driven = [length * scenario.radius for length in segments if length > 0]
-    return Path(scenario.start, [TURN[letter] / scenario.radius for letter in word], driven)
+    driven = [length * radius for length in segments if length > 0]
+    return Path(start, [TURN[letter] / radius for letter in word], driven)
 
 
 def region_of(left: float, right: float) -> str:
@@ -182,12 +177,6 @@ def region_of(left: float, right: float) -> str:
     if right > 0:
         return "right disc"
     return "circle" if left == 0 or right == 0 else "outside"
-
-
-def margin(scenario: Scenario) -> float:
-    """Distance from the target to the nearer turning circle, in units of the radius."""
-    target = local(scenario)
-    return margin_local(target.X, abs(target.Y))
 
 
 def margin_local(X: float, y: float) -> float:

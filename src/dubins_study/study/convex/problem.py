@@ -11,11 +11,10 @@ an upper end pushes, and w in the cones; at an optimum p x + q + A' y + z = C' w
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from importlib.resources import files
 from io import BytesIO
-from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,8 +23,8 @@ from scipy.sparse import csr_array
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.arrays import BoolArray, FloatArray
 
-_MATRICES = ("A", "C")
-_CSR = ("data", "indices", "indptr", "shape")
+MATRICES = ("A", "C")
+CSR = ("data", "indices", "indptr", "shape")
 
 
 class ProblemError(DubinsStudyError, ValueError):
@@ -94,26 +93,13 @@ class Problem:
         return Point(*np.split(numbers, (n, n + m, 2 * n + m)))
 
 
-def write(problem: Problem, file: FilePath) -> str:
-    """Write a problem as a compressed .npz file, and return the SHA-256 of its bytes."""
-    arrays: dict[str, Any] = {}
-    for each in fields(problem):
-        value = getattr(problem, each.name)
-        if each.name in _MATRICES:
-            arrays |= {f"{each.name}_{part}": getattr(value, part) for part in _CSR}
-        else:
-            arrays[each.name] = value
-    np.savez_compressed(file, **arrays)
-    return hashlib.sha256(file.read_bytes()).hexdigest()
-
-
 def parse(content: bytes, name: str) -> Problem:
     """The problem of a file's bytes; nothing is unpickled."""
     try:
         with np.load(BytesIO(content), allow_pickle=False) as stored:
             arrays: dict[str, Any] = dict(stored)
-        for key in _MATRICES:
-            data, indices, indptr, shape = (arrays.pop(f"{key}_{part}") for part in _CSR)
+        for key in MATRICES:
+            data, indices, indptr, shape = (arrays.pop(f"{key}_{part}") for part in CSR)
             arrays[key] = csr_array((data, indices, indptr), shape=tuple(shape))
         return Problem(**arrays)
     except (KeyError, TypeError, ValueError, OSError) as error:

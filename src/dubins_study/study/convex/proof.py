@@ -128,11 +128,16 @@ def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
         inside = [
             value + arb(d) for value, d in zip(_rows(problem.C, point), problem.d, strict=True)
         ]
-        for part in _parts(problem.cones):
-            first, *others = inside[part]
-            if not (first >= 0 and first * first >= sum((v * v for v in others), arb(0))):
-                return None
-        return float(total.upper())
+        return float(total.upper()) if _in_cones(inside, problem.cones) else None
+
+
+def _in_cones(values: list[Any], cones: Any) -> bool:
+    """Whether balls lie in their cones for certain."""
+    for part in _parts(cones):
+        first, *others = values[part]
+        if not (first >= 0 and first * first >= sum((v * v for v in others), arb(0))):
+            return False
+    return True
 
 
 def closing_columns(problem: Problem) -> dict[int, int]:
@@ -176,21 +181,14 @@ def lower_bound(problem: Problem, point: Point) -> float:
         return -np.inf
     with ctx.workprec(_BITS):
         rows, cones = [arb(value) for value in y], [arb(value) for value in w]
-        for part in _parts(problem.cones):
-            first, *others = cones[part]
-            if not first * first >= sum((v * v for v in others), arb(0)):
-                return -np.inf
+        if not _in_cones(cones, problem.cones):
+            return -np.inf
         ends = np.where(y > 0, problem.u, np.where(y < 0, problem.l, 0.0))
         total = -_dot(ends, rows) - _dot(problem.d, cones)
-        pulls = zip(
-            *(problem.p, problem.q, problem.lb, problem.ub),
-            *(
-                _rows(csr_array(matrix.T), values)
-                for matrix, values in ((problem.A, rows), (problem.C, cones))
-            ),
-            strict=True,
-        )
-        for p, q, low, high, pull, push in pulls:
+        pulls = _rows(csr_array(problem.A.T), rows)
+        pushes = _rows(csr_array(problem.C.T), cones)
+        columns = zip(problem.p, problem.q, problem.lb, problem.ub, pulls, pushes, strict=True)
+        for p, q, low, high, pull, push in columns:
             total += _least(arb(p), arb(q) + pull - push, arb(low), arb(high))
         return float(total.lower())
 

@@ -23,17 +23,17 @@ from dubins_study.study.check.verdict import ROUNDED, is_false
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     CHUNK,
+    LARGEST,
     NO_PATH,
     RATES,
-    chunk_bounds,
-    chunks,
+    chunk_from,
     shortest_rows,
     to_local,
     to_local_exactly,
 )
-from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, separate, threaded
+from dubins_study.study.closed_form.kernel_compile import inlined, loop_input, threaded
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE, sine_cosine
-from dubins_study.study.closed_form.pose_kernel import SIDES, Index, PoseArrays, pose_rows
+from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import Judgement
@@ -60,7 +60,6 @@ _OPTIMAL, _NONE, _NONE_EXISTS = map(
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
 _INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
-_LARGEST = np.finfo(np.float64).max
 
 
 class FrameJudgement(NamedTuple):
@@ -198,8 +197,7 @@ def _shortest(
         _describe(n, legs, curvature, length, result)
         return _Best(rows.word, RATES, rows.length, rows.length, np.zeros(n, np.bool_))
     posed, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
-    segments = np.stack([posed.first, posed.middle, posed.last])
-    for lengths, words in ((length, result.word), (segments, result.reference_word)):
+    for lengths, words in ((length, result.word), (posed.segments, result.reference_word)):
         _name_rows(n, posed.word, loop_input(lengths), legs.radius, words)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
@@ -256,16 +254,6 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
     return disc if near > delta else elsewhere, margin
 
 
-@separate
-def _describe_exactly(
-    low: Index, high: Index, legs: PoseArrays, region: CodeArray, margin: FloatArray
-) -> None:
-    x, y, heading, tx, ty, radius, _ = legs
-    for i in range(low, high):
-        X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
-        region[i], margin[i] = _region_and_margin(X, Y, delta)
-
-
 @threaded
 def _describe(
     begin: int,
@@ -278,8 +266,8 @@ def _describe(
     """Write the regions and margins of targets, and the words of paths of two arcs."""
     x, y, heading, tx, ty, radius, _ = legs
     region, margin, word = result.region, result.margin, result.word
-    for chunk in range(begin // CHUNK, chunks(end)):
-        low, high = chunk_bounds(chunk, x.size)
+    for chunk in range(begin, end, CHUNK):
+        low, high = chunk_from(chunk, end)
         near = 0
         for i in range(low, high):
             sine, cosine = sine_cosine(heading[i])
@@ -287,8 +275,9 @@ def _describe(
             region[i], margin[i] = _region_and_margin(X, Y, 0.0)
             side = abs(Y)
             near += min(abs(side * (2.0 - side) - X * X), side) <= four_delta
-        if near:  # the last ulp decides
-            _describe_exactly(low, high, legs, region, margin)
+        for i in range(low, high if near else low):  # the last ulp decides
+            X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
+            region[i], margin[i] = _region_and_margin(X, Y, delta)
         for i in range(low, high):
             first, last = length[0, i], length[1, i]
             word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
@@ -330,66 +319,6 @@ def _name_rows(
         names[i] = _named(code, lengths[0, i], lengths[1, i], lengths[2, i], radius[i])
 
 
-@inlined
-def _judge_chunk(
-    chunk: int,
-    legs: PoseArrays,
-    curvature: FloatArray,
-    lengths: FloatArray,
-    free: bool,
-    best: _Best,
-    limits: _Limits,
-    result: FrameJudgement,
-) -> None:
-    """Judge a chunk of rows against their proven intervals, in loops that can be vectorised.
-
-    Until they are known, the gap stands for the turn and the reference for the sum of all turns.
-    """
-    x, y, heading, tx, ty, radius, final = legs
-    begin, end = chunk_bounds(chunk, x.size)
-    verdict, length = result.verdict, result.length
-    miss, excess = result.miss, result.curvature_excess
-    turn, turns = result.gap, result.reference
-    for i in range(begin, end):
-        driven = turned = forward = left = angle = 0.0
-        for arc in range(3):
-            half = 0.5 * curvature[arc, i] * lengths[arc, i]
-            sine, _ = sine_cosine(half)
-            sine_mean, cosine_mean = sine_cosine(turned + half)
-            chord = _chord(half, sine, lengths[arc, i])
-            forward, left = forward + chord * cosine_mean, left + chord * sine_mean
-            turned, angle = turned + 2.0 * half, angle + abs(2.0 * half)
-            driven += lengths[arc, i]
-        sine, cosine = sine_cosine(heading[i])
-        off_x = x[i] + (forward * cosine - left * sine) - tx[i]
-        off_y = y[i] + (forward * sine + left * cosine) - ty[i]
-        miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
-        length[i], turn[i], turns[i] = driven, turned, angle
-    for i in range(begin, end):
-        word, most, usual = best.word[i], 0.0, not best.left[i]
-        for arc in range(3):
-            u, driven = curvature[arc, i] * radius[i], lengths[arc, i]
-            rate = best.rates[word if word < len(best.rates) else 0, arc]
-            off = _excess(u, rate, limits.rates)
-            most = max(most, off if driven > 0.0 else 0.0)
-            usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
-        excess[i], verdict[i] = most, usual & (word < len(best.rates)) & (most <= limits.curvature)
-    for i in range(begin, end):
-        R = radius[i]
-        off = heading[i] + turn[i] - final[i]
-        off -= TWO_PI * math.floor(off / TWO_PI + 0.5)
-        blur = DRIVEN * (abs(heading[i] + turn[i]) + abs(final[i]) + length[i] / R)
-        extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
-        usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= _LARGEST)
-        usual &= _arrives(miss[i], R, extent, length[i], limits.miss)
-        usual &= (verdict[i] != 0) & (free | (abs(off) <= HEADED + blur))
-        reference = max(best.low[i], min(best.high[i], length[i]))
-        gap = (length[i] - reference) / max(reference, R)
-        usual &= (length[i] >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
-        verdict[i] = _OPTIMAL if usual else ODD
-        result.reference[i], result.gap[i] = reference, gap
-
-
 @threaded
 def _judge_rows(
     begin: int,
@@ -402,5 +331,54 @@ def _judge_rows(
     limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    for chunk in range(begin // CHUNK, chunks(end)):
-        _judge_chunk(chunk, legs, curvature, lengths, free, best, limits, result)
+    """Judge rows against their proven intervals, a chunk in loops that can be vectorised.
+
+    Until they are known, the gap stands for the turn and the reference for the sum of all turns.
+    """
+    x, y, heading, tx, ty, radius, final = legs
+    verdict, length = result.verdict, result.length
+    miss, excess = result.miss, result.curvature_excess
+    turn, turns = result.gap, result.reference
+    for chunk in range(begin, end, CHUNK):
+        low, high = chunk_from(chunk, end)
+        for i in range(low, high):
+            driven = turned = forward = left = angle = 0.0
+            for arc in range(3):
+                half = 0.5 * curvature[arc, i] * lengths[arc, i]
+                sine, _ = sine_cosine(half)
+                sine_mean, cosine_mean = sine_cosine(turned + half)
+                chord = _chord(half, sine, lengths[arc, i])
+                forward, left = forward + chord * cosine_mean, left + chord * sine_mean
+                turned, angle = turned + 2.0 * half, angle + abs(2.0 * half)
+                driven += lengths[arc, i]
+            sine, cosine = sine_cosine(heading[i])
+            off_x = x[i] + (forward * cosine - left * sine) - tx[i]
+            off_y = y[i] + (forward * sine + left * cosine) - ty[i]
+            miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
+            length[i], turn[i], turns[i] = driven, turned, angle
+        for i in range(low, high):
+            word, most, usual = best.word[i], 0.0, not best.left[i]
+            for arc in range(3):
+                u, driven = curvature[arc, i] * radius[i], lengths[arc, i]
+                rate = best.rates[word if word < len(best.rates) else 0, arc]
+                off = _excess(u, rate, limits.rates)
+                most = max(most, off if driven > 0.0 else 0.0)
+                usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
+            excess[i], verdict[i] = (
+                most,
+                usual & (word < len(best.rates)) & (most <= limits.curvature),
+            )
+        for i in range(low, high):
+            R = radius[i]
+            off = heading[i] + turn[i] - final[i]
+            off -= TWO_PI * math.floor(off / TWO_PI + 0.5)
+            blur = DRIVEN * (abs(heading[i] + turn[i]) + abs(final[i]) + length[i] / R)
+            extent = abs(x[i]) + abs(y[i]) + abs(tx[i]) + abs(ty[i])
+            usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= LARGEST)
+            usual &= _arrives(miss[i], R, extent, length[i], limits.miss)
+            usual &= (verdict[i] != 0) & (free | (abs(off) <= HEADED + blur))
+            reference = max(best.low[i], min(best.high[i], length[i]))
+            gap = (length[i] - reference) / max(reference, R)
+            usual &= (length[i] >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
+            verdict[i] = _OPTIMAL if usual else ODD
+            result.reference[i], result.gap[i] = reference, gap

@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.route.descent import downhill, route_length, route_words
 from dubins_study.study.route.effort import Effort, SpentError
@@ -95,20 +94,6 @@ def compile_loops() -> None:
     _Search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, None, Effort(), 1e-6).run()
 
 
-@compiled
-def _extended(chains: FloatArray, costs: FloatArray, forward: bool) -> tuple[FloatArray, IntArray]:
-    """The least cost of chains that go on over a leg, or back, and the intervals they come from."""
-    size = costs.shape[1 if forward else 0]
-    least, mates = np.full(size, math.inf), np.zeros(size, np.intp)
-    for i in range(costs.shape[0]):
-        for j in range(costs.shape[1]):
-            mate, k = (i, j) if forward else (j, i)
-            cost = chains[mate] + costs[i, j]
-            if cost < least[k]:
-                least[k], mates[k] = cost, mate
-    return least, mates
-
-
 class _Chains:
     """The least cost of a chain through each interval, and its neighbours there."""
 
@@ -119,13 +104,13 @@ class _Chains:
         self.before: list[IntArray] = []
         self.after: list[IntArray] = []
         for cost in costs:
-            least, mates = _extended(self.ahead[-1], cost, True)
-            self.ahead.append(least)
-            self.before.append(mates)
+            through = self.ahead[-1][:, None] + cost
+            self.ahead.append(through.min(axis=0))
+            self.before.append(through.argmin(axis=0))
         for cost in reversed(costs):
-            least, mates = _extended(self.behind[0], cost, False)
-            self.behind.insert(0, least)
-            self.after.insert(0, mates)
+            through = cost + self.behind[0]
+            self.behind.insert(0, through.min(axis=1))
+            self.after.insert(0, through.argmin(axis=1))
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
         """The intervals and the words of the cheapest chain."""

@@ -2,6 +2,8 @@
 // window.attempts: the embedded attempts. `open()` unpacks them once;
 // `report/topics/single_attempts.py` says how they are packed.
 window.attempts = (() => {
+  const FINEST = 0.15; // rad of a turn between two points of a drawn path
+
   // The text of an embedded element that holds gzip in base64.
   async function unpacked(name) {
     const coded = atob(document.getElementById(`data-${name}-gz`).textContent.trim());
@@ -114,9 +116,9 @@ window.attempts = (() => {
 
     // The points [x, y] of a row's path; null where there is none that can be drawn.
     path(i) {
-      const path = this.paths[i];
-      if (path === null) return null;
-      const line = path.arcs ? this.arcsPath(path.arcs, this.scenario(i)) : this.linePath(path);
+      const arcs = this.paths[i];
+      if (arcs === null) return null;
+      const line = this.arcsPath(arcs, this.scenario(i));
       return line.flat().every(Number.isFinite) ? line : null;
     }
 
@@ -140,16 +142,8 @@ window.attempts = (() => {
         const circle = 2 * Math.PI / Math.abs(Number(turn)), driven = Number(drive);
         return (driven > 2 * circle ? circle + driven % circle : driven) * scenario.radius;
       });
-      return window.dubins.polyline(scenario, rates, lengths, 120);
-    }
-
-    linePath({box: [x, y, step], steps: [columns, rows]}) {
-      let column = 0, row = 0;
-      return columns.map((across, k) => {
-        column += across;
-        row += rows[k];
-        return [x + column * step, y + row * step];
-      });
+      const turned = rates.reduce((sum, rate, k) => sum + Math.abs(rate * lengths[k]), 0);
+      return window.dubins.polyline(scenario, rates, lengths, Math.max(120, turned / FINEST));
     }
   }
 
