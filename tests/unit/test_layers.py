@@ -87,7 +87,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "asking": ("study.*", "solvers"),
     **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
-    "experiments.code_digest": ("solvers", "experiments.provenance"),
+    "experiments.code_digest": ("study", "solvers", "experiments.provenance"),
     "experiments.definition": ("study.*", "solvers", "asking"),
     "experiments.isolation": (
         "study.*",
