@@ -347,6 +347,11 @@ def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(p for name in engines for p in ENGINES[name].packages))
 
 
+def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, ...]:
+    """The specs of a solver with every engine but its default."""
+    return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
+
+
 # those with solvers of their own for the paper's model
 APART = ("slsqp", "ipopt")
 # the engines that read any program of `nlp_engines.program`

@@ -14,7 +14,7 @@ import numpy as np
 
 from dubins_study.solvers.arcs import RATES, Elements, close_enough, closed
 from dubins_study.solvers.course import Course, body_course, path_of
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
     WORDS,
@@ -120,9 +120,7 @@ class Disjunctive(EngineSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"disjunctive[engine={name}]" for name in MINLP_ENGINES if name != "scip"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.minlp_engines.mixed_program import (
     MinlpCall,
     MixedProgram,
@@ -100,9 +100,7 @@ class GlobalNlp(EngineSolver):
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = ("casadi", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP or MAiNGO"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"global-nlp[engine={name}]" for name in MINLP_ENGINES if name != "scip"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("global-nlp", MINLP_ENGINES, "scip")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},

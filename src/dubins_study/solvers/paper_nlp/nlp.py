@@ -20,6 +20,7 @@ from dubins_study.solvers.engines import (
     Engine,
     EngineSolver,
     names,
+    others,
     packages,
 )
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
@@ -231,9 +232,7 @@ class Nlp(PaperNlp, _Named):
     always_named: ClassVar[tuple[str, ...]] = ("engine",)
     packages: ClassVar[tuple[str, ...]] = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
     summary: ClassVar[str] = "the paper's model (4.12) by any NLP engine or AMPL solver"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"nlp[engine={engine}]" for engine in _ENGINES if engine not in APART
-    )
+    variants: ClassVar[tuple[str, ...]] = others("nlp", _ENGINES, *APART)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, eye_array, kron
 
 from dubins_study.solvers.course import coordinate_rounding, path_of
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.minlp_engines.mixed_program import (
     MixedProgram,
     ProvenResult,
@@ -138,9 +138,7 @@ class HeadingMilp(EngineSolver):
     packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
     summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
     keeps_limit = False  # a program of thousands of legs takes seconds to state
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"heading-milp[engine={name}]" for name in _ENGINES if name != "highs"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("heading-milp", _ENGINES, "highs")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"headings": 36},
         "accurate": {"headings": 144},

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.course import path_of
-from dubins_study.solvers.engines import SearchSolver, names, packages
+from dubins_study.solvers.engines import SearchSolver, names, others, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Entries,
@@ -85,9 +85,7 @@ class Headings(SearchSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"headings[engine={name}]" for name in _ENGINES if name != _DEFAULT
-    )
+    variants: ClassVar[tuple[str, ...]] = others("headings", _ENGINES, _DEFAULT)
 
     @property
     def method(self) -> Method:

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import heading_gap, path_of
-from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Expressions,
@@ -96,9 +96,7 @@ class RouteNlp(EngineSolver):
     packages: ClassVar[tuple[str, ...]] = packages(NLP_ENGINES)
     summary: ClassVar[str] = "the paper's model (4.12) with the arcs L R S L R a leg"
     keeps_limit = False  # at 50 legs compiling or a dense engine's iteration takes up to 5 s
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"route-nlp[engine={engine}]" for engine in NLP_ENGINES if engine != "ipopt"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("route-nlp", NLP_ENGINES, "ipopt")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},

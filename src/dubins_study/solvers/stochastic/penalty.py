@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.course import coordinate_rounding
-from dubins_study.solvers.engines import SearchSolver, names, packages
+from dubins_study.solvers.engines import SearchSolver, names, others, packages
 from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
 from dubins_study.solvers.one_leg.model import (
     ORDERS,
@@ -87,7 +87,7 @@ class Penalty(SearchSolver):
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
-    variants: ClassVar[tuple[str, ...]] = tuple(f"penalty[engine={name}]" for name in _ENGINES[1:])
+    variants: ClassVar[tuple[str, ...]] = others("penalty", _ENGINES, _ENGINES[0])
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
