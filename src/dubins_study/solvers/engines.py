@@ -88,11 +88,7 @@ def ipopt_in_casadi() -> dict[str, str]:
     # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
     libraries = sorted(FilePath(casadi.__file__).parent.glob("libipopt*3*"))
     numbers = tuple(ctypes.c_int() for _ in range(3))
-    try:
-        library = ctypes.CDLL(str(libraries[0]))
-        library.GetIpoptVersion(*map(ctypes.byref, numbers))
-    except (IndexError, OSError, AttributeError):
-        return {"ipopt": "unknown"}
+    ctypes.CDLL(str(libraries[0])).GetIpoptVersion(*map(ctypes.byref, numbers))
     return {"ipopt": ".".join(str(number.value) for number in numbers)}
 
 

@@ -66,6 +66,25 @@ class Run(NamedTuple, Generic[Point]):
         return Effort(self.subproblem, 1, self.result.evaluations, self.seconds)
 
 
+def timed(
+    subproblem: str,
+    solve: Callable[[Guess, float], EngineResult],
+    length: Callable[[FloatArray], float],
+) -> Callable[[Guess, float], Run[FloatArray]]:
+    """Runs of `solve`, which takes the seconds left, until a time (s, on `perf_counter`).
+
+    The point is the engine's own; `length` is that of its path, in radii.
+    """
+
+    def run(guess: Guess, until: float) -> Run[FloatArray]:
+        began = perf_counter()
+        result = solve(guess, until - began)
+        seconds = perf_counter() - began
+        return Run(subproblem, seconds, result, result.x, length=length(result.x))
+
+    return run
+
+
 class Attempts(NamedTuple, Generic[Guess, Point]):
     """One subproblem, and the initial guesses to solve it from in turn, computed one by one."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from time import perf_counter
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from dubins_study.solvers.course import in_world
 from dubins_study.solvers.one_leg.initial_guesses import suffices
 from dubins_study.solvers.one_leg.model import Case, PosedLeg, as_path, case_of, equations
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent
+from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent, timed
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
@@ -25,17 +24,13 @@ def attempts(
 ) -> Attempts[FloatArray, FloatArray]:
     """Runs of `solve` from the guesses of a kind, until one `suffices`; a point is z."""
 
-    def run(guess: FloatArray, until: float) -> Run[FloatArray]:
-        began = perf_counter()
-        result = solve(guess, until - began)
-        seconds = perf_counter() - began
-        length = float(result.x.sum())
-        return Run(case.subproblem.name, seconds, result, point=result.x, length=length)
+    def length(z: FloatArray) -> float:
+        return float(z.sum())
 
     def enough(run: Run[FloatArray]) -> bool:
         return suffices(question, case.subproblem, kind, run.point)
 
-    return Attempts(guesses, run, enough)
+    return Attempts(guesses, timed(case.subproblem.name, solve, length), enough)
 
 
 def choose(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:

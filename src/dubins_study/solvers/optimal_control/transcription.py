@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -213,6 +213,11 @@ class NlpTranscription(Transcription):
     options: str = option_set()
     tol: float = tolerance()
     max_iter: int = iterations()
+
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"tol": 1e-7},
+        "accurate": {"tol": 1e-11},
+    }
 
     @property
     def method(self) -> Method:

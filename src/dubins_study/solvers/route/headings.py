@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -26,7 +27,7 @@ from dubins_study.solvers.nlp_engines.program import (
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
-from dubins_study.solvers.runs import EngineResult, Run, at_start, spent
+from dubins_study.solvers.runs import EngineResult, Run, at_start, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
@@ -150,18 +151,17 @@ class Headings(SearchSolver):
         self, route: Route, guess: FloatArray, until: float, trace: Trace
     ) -> Run[FloatArray]:
         """A run of an engine of nonlinear programs."""
-        began = perf_counter()
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
         if self.trace:
             whole_plane = LengthInBox(route, np.zeros(route.unknowns))
             counted = CountedFunction(whole_plane, math.inf, math.inf, traced=True)
             functions = functions._replace(objective=counted)
-        result = engine(program(route, functions), guess, until - began)
+        solve = partial(engine, program(route, functions))
+        run = timed("headings", solve, partial(route_length, route))(guess, until)
         if self.trace:
             _add(trace, counted, 0.0)
-        length = route_length(route, result.x)
-        return Run("headings", perf_counter() - began, result, result.x, length=length)
+        return run
 
     def _search(
         self,

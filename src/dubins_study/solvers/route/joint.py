@@ -30,7 +30,16 @@ from dubins_study.solvers.nlp_engines.program import (
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
-from dubins_study.solvers.runs import Attempts, Run, at_start, settled, spent, tried
+from dubins_study.solvers.runs import (
+    Attempts,
+    EngineResult,
+    Run,
+    at_start,
+    settled,
+    spent,
+    timed,
+    tried,
+)
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -125,16 +134,15 @@ class RouteNlp(EngineSolver):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
-        def run(guess: FloatArray, until: float) -> Run[FloatArray]:
-            began = perf_counter()
-            result = engine(program, _kept(guess, places), until - began)
-            seconds = perf_counter() - began
-            length = float(_arcs(result.x, places).sum())
-            return Run(self.model, seconds, result, result.x, length=length)
+        def solve(guess: FloatArray, seconds: float) -> EngineResult:
+            return engine(program, _kept(guess, places), seconds)
+
+        def length(x: FloatArray) -> float:
+            return float(_arcs(x, places).sum())
 
         guesses = self._guesses(model)
         enough = self.initial_guess == "bearing"  # of the others every guess is tried
-        attempts = Attempts(guesses, run, lambda _: enough)
+        attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
