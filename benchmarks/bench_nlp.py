@@ -12,15 +12,9 @@ from scipy.optimize import minimize
 
 from benchmarks.harness import Measurement, side_by_side, sized
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
-from dubins_study.solvers.paper_nlp.ipopt import Ipopt
-from dubins_study.solvers.paper_nlp.model import (
-    Subproblem,
-    equations,
-    jacobian,
-    subproblems,
-)
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
+from dubins_study.solvers.one_leg.model import Case, equations, jacobian, posed_leg
+from dubins_study.solvers.paper_nlp.nlp import Ipopt, Slsqp
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.setting_checks import nested
 from dubins_study.study.angle import TWO_PI
@@ -53,11 +47,12 @@ def questions() -> list[Question]:
 def jobs(asked: list[Question]) -> list[Job]:
     """The same problems and starts, made before the clock runs."""
 
-    def job(question: Question, subproblem: Subproblem) -> Job:
-        start = next(initial_guesses(question, subproblem, "bearing", 0, 1))
-        return Job(*question.scenario.local(), list(subproblem.free), start)
+    def job(question: Question, case: Case) -> Job:
+        start = next(initial_guesses(question, case, "bearing", 0, 1))
+        return Job(case.target.X, case.target.Y, list(case.subproblem.free), start)
 
-    return [job(q, sub) for q in asked for sub in subproblems(q, "words", "both", presolve=True)]
+    posed = [posed_leg(question, "words", "both", presolve=True) for question in asked]
+    return [job(leg.question, case) for leg in posed for case in leg.cases]
 
 
 def ours(solver: Solver, asked: list[Question]) -> None:

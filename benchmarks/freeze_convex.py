@@ -23,8 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import block_diag, bmat, csr_array, diags_array, eye_array, hstack, vstack
 
-from dubins_study.solvers.convex.engines import NATIVE, Ask
-from dubins_study.solvers.optimal_control.arcs import Elements, rollout
+from dubins_study.solvers.arcs import Elements, rollout
+from dubins_study.solvers.convex.adapters import Ask, prepare
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex import digests, problem
 from dubins_study.study.convex.problem import CSR, MATRICES, Point, Problem
@@ -192,7 +192,7 @@ def frozen(case: Case, n: int, cone: bool) -> Problem:
     early = case._replace(penalty=_PENALTY, ease=1.0, reach=1.0)
     for _ in range(case.steps):
         qp = subproblem(early, now, pulls, cone=False)
-        point = NATIVE["piqp"](qp)(Ask(1e-9, 60.0)).point
+        point = prepare("piqp", "own", qp)(Ask(1e-9, 60.0)).point
         assert point is not None
         now = Iterate(now.heading + point.x[:n], now.length * (1 + point.x[n : n + legs]))
         pulls = -point.y[2 * n :].reshape(legs, 2)
@@ -223,11 +223,11 @@ def witnessed(bare: Problem, *points: Point) -> Problem:
     heads[np.cumsum(bare.cones) - bare.cones] = 1.0
     ends = {"l": bare.l + _MARGIN * rows, "u": bare.u - _MARGIN * rows}
     tight = replace(bare, **ends, d=bare.d - _CONE_MARGIN * heads)
-    inner = NATIVE["clarabel"](tight)(Ask(1e-9, 60.0))
+    inner = prepare("clarabel", "own", tight)(Ask(1e-9, 60.0))
     assert inner.point is not None
     assert inner.claim is Claim.OPTIMAL
     asked = [
-        NATIVE[engine](bare)(Ask(tolerance, 60.0)).point
+        prepare(engine, "own", bare)(Ask(tolerance, 60.0)).point
         for engine in engines
         for tolerance in (1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
     ]

@@ -27,7 +27,7 @@ import numpy as np
 from dubins_study import Claim
 from dubins_study.solvers.engines import Engine
 from dubins_study.solvers.global_minlp import disjunctive, global_nlp
-from dubins_study.solvers.minlp_engines.program import (
+from dubins_study.solvers.minlp_engines.mixed_program import (
     MinlpCall,
     MixedProgram,
     ProvenResult,

@@ -14,7 +14,7 @@ from marked import kill_all, marked
 SLOW = """
 import time
 from pathlib import Path
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 
 class Slow(Slsqp):
     def solve(self, model, limit):
@@ -25,7 +25,7 @@ class Slow(Slsqp):
 TELLS_AND_NAPS = """
 import os, time
 from pathlib import Path
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 class Slow(Slsqp):
     def solve(self, model, limit):
         if model.question.scenario.label != "warm-up":

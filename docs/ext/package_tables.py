@@ -10,10 +10,10 @@ from markdown_text import code, prose, table
 
 from dubins_study.conformance.checks import TITLES
 from dubins_study.experiments.definition.experiment import packaged, read
-from dubins_study.solvers.answers import STATUSES
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, NLP_ENGINES, names
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load, ours, registered, settings, stated_method
+from dubins_study.solvers.statuses import STATUSES
 from dubins_study.study.rows import schema
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.words import DERIVATIVE_FREE, QP, SAMPLING, Claim

@@ -19,7 +19,7 @@ from dubins_study.experiments.definition.experiment import packaged
 from dubins_study.report.page.glossary import GLOSSARY, WORDS
 from dubins_study.report.page.sections import TOPICS
 from dubins_study.report.topics.findings import FINDINGS
-from dubins_study.solvers.convex.engines import ENGINES as CONVEX
+from dubins_study.solvers.convex.adapters import ENGINES as CONVEX
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.registry import load, settings
 from dubins_study.study.rows.manifest import read_manifest

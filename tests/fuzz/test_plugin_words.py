@@ -17,7 +17,7 @@ from tests.unit.report.topic_page import without_pdf_files
 # what a row may hold: a text without halves of pairs
 words = st.one_of(texts, st.text(st.characters(exclude_categories=["Cs"]), max_size=12))
 _RUDE = """
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 from dubins_study.solvers.protocol import Claim, Solution
 
 class Rude(Slsqp):

@@ -20,7 +20,7 @@ ROOMS = {PACKAGE / "solvers", PACKAGE / "study"}
 DIGEST = "dubins_study.experiments.code_digest"
 PLUGIN = """
 from dataclasses import dataclass
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 
 @dataclass(frozen=True)
 class Mine(Slsqp):
@@ -83,8 +83,8 @@ def test_an_edit_changes_the_digest_of_the_room_and_of_rooms_that_build_on_it(tm
 
     before = digests()
     assert stale_after("solvers/optimal_control/turn_rate_qp.py") == {"turn-rate-qp"}
-    assert stale_after("solvers/paper_nlp/ipopt.py") >= {"slsqp", "ipopt", "shooting"}
-    assert stale_after("solvers/paper_nlp/ipopt.py").isdisjoint({"analytic"})
+    assert stale_after("solvers/paper_nlp/pyomo_model.py") >= {"slsqp", "ipopt", "shooting"}
+    assert stale_after("solvers/paper_nlp/pyomo_model.py").isdisjoint({"analytic"})
     assert stale_after("solvers/analytic.py") == {"analytic"}
     assert stale_after("study/check/verdict.py") == set(names)
     assert stale_after("study/check/verdict.py", "# edited") == set()
@@ -115,7 +115,7 @@ RELAID = """
 # A comment.
 from dataclasses import dataclass
 
-from dubins_study.solvers.paper_nlp.slsqp import (
+from dubins_study.solvers.paper_nlp.nlp import (
     Slsqp,
 )
 

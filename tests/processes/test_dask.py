@@ -61,7 +61,7 @@ def plugin(folder: Path, solve: str) -> str:
     file = folder / "plugin.py"
     file.write_text(
         "import ctypes, os, signal, sys, time\nfrom pathlib import Path\nimport psutil\n"
-        "from dubins_study.solvers.paper_nlp.slsqp import Slsqp\n"
+        "from dubins_study.solvers.paper_nlp.nlp import Slsqp\n"
         "HERE = Path(__file__).parent\n"
         "def dask_worker():\n"
         "    parents = psutil.Process().parents()\n"

@@ -81,7 +81,7 @@ def test_other_code_is_refused(experiment, tmp_path):
     """A worker whose dubins-study is of another version makes no row."""
     copy = tmp_path / "copy"
     shutil.copytree(ROOT / "src" / "dubins_study", copy / "dubins_study")
-    with (copy / "dubins_study" / "solvers" / "paper_nlp" / "slsqp.py").open("a") as file:
+    with (copy / "dubins_study" / "solvers" / "paper_nlp" / "nlp.py").open("a") as file:
         file.write("\nLATER_VERSION = True\n")
     with (
         here.scheduler(tmp_path) as address,

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.smoke
 PLUGIN = """
 import os
 from pathlib import Path
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 Path(__file__).with_name(f"loaded-{os.getpid()}").touch()
 class Plain(Slsqp):
     pass

@@ -220,7 +220,7 @@ MISFITS = """
 import os
 from dataclasses import dataclass
 from dubins_study import Claim, Solution
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 class NoBranches(Slsqp):
     branches = ()
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ def test_progress_counts_every_cell(small, tmp_path):
 
 LATE = """
 from dataclasses import replace
-from dubins_study.solvers.paper_nlp.slsqp import Slsqp
+from dubins_study.solvers.paper_nlp.nlp import Slsqp
 class Warmed(Slsqp):
     def solve(self, model, limit):
         scenario, start = model.question.scenario, model.question.initial_guess

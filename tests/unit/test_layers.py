@@ -65,32 +65,29 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.judging": (*_FACTS, "study.check", "study.kinds"),
     "solvers": (*_FACTS, "study.kinds"),  # the closed form asks the kinds; none asks the check
     "solvers.nlp_engines": (*_FACTS, "solvers"),
-    "solvers.paper_nlp": (*_FACTS, "solvers", "solvers.nlp_engines"),
-    "solvers.optimal_control": (
-        *(*_FACTS, "solvers", "solvers.nlp_engines"),
-        "solvers.paper_nlp",  # its initial guesses
-    ),
-    "solvers.indirect": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.paper_nlp"),
+    "solvers.one_leg": (*_FACTS, "solvers"),
+    "solvers.paper_nlp": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
+    "solvers.optimal_control": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
+    "solvers.indirect": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.minlp_engines": (*_FACTS, "solvers"),
     "solvers.global_minlp": (
-        *(*_FACTS, "solvers", "solvers.paper_nlp"),
+        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp"),
         *("solvers.minlp_engines", "solvers.nlp_engines"),
-        "solvers.optimal_control",  # the way back to a route's points
     ),
-    "solvers.stochastic": (*_FACTS, "solvers", "solvers.paper_nlp"),
+    "solvers.stochastic": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.route": (
         *(*_FACTS, "solvers", "solvers.nlp_engines", "solvers.minlp_engines"),
         "solvers.stochastic",  # its engines search any box
     ),
     "solvers.convex": (*_FACTS, "solvers"),
-    "solvers.export": (*_FACTS, "solvers", "solvers.paper_nlp", "solvers.global_minlp"),
+    "solvers.export": (*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
     "experiments.isolation.floor": (
-        *(*_FACTS, "solvers", "solvers.paper_nlp", "solvers.convex"),
+        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp", "solvers.convex"),
         *("solvers.minlp_engines", "solvers.stochastic"),
     ),
     "asking": ("study.*", "solvers"),
     **dict.fromkeys(_LEAVES, ("study.*", "solvers")),
-    "experiments.code_digest": ("solvers", "experiments.provenance"),
+    "experiments.code_digest": ("study", "solvers", "experiments.provenance"),
     "experiments.definition": ("study.*", "solvers", "asking"),
     "experiments.isolation": (
         "study.*",
@@ -367,9 +364,9 @@ def test_an_import_of_the_answer_is_found_wherever_it_is_planted(place, source):
     for name in _imports(source, set(modules())):
         graph[place] |= set(_packages(name))
 
-    way = way_to_the_answers(graph, "solvers.paper_nlp.slsqp")
+    way = way_to_the_answers(graph, "solvers.paper_nlp.nlp")
 
-    assert way[0] == "solvers.paper_nlp.slsqp"
+    assert way[0] == "solvers.paper_nlp.nlp"
     assert place in way
 
 

@@ -32,6 +32,7 @@ from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.kinds.table import KINDS, PATHLESS
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.specs import plugin_file
 from dubins_study.study.tolerances import tolerances
 from dubins_study.study.values import did_you_mean, short
 from dubins_study.study.words import Outcome
@@ -194,9 +195,9 @@ def check_solver(
     check_request("best", total_time_limit, "total_time_limit")
     tolerances(profile)
     began = monotonic()
-    file, mark, rest = spec.partition(".py:")
-    # absolute, since the worker has a folder of its own
-    absolute = f"{FilePath(file + '.py').absolute()}:{rest}" if mark else spec
+    absolute = spec
+    if plugin := plugin_file(spec):  # absolute, since the worker has a folder of its own
+        absolute = f"{FilePath(plugin.file).absolute()}:{plugin.class_name}"
     try:
         source = (Worker if isolated else Observer)(absolute, profile)
     except LoadError as error:

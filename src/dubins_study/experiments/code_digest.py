@@ -23,6 +23,7 @@ from typing import Any
 from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import canonical, load, settings
+from dubins_study.study.specs import name_of, plugin_file
 
 _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
@@ -69,9 +70,9 @@ def _is_plain(value: object) -> bool:
 def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     """The source files on which a solver's rows depend: of a plug-in its file or whole package."""
     module = solver_class.__module__
-    file, colon, _ = spec.partition("[")[0].strip().rpartition(":")
-    if colon and file.endswith(".py"):
-        sources = {"plug-in": _read(FilePath(file))}  # which is loaded alone
+    plugin = plugin_file(name_of(spec))
+    if plugin is not None:
+        sources = {"plug-in": _read(FilePath(plugin.file))}  # which is loaded alone
     elif module.startswith("dubins_study.solvers."):
         sources = dict(_room(module.split(".")[2]))
     else:

@@ -17,7 +17,6 @@ from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.isolation.process_state import THREADS
-from dubins_study.experiments.plan.matrix import matrix
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
@@ -25,6 +24,7 @@ from dubins_study.experiments.stages import not_asked, stages
 from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
 from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
+from dubins_study.solvers.matrix import matrix
 from dubins_study.study.rows.manifest import Definition, Manifest, RunEntry, SolverEntry
 from dubins_study.study.tolerances import tolerances
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import EPS, Local, local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -28,16 +29,13 @@ class Course:
     steps: FloatArray  # from each point to the next (radii), shape (n, 2)
     first: float  # heading at the start (rad)
     last: float | None  # heading at the target (rad); None if it is free
+    # the target in body coordinates, of one leg with a free final heading
+    target: Local | None = None
 
     @property
     def legs(self) -> int:
         """n."""
         return len(self.steps)
-
-    @property
-    def free_leg(self) -> bool:
-        """Whether this is one leg with a free final heading."""
-        return self.legs == 1 and self.last is None
 
     @property
     def unknowns(self) -> int:
@@ -92,7 +90,7 @@ class Course:
 def world_course(scenario: Scenario) -> Course:
     """The course in the directions of the scenario's axes."""
     steps = np.diff(scenario.points, axis=0) / scenario.radius
-    return Course(steps, scenario.heading, scenario.final_heading)
+    return Course(steps, scenario.heading, scenario.final_heading, _target(scenario))
 
 
 def body_course(scenario: Scenario) -> Course:
@@ -101,7 +99,12 @@ def body_course(scenario: Scenario) -> Course:
     cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
     final = scenario.final_heading
-    return Course(steps, 0.0, None if final is None else final - scenario.heading)
+    last = None if final is None else final - scenario.heading
+    return Course(steps, 0.0, last, _target(scenario))
+
+
+def _target(scenario: Scenario) -> Local | None:
+    return local(scenario) if scenario.one_free_leg else None
 
 
 def path_of(scenario: Scenario, turns: Iterable[float], lengths: Iterable[float]) -> Path:
@@ -112,6 +115,18 @@ def path_of(scenario: Scenario, turns: Iterable[float], lengths: Iterable[float]
         if not length <= 0  # so that NaN stays and is seen by the check
     ]
     return Path(scenario.start, [k for k, _ in pieces], [length for _, length in pieces])
+
+
+def coordinate_rounding(scenario: Scenario) -> float:
+    """The distance (radii) between start and target that the coordinates' rounding may fake."""
+    return 2 * EPS * scenario.extent / scenario.radius
+
+
+def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
+    """The duals (2,) of the end point, turned from body coordinates."""
+    along, left = float(duals[0]), float(duals[1])
+    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+    return along * cos - left * sin, along * sin + left * cos
 
 
 def heading_gap(heading: Any, final: Any) -> Any:

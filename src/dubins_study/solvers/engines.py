@@ -88,11 +88,7 @@ def ipopt_in_casadi() -> dict[str, str]:
     # libipopt.so.3, libipopt.3.dylib or libipopt-3.dll
     libraries = sorted(FilePath(casadi.__file__).parent.glob("libipopt*3*"))
     numbers = tuple(ctypes.c_int() for _ in range(3))
-    try:
-        library = ctypes.CDLL(str(libraries[0]))
-        library.GetIpoptVersion(*map(ctypes.byref, numbers))
-    except (IndexError, OSError, AttributeError):
-        return {"ipopt": "unknown"}
+    ctypes.CDLL(str(libraries[0])).GetIpoptVersion(*map(ctypes.byref, numbers))
     return {"ipopt": ".".join(str(number.value) for number in numbers)}
 
 
@@ -258,7 +254,7 @@ ENGINES = {
     "uno-filtersqp": _nlp("Uno filterSQP", "unopy", "uno:filtersqp", _of_uno()),
     # reads nothing but Pyomo's model of (4.12), with its own tolerances
     "knitro": Engine(
-        "KNITRO", NLP, ("knitro",), check="paper_nlp.program:unlicensed", keeps_limit=False
+        "KNITRO", NLP, ("knitro",), check="paper_nlp.pyomo_model:unlicensed", keeps_limit=False
     ),
     "scip": _proven("SCIP", "pyscipopt", "scip", versions=scip_in_pyscipopt),
     # counts the processor's seconds, and whole ones
@@ -345,6 +341,11 @@ def names(*kinds: str) -> tuple[str, ...]:
 def packages(engines: tuple[str, ...]) -> tuple[str, ...]:
     """The packages of some engines, each once."""
     return tuple(dict.fromkeys(p for name in engines for p in ENGINES[name].packages))
+
+
+def others(solver: str, engines: tuple[str, ...], *default: str) -> tuple[str, ...]:
+    """The specs of a solver with every engine but its default."""
+    return tuple(f"{solver}[engine={name}]" for name in engines if name not in default)
 
 
 # those with solvers of their own for the paper's model

@@ -12,9 +12,10 @@ from typing import Any
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.course import body_course
-from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS
+from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
+from dubins_study.solvers.one_leg.model import case_of
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean
 
@@ -59,7 +60,8 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
 
 def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:
     """The first initial guess of this study's local solvers, in the scenario's unit."""
-    points = initial_guesses(Question(scenario), SUBPROBLEMS[order], "bearing", 0, 1)
+    case = case_of(order, local(scenario))
+    points = initial_guesses(Question(scenario), case, "bearing", 0, 1)
     return tuple(abs(float(length)) * scenario.radius for length in next(points))  # abs: no -0.0
 
 
@@ -83,7 +85,7 @@ def _paper(scenario: Scenario, order: str) -> Any:
 
 
 def _disjunctive(scenario: Scenario) -> Any:
-    from dubins_study.solvers.global_minlp.model import gdp_model, transformed
+    from dubins_study.solvers.global_minlp.gdp_model import gdp_model, transformed
 
     return transformed(gdp_model(body_course(scenario)))
 

@@ -6,8 +6,7 @@ A row that it answers says so, and proves nothing for the engine.
 from __future__ import annotations
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.body_coordinates import local
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.words import BRANCHES, Claim
 
 WORDS = BRANCHES[1:]
@@ -15,39 +14,41 @@ WORDS = BRANCHES[1:]
 
 def presolved(question: Question) -> Solution | None:
     """The answer to a question whose word ends nowhere near the target; None to all others."""
-    reason = None if question.branch == "best" else unreachable(question.scenario, question.branch)
+    if question.branch == "best":
+        return None
+    reason = unreachable(local(question.scenario), question.branch)
     if reason is None:
         return None
     message = f"presolve: {reason}"
     return Solution(Claim.INFEASIBLE, iterations=0, evaluations=0, message=message, presolved=True)
 
 
-def words(question: Question, presolve: bool) -> tuple[str, ...]:
+def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
     """The words to look for a path among; with `presolve`, without those that cannot exist."""
-    named = WORDS if question.branch == "best" else (question.branch,)
+    named = WORDS if branch == "best" else (branch,)
     if not presolve:
         return named
-    return tuple(word for word in named if unreachable(question.scenario, word) is None)
+    return tuple(word for word in named if unreachable(target, word) is None)
 
 
-def nearer_first(question: Question, presolve: bool, Y: float) -> list[str]:
-    """The same, those first that turn to the side of a target at Y (radii) to the left."""
-    ordered = ("LS", "RS", "RL", "LR") if Y >= 0 else ("RS", "LS", "LR", "RL")
-    shapes = words(question, presolve)
+def nearer_first(branch: str, target: Local, presolve: bool) -> list[str]:
+    """The same words, those first that turn to the target's side."""
+    ordered = ("LS", "RS", "RL", "LR") if target.Y >= 0 else ("RS", "LS", "LR", "RL")
+    shapes = words(branch, target, presolve)
     return [word for word in ordered if word in shapes]
 
 
-def unreachable(scenario: Scenario, word: str) -> str | None:
+def unreachable(target: Local, word: str) -> str | None:
     """Why no path of a word ends at the target, or None.
 
-    In body coordinates, in radii, C is the centre of the first turn's circle. A tangent of this
+    C is the centre of the first turn's circle. A tangent of this
     circle lies outside it, so LS and RS end at no target inside. The second turn of LR and RL is on
     a circle of radius 1 whose centre is 2 from C: it passes only targets from 1 to 3 away from C.
 
-    In doubt a word exists: of all targets within delta of the scenario's (docs/derivation.md,
+    In doubt a word exists: of all targets within delta of the given one (docs/derivation.md,
     section 5) none can be reached where this says so.
     """
-    X, Y, delta = local(scenario)
+    X, Y, delta = target
     side = Y if word[0] == "L" else -Y
     inside = side * (2.0 - side) - X * X  # 1 - |T - C|^2
     # A target off by delta in X and in Y moves by sqrt(2) delta, and `inside` by 2 |T - C| times

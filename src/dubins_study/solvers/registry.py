@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-import re
 import sys
 from dataclasses import fields, is_dataclass
 from functools import cache
@@ -13,17 +12,13 @@ from pathlib import Path as FilePath
 from traceback import format_exception_only
 from typing import Any, NamedTuple, TypeGuard
 
-from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Method, Solver
+from dubins_study.study.specs import PluginFile, name_of, parse_spec, plugin_file
+from dubins_study.study.specs import SolverError as SolverError
 from dubins_study.study.values import did_you_mean, number_of_text
 from dubins_study.study.words import NEEDS
 
 GROUP = "dubins_study.solvers"
-_SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
-
-
-class SolverError(DubinsStudyError, ValueError):
-    """A solver that does not exist, does not extend `Solver`, or has no such setting."""
 
 
 class Entry(NamedTuple):
@@ -47,14 +42,14 @@ def _registered() -> dict[str, EntryPoint]:
 
 def ours(spec: str) -> bool:
     """Whether a spec, valid or not, can only name code of this package."""
-    return _our_name(spec.partition("[")[0].strip() if isinstance(spec, str) else "")
+    return _our_name(name_of(spec) if isinstance(spec, str) else "")
 
 
 @cache  # reading the name of a distribution takes longer than a quick solve
 def _our_name(name: str) -> bool:
     point = _registered().get(name)
     if point is None:
-        return ".py:" not in name
+        return plugin_file(name) is None
     return point.dist is not None and point.dist.name == "dubins-study"
 
 
@@ -157,7 +152,7 @@ def canonical(spec: str, profile: str = "default") -> str:
 
     Settings that the class lists in `always_named` are written whatever their values.
     """
-    name, given = _parse(spec)
+    name, given = parse_spec(spec)
     kind = _kind(name)
     defaults = settings(load(name, profile))
     values = defaults | _convert(name, kind, given)
@@ -174,7 +169,7 @@ def load(spec: str, profile: str = "default") -> Solver:
 
     The settings of a profile come before those of the spec. A SolverError names what is wrong.
     """
-    name, given = _parse(spec)
+    name, given = parse_spec(spec)
     kind = _kind(name)
     try:
         values = {**kind.profiles.get(profile, {}), **_convert(name, kind, given)}
@@ -189,28 +184,11 @@ def load(spec: str, profile: str = "default") -> Solver:
         raise SolverError(f"solver {spec!r} cannot be made: {error!r}") from error
 
 
-def _parse(spec: str) -> tuple[str, dict[str, str]]:
-    if not isinstance(spec, str):
-        raise SolverError(f"solver is {spec!r}; expected a text, name[setting=value]")
-    match = _SPEC.fullmatch(spec.strip())
-    if match is None:
-        raise SolverError(f"solver {spec!r} does not parse; expected name or name[setting=value]")
-    given = {}
-    for item in filter(None, (match["settings"] or "").split(",")):
-        key, equals, value = (part.strip() for part in item.partition("="))
-        if not (key and equals and value):
-            raise SolverError(f"solver {spec!r}: {item!r} does not parse; expected setting=value")
-        if key in given:
-            raise SolverError(f"solver {spec!r}: {key} is given twice; expected each setting once")
-        given[key] = value
-    return match["name"].strip(), given
-
-
 def _kind(name: str) -> type[Solver]:
     point = _registered().get(name)
     if point is None:
-        if ".py:" in name:
-            return _from_file(name)
+        if file := plugin_file(name):
+            return _from_file(name, file)
         known = registered()
         if name.endswith(".py"):
             raise SolverError(f"solver {name!r} is a file; expected {name}:Class")
@@ -234,8 +212,8 @@ def _told(error: BaseException) -> str:
 
 
 @cache
-def _from_file(name: str) -> type[Solver]:
-    file, _, class_name = name.rpartition(":")
+def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
+    file, class_name = plugin
     path = FilePath(file)
     if not path.is_file():
         raise SolverError(f"solver {name!r}: no file {file!r}; expected file.py:Class")

@@ -13,8 +13,9 @@ import pytest
 from dubins_study.experiments.definition.experiment import ExperimentError, packaged, read
 from dubins_study.experiments.definition.messages import line_of
 from dubins_study.experiments.plan.run_plan import Request, plan_run
-from dubins_study.experiments.plan.solver_description import MOST_SPECS, expand_solvers
+from dubins_study.experiments.plan.solver_description import expand_solvers
 from dubins_study.solvers.registry import SolverError
+from dubins_study.study.specs import MOST_SPECS
 
 FOLDER = Path(__file__).parent / "mistakes"
 FILES = sorted(FOLDER.glob("*.toml"))

@@ -6,10 +6,10 @@ import pytest
 
 from dubins_study.experiments.isolation import floor
 from dubins_study.experiments.isolation.floor import floor_s
-from dubins_study.solvers.nlp_engines.program import no_point
-from dubins_study.solvers.paper_nlp.local_nlp import LocalNlp
-from dubins_study.solvers.paper_nlp.model import equations
+from dubins_study.solvers.one_leg.model import equations
+from dubins_study.solvers.paper_nlp.nlp import PaperNlp
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.runs import no_point
 from dubins_study.study.words import Claim
 
 
@@ -28,11 +28,11 @@ def timed(monkeypatch, durations):
     monkeypatch.setattr(floor, "perf_counter", clock)
 
     @dataclass(frozen=True)
-    class Slow(LocalNlp):
+    class Slow(PaperNlp):
         def adapter(self):
             def solve(case, guess, seconds):
                 clock.now_s += durations[len(calls)]
-                calls.append(equations(guess, *case.target))
+                calls.append(equations(guess, case.target.X, case.target.Y))
                 return no_point(3, Claim.FAILED, "", "")
 
             return solve
@@ -62,8 +62,8 @@ def test_the_problem_is_solved_where_it_begins(monkeypatch):
 
 def test_an_engine_that_fails_has_no_floor(monkeypatch):
     """A broken library must not end the run."""
-    monkeypatch.setattr(LocalNlp, "adapter", lambda self: 1 / 0)
-    assert floor_s(LocalNlp()) is None
+    monkeypatch.setattr(PaperNlp, "adapter", lambda self: 1 / 0)
+    assert floor_s(PaperNlp()) is None
 
 
 @pytest.mark.parametrize(

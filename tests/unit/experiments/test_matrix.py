@@ -2,7 +2,7 @@
 
 import pytest
 
-from dubins_study.experiments.plan.matrix import matrix
+from dubins_study.solvers.matrix import matrix
 from dubins_study.solvers.registry import load, stated_method, unavailable
 from dubins_study.study.words import FORMULATIONS
 

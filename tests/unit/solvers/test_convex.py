@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.freeze_convex import CASES, frozen
 from dubins_study.asking.attempt import attempt
-from dubins_study.solvers.convex.engines import ENGINES, Ask, prepare
+from dubins_study.solvers.convex.adapters import ENGINES, Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES, Convex
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.setting_checks import missing_package

@@ -16,10 +16,10 @@ from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.course import body_course
 from dubins_study.solvers.engines import ENGINES, MINLP_ENGINES, Engine
 from dubins_study.solvers.global_minlp.disjunctive import Disjunctive
+from dubins_study.solvers.global_minlp.gdp_model import WORDS, gdp_model
 from dubins_study.solvers.global_minlp.global_nlp import GlobalNlp
-from dubins_study.solvers.global_minlp.model import WORDS, gdp_model
 from dubins_study.solvers.minlp_engines import scip
-from dubins_study.solvers.minlp_engines.program import (
+from dubins_study.solvers.minlp_engines.mixed_program import (
     MixedProgram,
     ProvenResult,
     Row,
@@ -423,7 +423,7 @@ def test_maingo_is_told_whole_seconds_that_are_left(monkeypatch, seconds, told):
     monkeypatch.setattr(maingopy, "MAiNGO", Told)
     posed = GlobalNlp(engine="maingo").build(Question(Scenario(0, 0, 0, 1, 0.3, 1)))
 
-    result = ENGINES["maingo"].load()(Settings(1e-6, 1e-8))(posed.programs[0][1], seconds)
+    result = ENGINES["maingo"].load()(Settings(1e-6, 1e-8))(posed.programs[0], seconds)
 
     assert options["maxTime"] == told
     assert told or result.claim is Claim.LIMIT

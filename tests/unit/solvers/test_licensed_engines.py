@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dubins_study.asking.attempt import attempt
-from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
+from dubins_study.solvers.minlp_engines.mixed_program import MixedProgram, Row, Settings, Written
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, canonical, entry, load
 from dubins_study.study.scenario import Scenario

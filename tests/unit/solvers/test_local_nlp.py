@@ -14,14 +14,13 @@ from hypothesis import strategies as st
 
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
-from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, equations, target
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
+from dubins_study.solvers.one_leg.model import SUBPROBLEMS, Case, as_path, case_of, equations
 from dubins_study.solvers.paper_nlp.nlp import Nlp
-from dubins_study.solvers.paper_nlp.program import solve_in_pyomo
+from dubins_study.solvers.paper_nlp.pyomo_model import solve_in_pyomo
 from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import load, stated_method
-from dubins_study.study.angle import TWO_PI
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -39,7 +38,8 @@ def test_the_equations_are_those_of_the_path(z, name, scenario):
     end = as_path(scenario, subproblem, z).end
     moved = Scenario(*scenario.start, end.x, end.y, scenario.radius)
 
-    residual = equations(z, *target(moved, subproblem.mirrored))
+    X, Y, _ = case_of(name, local(moved)).target
+    residual = equations(z, X, Y)
 
     # coordinates lie up to 100 radii from the origin, so they carry errors of 1e-14 radii
     np.testing.assert_allclose(residual, 0, atol=1e-11)
@@ -80,7 +80,8 @@ def test_random_guesses_are_drawn_one_by_one():
 def test_starting_points_are_admissible(kind, name, scenario):
     """Not negative, arcs within a full turn, and zero where a length is fixed."""
     subproblem = SUBPROBLEMS[name]
-    points = list(initial_guesses(Question(scenario), subproblem, kind, seed=1, count=5))
+    case = case_of(name, local(scenario))
+    points = list(initial_guesses(Question(scenario), case, kind, seed=1, count=5))
 
     for z in points:
         assert (z >= 0).all()
@@ -116,7 +117,7 @@ def test_a_given_start_is_the_only_one():
     """From where it is told to start and from nowhere else; without one, as by default."""
     scenario = PAPER["problem 2"]
     path = Path(scenario.start, [1, -1, 0], [0.6, 1e-3, 6.0])
-    joint = SUBPROBLEMS["LRS"]
+    joint = case_of("LRS", local(scenario))
 
     def points(question, kind):
         return [z.tolist() for z in initial_guesses(question, joint, kind, 0, 3)]
@@ -178,8 +179,7 @@ def test_knitro_without_a_licence_says_exactly_that(capfd):
 
 
 def _ls(scenario: Scenario) -> Case:
-    upper = np.array((TWO_PI, 0.0, math.inf))
-    return Case(SUBPROBLEMS["LS"], upper, target(scenario, False))
+    return case_of("LS", local(scenario))
 
 
 def test_knitros_route_with_a_solver_that_needs_no_licence():
@@ -216,7 +216,7 @@ AHEAD = Scenario(x=0, y=0, heading=0.4, target_x=5, target_y=3)
 
 def begun(scenario, subproblems, kind):
     """The paths that the searches begin with, as their arcs of some length: a set of tuples."""
-    question = Question(scenario)
+    question, target = Question(scenario), local(scenario)
     return sorted(
         tuple(
             (rate, length)
@@ -224,7 +224,9 @@ def begun(scenario, subproblems, kind):
             if length > 0
         )
         for name in subproblems
-        for z in initial_guesses(question, SUBPROBLEMS[name], kind, 0, 3, both=len(subproblems) > 1)
+        for z in initial_guesses(
+            question, case_of(name, target), kind, 0, 3, both=len(subproblems) > 1
+        )
         for path in [as_path(scenario, SUBPROBLEMS[name], z)]
     )
 
@@ -261,10 +263,10 @@ def test_one_is_a_single_path(scenario):
 def test_a_blind_guess_knows_no_direction(kind, bearing, distance):
     """It is the same for all targets at one distance."""
     there = distance * math.cos(bearing), distance * math.sin(bearing)
-    for name, subproblem in SUBPROBLEMS.items():
+    for name in SUBPROBLEMS:
         z, ahead = (
-            list(initial_guesses(Question(Scenario(0, 0, 0, *target, 1)), subproblem, kind, 1, 3))
-            for target in (there, (distance, 0.0))
+            list(initial_guesses(Question(asked), case_of(name, local(asked)), kind, 1, 3))
+            for asked in (Scenario(0, 0, 0, *target, 1) for target in (there, (distance, 0.0)))
         )
         assert len(z) == len(ahead) == (3 if kind == "random" else 1), name
         for one, other in zip(z, ahead, strict=True):

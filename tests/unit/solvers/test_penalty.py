@@ -10,11 +10,12 @@ from threadpoolctl import threadpool_limits
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.engines import ENGINES, names
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path, target
+from dubins_study.solvers.one_leg.model import SUBPROBLEMS, as_path, case_of
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.solvers.stochastic import penalty_function
 from dubins_study.solvers.stochastic.penalty_function import PenaltyFunction
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, SAMPLING, Claim, Verdict
 
@@ -37,8 +38,7 @@ def _one_thread():
 
 
 def function_of(scenario: Scenario, name: str, weight: float) -> PenaltyFunction:
-    subproblem = SUBPROBLEMS[name]
-    return PenaltyFunction(subproblem, target(scenario, subproblem.mirrored), weight)
+    return PenaltyFunction(case_of(name, local(scenario)), weight)
 
 
 def spec(engine: str, **others: object) -> str:

@@ -136,7 +136,7 @@ def test_what_it_says_is_right_by_brute_force(place, word):
     distance = nearest(word, *place)
     scenario = Scenario(0, 0, 0, *place, 1)
 
-    if unreachable(scenario, word):
+    if unreachable(local(scenario), word):
         assert distance > local(scenario).delta
     else:
         # the paths' ends are at most 6 radii from the centre of the turn, a step apart in angle
@@ -178,7 +178,7 @@ def test_it_is_silent_within_delta_of_a_circle(word, size, angle, steps, start, 
     X, Y = r * math.sin(angle), TURN[word[0]] - r * math.cos(angle)
     scenario = placed(X, Y, *start, heading, radius)
     from_1, from_3 = exact_distances(scenario, word)
-    reason = unreachable(scenario, word)
+    reason = unreachable(local(scenario), word)
 
     if reason:
         limit = from_1 if "inside" in reason else from_3

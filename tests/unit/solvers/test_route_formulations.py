@@ -19,9 +19,9 @@ from dubins_study import solve
 from dubins_study.asking.attempt import attempt
 from dubins_study.asking.reply import ask
 from dubins_study.experiments.isolation.messages import decode_reply, encode_reply
+from dubins_study.solvers.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.course import body_course, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.optimal_control.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, available_solvers, load
 from dubins_study.solvers.route import headings, joint

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dubins_study.solvers.answers import STATUSES, claim_of
-from dubins_study.solvers.convex.engines import ENGINES as CONVEX
-from dubins_study.solvers.convex.engines import Ask, prepare
+from dubins_study.solvers.convex.adapters import ENGINES as CONVEX
+from dubins_study.solvers.convex.adapters import Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES
 from dubins_study.solvers.engines import MINLP_ENGINES, NLP_ENGINES
 from dubins_study.solvers.nlp_engines import casadi_nlpsol
 from dubins_study.solvers.setting_checks import missing_package
+from dubins_study.solvers.statuses import STATUSES, claim_of
 from dubins_study.study.convex.problem import read
 from dubins_study.study.words import Claim
 

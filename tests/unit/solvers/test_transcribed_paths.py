@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.experiments.solve import solve
+from dubins_study.solvers.arcs import RATES
 from dubins_study.solvers.engines import ENGINES as TABLE
 from dubins_study.solvers.engines import names
-from dubins_study.solvers.optimal_control.arcs import RATES
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
 from dubins_study.solvers.optimal_control.turn_rate_template import EngineError, template
 from dubins_study.solvers.optimal_control.turn_rates import expressions

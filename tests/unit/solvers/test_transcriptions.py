@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 from dubins_study.asking.attempt import attempt
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.solve import solve
+from dubins_study.solvers.arcs import INTEGRATORS, Elements
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
-from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.arcs import INTEGRATORS, Elements
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
 from dubins_study.solvers.optimal_control.transcription import Transcribed
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict

@@ -84,7 +84,7 @@ _SOLVER = "solvers import no kind, which knows the answer"
 _FIELD = "it writes or reads the field itself"
 WHO_ASKS = {
     "solvers/protocol.py:columns": _SOLVER,
-    "solvers/answers.py:at_start": _SOLVER,
+    "solvers/course.py:_target": _SOLVER,
     "solvers/export.py:export": _SOLVER,
     "asking/attempt.py:__repr__": _FIELD,
     "cli/solve.py:_faster": "words that a presolve may leave out are of one free leg",

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.convex.engines import Ask, prepare
+from dubins_study.solvers.convex.adapters import Ask, prepare
 from dubins_study.solvers.convex.solver import Convex
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.local_nlp import Case, LocalNlp
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, end_point
+from dubins_study.solvers.one_leg.model import case_of, end_point
+from dubins_study.solvers.paper_nlp.nlp import PaperNlp
 from dubins_study.solvers.protocol import Solver
 from dubins_study.solvers.registry import load
-from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import Local
 from dubins_study.study.convex.problem import read
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
@@ -50,7 +50,7 @@ def floor_s(solver: Solver) -> float | None:
 
 def _trivial(solver: Solver) -> Callable[[], Any] | None:
     """A call that solves a trivial problem by a solver's engine."""
-    if isinstance(solver, LocalNlp):
+    if isinstance(solver, PaperNlp):
         return _word(solver)
     if isinstance(solver, Convex):
         return _one_variable(solver)
@@ -60,12 +60,11 @@ def _trivial(solver: Solver) -> Callable[[], Any] | None:
     return _BY_KIND[ENGINES[engine].kind](engine)
 
 
-def _word(solver: LocalNlp) -> Callable[[], Any]:
+def _word(solver: PaperNlp) -> Callable[[], Any]:
     """The word LS, begun at its solution."""
     z = np.array((0.5, 0.0, 1.0))
-    word = SUBPROBLEMS["LS"]
-    upper = np.where(word.mask, (TWO_PI, TWO_PI, math.inf), 0.0)
-    adapter, case = solver.adapter(), Case(word, upper, end_point(0.5, 0.5, 1.0, math))
+    X, Y = end_point(0.5, 0.5, 1.0, math)
+    adapter, case = solver.adapter(), case_of("LS", Local(X, Y, 0.0))
     return lambda: adapter(case, z, _LIMIT_S)
 
 
@@ -81,7 +80,12 @@ def _nlp(engine: str) -> Callable[[], Any] | None:
 
 def _proven(engine: str) -> Callable[[], Any]:
     """The least x from 0 to 2 that is at least 1."""
-    from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Settings, Written
+    from dubins_study.solvers.minlp_engines.mixed_program import (
+        MixedProgram,
+        Row,
+        Settings,
+        Written,
+    )
 
     def write(x: Sequence[Any], functions: Any) -> Written:
         return Written(x[0], [Row(x[0], 1.0, math.inf)])

@@ -8,8 +8,6 @@ hang, crash, or change its process.
 from __future__ import annotations
 
 import itertools
-import math
-import re
 import sys
 from contextlib import closing
 from functools import cache
@@ -39,6 +37,7 @@ from dubins_study.solvers.registry import (
     stated_method,
     unavailable,
 )
+from dubins_study.study.specs import plugin_file, written_out
 
 _LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
 _UNAVAILABLE_LIMIT_S = 10.0  # Seconds that a plug-in may take to say whether it can run.
@@ -127,27 +126,6 @@ def _description(spec: str, profile: str) -> list[Any]:
         return [None, f"solver {spec!r} cannot be described: {exception_text(error)}"]
 
 
-_BRACES = re.compile(r"\{([^{}]*)\}")
-# Each pair of braces multiplies the number of specs, so a short line could fill the memory.
-MOST_SPECS = 1000
-
-
-def written_out(spec: str) -> list[str]:
-    """One spec for each combination of the choices in a spec's braces, such as `n={10,20}`."""
-    texts = _BRACES.split(spec)  # every second one stood in braces
-    if re.search("[{}]", "".join(texts)) or spec.count("[") != spec.count("]"):
-        raise SolverError(
-            f"solver {spec!r:.80}: its brackets do not match; expected name[setting=value] or "
-            "name[setting={a,b}]"
-        )
-    choices = [text.split(",") if place % 2 else [text] for place, text in enumerate(texts)]
-    if math.prod(map(len, choices)) > MOST_SPECS:
-        raise SolverError(
-            f"solver {spec!r:.80}: more than {MOST_SPECS} specs, braces written out; expected fewer"
-        )
-    return ["".join(map(str.strip, chosen)) for chosen in itertools.product(*choices)]
-
-
 def expand_solvers(specs: list[str], profile: str = "default") -> list[str]:
     """Canonical specs under a profile, without duplicates; `*` and `{a,b}` are expanded."""
     lists = (registered() if spec == "*" else written_out(spec) for spec in specs)
@@ -178,4 +156,6 @@ _UNTRUSTED = (
 
 def _untrusted(spec: str, profile: str) -> bool:
     """Whether a spec would run a plug-in file or a program on PATH; the check runs neither."""
-    return ".py:" in spec or (ours(spec) and describe_solver(spec, profile).runs is not None)
+    return plugin_file(spec) is not None or (
+        ours(spec) and describe_solver(spec, profile).runs is not None
+    )

@@ -9,6 +9,7 @@ from importlib.metadata import entry_points
 import pandas as pd
 
 from dubins_study.study.scenario_frame import numbers_of
+from dubins_study.study.specs import name_of, plugin_file
 
 # The closed form; its rows fill the maps of the plane.
 EXACT = "analytic"
@@ -38,9 +39,10 @@ def own_name(spec: str) -> str:
     >>> own_name("a/my_solver.py:MySolver[guesses=8]"), own_name("ipopt[presolve=True]")
     ('MySolver', '')
     """
-    name = spec.partition("[")[0]
-    _, found, own = name.rpartition(".py:")
-    return own if found else name if name in _installed() else ""
+    name = name_of(spec)
+    if plugin := plugin_file(name):
+        return plugin.class_name
+    return name if name in _installed() else ""
 
 
 @cache

@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from dubins_study.report.data.attempts import EXACT, PROOFS, SUCCESSES, is_true, own_name, presolved
+from dubins_study.study import specs
 
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
@@ -24,11 +25,10 @@ QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
 
 def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
     """Name and settings of a solver's spec, e.g. `turn-rate-qp[n=50,engine=piqp]`."""
-    match = re.fullmatch(r"([^\[\]]+)(?:\[([^\[\]]*)\])?", spec)
-    if match is None:
+    try:
+        return specs.parse_spec(spec)
+    except specs.SolverError:  # of a folder made by another program
         return spec, {}
-    items = (item.partition("=") for item in (match[2] or "").split(",") if item)
-    return match[1], {key.strip(): value.strip() for key, _, value in items}
 
 
 def natural(text: str) -> tuple[tuple[bool, float, str], ...]:

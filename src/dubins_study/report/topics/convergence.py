@@ -18,12 +18,13 @@ from dubins_study.report.elements.looks import Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.metrics import parse_spec
+from dubins_study.study.tolerances import DEFAULT
 
 # Method -> the setting that controls its fineness.
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
 _WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
-GOAL = 1e-4  # the gap up to which the check says optimal by default
+GOAL = DEFAULT.gap  # up to which the check says optimal by default
 # Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
 Settings = Mapping[str, Mapping[str, Any]]  # spec -> its settings, as a manifest holds them

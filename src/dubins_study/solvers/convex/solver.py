@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.convex.engines import ENGINES, Ask, prepare
+from dubins_study.solvers.convex.adapters import ENGINES, Ask, prepare
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import missing_package, one_of, within
 from dubins_study.study.convex.problem import posed

@@ -12,10 +12,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, at_start, summed
+from dubins_study.solvers.arcs import RATES, Elements, close_enough, closed
 from dubins_study.solvers.course import Course, body_course, path_of
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.global_minlp.model import (
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
     WORDS,
     Translated,
@@ -24,12 +24,12 @@ from dubins_study.solvers.global_minlp.model import (
     transformed,
     translated,
 )
-from dubins_study.solvers.minlp_engines.program import ProvenResult, Settings
-from dubins_study.solvers.optimal_control.arcs import RATES, Elements, close_enough, closed
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, as_path
-from dubins_study.solvers.paper_nlp.polish import meet_target
+from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult, Settings
+from dubins_study.solvers.one_leg.model import SUBPROBLEMS, as_path
+from dubins_study.solvers.one_leg.polish import meet_target
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
@@ -50,7 +50,7 @@ _SLACK = 10
 _PROVABLE = 1e5
 
 
-class Model(NamedTuple):
+class PosedDisjunction(NamedTuple):
     """A question, translated for `solve`."""
 
     question: Question
@@ -120,9 +120,7 @@ class Disjunctive(EngineSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"disjunctive[engine={name}]" for name in MINLP_ENGINES if name != "scip"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
@@ -134,14 +132,16 @@ class Disjunctive(EngineSolver):
         proves = max(self.gap, 2 * self.feastol)
         return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
-    def build(self, question: Question) -> Model:
+    def build(self, question: Question) -> PosedDisjunction:
         course = body_course(question.scenario)
-        disjuncts = words(question, self.presolve) if course.free_leg else WORDS
+        disjuncts: tuple[str, ...] = WORDS
+        if course.target is not None:
+            disjuncts = words(question.branch, course.target, self.presolve)
         pyomo = transformed(gdp_model(course, disjuncts, self.quadrants), self.transformation)
-        return Model(question, course, disjuncts, pyomo, translated(pyomo))
+        return PosedDisjunction(question, course, disjuncts, pyomo, translated(pyomo))
 
-    def solve(self, model: Model, limit: float) -> Solution:
-        there = at_start(model.question)
+    def solve(self, model: PosedDisjunction, limit: float) -> Solution:
+        there = at_start(model.question.scenario, model.course.target)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
         until = perf_counter() + limit
@@ -159,16 +159,16 @@ class Disjunctive(EngineSolver):
             best_run=runs[-1].effort,
         )
 
-    def _run(self, model: Model, feastol: float, seconds: float) -> Run[Point | None]:
+    def _run(self, model: PosedDisjunction, feastol: float, seconds: float) -> Run[Point | None]:
         settings = Settings(self.gap * _SHARE, feastol, self.emphasis == "lean")
         began = perf_counter()
-        result: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
-        seconds, point = perf_counter() - began, None
-        if (x := result.x) is not None:
-            point = _point(model, x)
-        return result.run("all words", seconds, point)
+        proven: ProvenResult = self.library.load()(settings)(model.translated.program, seconds)
+        seconds = perf_counter() - began
+        point = None if proven.x is None else _point(model, proven.x)
+        result = proven.counted(iterations=proven.nodes)
+        return Run("all words", seconds, result, point, bound=proven.bound)
 
-    def _answer(self, model: Model, run: Run[Point | None], feastol: float) -> Solution:
+    def _answer(self, model: PosedDisjunction, run: Run[Point | None], feastol: float) -> Solution:
         scenario = model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
@@ -177,9 +177,9 @@ class Disjunctive(EngineSolver):
             # only `_claim` makes the claim that a path is optimal
             Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim,
             lower_bound=bound * scenario.radius if provable else None,
-            iterations=run.iterations,
-            native_status=run.status,
-            message=run.message,
+            iterations=run.result.iterations,
+            native_status=run.result.status,
+            message=run.result.message,
         )
         if run.point is None:
             return _without_a_path(model, known)
@@ -215,7 +215,7 @@ def _provable(course: Course) -> bool:
     return bool((np.hypot(*course.steps.T) <= _PROVABLE).all())
 
 
-def _point(model: Model, x: FloatArray) -> Point:
+def _point(model: PosedDisjunction, x: FloatArray) -> Point:
     """The words and lengths of an engine's point."""
     pyomo, place = model.pyomo, model.translated.place
 
@@ -236,14 +236,14 @@ def _point(model: Model, x: FloatArray) -> Point:
     return Point(words, lengths)
 
 
-def _met(model: Model, point: Point) -> tuple[str, Met]:
+def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     """The point made to meet the points of the course, and its words."""
     scenario, course = model.question.scenario, model.course
-    if course.free_leg:
+    if course.target is not None:
         z = np.zeros(3)
         for letter, length in zip(point.words[0], point.pieces[0], strict=True):
             z["LRS".index(letter)] = length
-        word, polished = meet_target(scenario, model.words, point.words[0], z)
+        word, polished = meet_target(scenario, course.target, model.words, point.words[0], z)
         path = as_path(scenario, SUBPROBLEMS[word], polished.z)
         return word, Met(path, float(polished.z.sum()), polished.miss, polished.meets)
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
@@ -254,7 +254,7 @@ def _met(model: Model, point: Point) -> tuple[str, Met]:
     return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
 
 
-def _without_a_path(model: Model, known: Solution) -> Solution:
+def _without_a_path(model: PosedDisjunction, known: Solution) -> Solution:
     question = model.question
     if known.claim is not Claim.INFEASIBLE:
         return known

@@ -14,9 +14,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, at_start, costs
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.minlp_engines.program import (
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.minlp_engines.mixed_program import (
     MinlpCall,
     MixedProgram,
     Row,
@@ -25,21 +24,21 @@ from dubins_study.solvers.minlp_engines.program import (
 )
 from dubins_study.solvers.nlp_engines.expressions import rebuilt
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
-from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.model import (
+from dubins_study.solvers.one_leg.model import (
     MODELS,
     ORDERS,
-    SUBPROBLEMS,
-    Subproblem,
+    Case,
+    PosedLeg,
     as_path,
+    case_of,
     end_point,
     formulation,
-    subproblems,
-    target,
+    posed_leg,
 )
-from dubins_study.solvers.paper_nlp.polish import meet_target
-from dubins_study.solvers.paper_nlp.program import program
+from dubins_study.solvers.one_leg.polish import meet_target
+from dubins_study.solvers.paper_nlp.case_program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.runs import Run, at_start, spent
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -47,11 +46,11 @@ from dubins_study.study.path import Path
 from dubins_study.study.words import BRANCHES, Claim
 
 
-class Model(NamedTuple):
-    """A question, translated for `solve`."""
+class PosedPrograms(NamedTuple):
+    """A question, translated for `solve`: a program for each case."""
 
-    question: Question
-    programs: list[tuple[Subproblem, MixedProgram]]
+    leg: PosedLeg
+    programs: list[MixedProgram]
 
 
 @dataclass(frozen=True)
@@ -101,9 +100,7 @@ class GlobalNlp(EngineSolver):
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = ("casadi", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP or MAiNGO"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"global-nlp[engine={name}]" for name in MINLP_ENGINES if name != "scip"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("global-nlp", MINLP_ENGINES, "scip")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
@@ -115,62 +112,67 @@ class GlobalNlp(EngineSolver):
         proves = max(self.gap, self.feastol)  # a bound may be too high by the tolerance
         return Method(posed, self.library.label, "none", self.feastol, proves)
 
-    def build(self, question: Question) -> Model:
-        chosen = subproblems(question, self.model, self.order, self.presolve)
+    def build(self, question: Question) -> PosedPrograms:
+        leg = posed_leg(question, self.model, self.order, self.presolve)
         lifted = self.heading == "variable"
-        return Model(question, [(one, _program(question, one, lifted)) for one in chosen])
+        return PosedPrograms(leg, [_program(case, lifted) for case in leg.cases])
 
-    def solve(self, model: Model, limit: float) -> Solution:
+    def solve(self, model: PosedPrograms, limit: float) -> Solution:
         deadline = perf_counter() + limit
-        covers = self.model == "words" or self.order == "both" or model.question.branch != "best"
-        if there := at_start(model.question):
+        question, target, cases = model.leg
+        covers = self.model == "words" or self.order == "both" or question.branch != "best"
+        if there := at_start(question.scenario, target):
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0) if covers else there
         solve: MinlpCall = self.library.load()(
             Settings(self.gap, self.feastol, self.emphasis == "lean")
         )
         runs: list[Run[FloatArray]] = []
-        for subproblem, posed in model.programs:
+        for case, posed in zip(cases, model.programs, strict=True):
             began = perf_counter()
             if began > deadline:
                 break
-            result = solve(posed, deadline - began)
+            proven = solve(posed, deadline - began)
             z, length = np.zeros(3), math.inf
-            if result.x is not None:
-                free = list(subproblem.free)
-                z[free] = result.x[: len(free)]
+            if proven.x is not None:
+                free = list(case.subproblem.free)
+                z[free] = proven.x[: len(free)]
                 length = float(z.sum())
-            runs.append(result.run(subproblem.name, perf_counter() - began, z, length))
-        return self._answer(model.question, runs, covers, len(runs) == len(model.programs))
+            seconds = perf_counter() - began
+            result = proven.counted(iterations=proven.nodes)
+            name = case.subproblem.name
+            runs.append(Run(name, seconds, result, z, length=length, bound=proven.bound))
+        return self._answer(model.leg, runs, covers)
 
-    def _answer(
-        self, question: Question, runs: list[Run[FloatArray]], covers: bool, complete: bool
-    ) -> Solution:
+    def _answer(self, leg: PosedLeg, runs: list[Run[FloatArray]], covers: bool) -> Solution:
         """The best point of all runs, with the claim and the bound of all together."""
-        R = question.scenario.radius
+        R = leg.question.scenario.radius
+        complete = len(runs) == len(leg.cases)
         bound = min((run.bound for run in runs), default=-math.inf)
+        statuses = (f"{run.subproblem} {run.result.status}" for run in runs)
+        messages = (f"{run.subproblem}: {run.result.message}" for run in runs)
         solution = Solution(
             _claim(runs, covers) if complete else Claim.LIMIT,
             lower_bound=bound * R if complete and covers and math.isfinite(bound) else None,
-            native_status="; ".join(f"{run.subproblem} {run.status}" for run in runs),
-            message="; ".join(f"{run.subproblem}: {run.message}" for run in runs),
-            **costs(runs),
+            native_status="; ".join(statuses),
+            message="; ".join(messages),
+            **spent(runs),
         )
         best = min(runs, key=lambda run: run.length, default=None)
         if best is None or best.length == math.inf:
             return solution
         return replace(
             solution,
-            path=_path(question, SUBPROBLEMS[best.subproblem], best.point, self.polish),
+            path=_path(leg, case_of(best.subproblem, leg.target), best.point, self.polish),
             claimed_length=best.length * R,
             best_run=best.effort,
         )
 
 
-def _program(question: Question, subproblem: Subproblem, lifted: bool) -> MixedProgram:
-    """The program of a subproblem; a joint one, if `lifted`, with the final heading in it."""
-    X, Y = target(question.scenario, subproblem.mirrored)
-    upper = np.array((TWO_PI, TWO_PI, math.hypot(X, Y) + 2))
-    posed = program(Case(subproblem, np.where(subproblem.mask, upper, 0.0), (X, Y)))
+def _program(case: Case, lifted: bool) -> MixedProgram:
+    """The program of a case; a joint one, if `lifted`, with the final heading in it."""
+    subproblem, target = case.subproblem, case.target
+    upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))
+    posed = replace(program(case), upper=upper[subproblem.mask])
     if lifted and len(subproblem.free) == 3:
         turn = (-TWO_PI, TWO_PI)
         bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
@@ -207,23 +209,21 @@ def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:
     return Claim.FEASIBLE if has_point else Claim.FAILED
 
 
-def _path(question: Question, subproblem: Subproblem, z: FloatArray, polish: bool) -> Path:
-    """The path of a point z, shape (3,), in the subproblem's order of turns."""
-    scenario = question.scenario
+def _path(leg: PosedLeg, case: Case, z: FloatArray, polish: bool) -> Path:
+    """The path of a point z, shape (3,), in the case's order of turns."""
+    scenario = leg.question.scenario
     if polish:
-        turns = z[[1, 0, 2]] if subproblem.mirrored else z  # left, right, straight
-        words = _words(subproblem, z)
-        word, polished = meet_target(scenario, words, words[0], turns)
+        turns = z[[1, 0, 2]] if case.subproblem.mirrored else z  # left, right, straight
+        words = _words(case.subproblem.name, z)
+        word, polished = meet_target(scenario, leg.target, words, words[0], turns)
         if polished.meets:
-            return as_path(scenario, SUBPROBLEMS[word], polished.z)
-    return as_path(scenario, subproblem, z)
+            return as_path(scenario, case_of(word, leg.target).subproblem, polished.z)
+    return as_path(scenario, case.subproblem, z)
 
 
-def _words(subproblem: Subproblem, z: FloatArray) -> tuple[str, ...]:
+def _words(name: str, z: FloatArray) -> tuple[str, ...]:
     """The words that a point's lengths may stand for; first, whose missing length is least."""
-    if len(subproblem.free) == 2:
-        return (subproblem.name,)
-    letters = subproblem.name
-    return tuple(
-        letters[:i] + letters[i + 1 :] for i in sorted(range(3), key=lambda i: float(z[i]))
-    )
+    if len(name) == 2:
+        return (name,)
+    missing = sorted(range(3), key=lambda i: float(z[i]))
+    return tuple(name[:i] + name[i + 1 :] for i in missing)

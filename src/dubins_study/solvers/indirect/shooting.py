@@ -14,18 +14,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.answers import at_start, tried
 from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Conditions, Structure, examine
-from dubins_study.solvers.nlp_engines.program import EngineResult, no_point
-from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES, initial_guesses
-from dubins_study.solvers.paper_nlp.local_nlp import attempts, choose
-from dubins_study.solvers.paper_nlp.model import Subproblem, subproblems, target
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
+from dubins_study.solvers.one_leg.model import Case, PosedLeg, posed_leg
+from dubins_study.solvers.one_leg.search import attempts, choose
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
+from dubins_study.solvers.runs import EngineResult, at_start, no_point, tried
 from dubins_study.solvers.setting_checks import one_of, option_set, positive, whole
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import ROOTS, Claim
@@ -39,20 +38,6 @@ class _OutOfTimeError(Exception):
     """The time limit has come while the equations were being solved."""
 
 
-class Case(NamedTuple):
-    """A word as a structure of Pontryagin's system."""
-
-    subproblem: Subproblem
-    structure: Structure
-
-
-class Model(NamedTuple):
-    """A question, and its words as structures."""
-
-    question: Question
-    cases: list[Case]
-
-
 @dataclass(frozen=True)
 class Shooting(Solver):
     """Pontryagin's conditions, solved as equations.
@@ -61,7 +46,7 @@ class Shooting(Solver):
     heading or, for `random`, any costates that H = 0 allows.
 
     Args:
-        initial_guess, seed, count: the durations to begin with (`paper_nlp.initial_guesses`).
+        initial_guess, seed, count: the durations to begin with (`one_leg.initial_guesses`).
         root: method of `scipy.optimize.root`, `hybr` (Powell's dogleg) or `lm`
             (Levenberg-Marquardt).
         tol: largest residual of an extremal: the miss in radii, and every costate condition with
@@ -96,37 +81,33 @@ class Shooting(Solver):
     def method(self) -> Method:
         return Method("Pontryagin's system", ENGINES[self.root].label, self.initial_guess, self.tol)
 
-    def build(self, question: Question) -> Model:
-        cases = []
-        for subproblem in subproblems(question, "words", "both", self.presolve):
-            X, Y = target(question.scenario, subproblem.mirrored)
-            first, second = (TURNS[i] for i in subproblem.free)
-            cases.append(Case(subproblem, Structure((first, second), X, Y)))
-        return Model(question, cases)
+    def build(self, question: Question) -> PosedLeg:
+        return posed_leg(question, "words", "both", self.presolve)
 
-    def solve(self, model: Model, limit: float) -> Solution:
+    def solve(self, model: PosedLeg, limit: float) -> Solution:
         question = model.question
-        if there := at_start(question, self.tol):
+        if there := at_start(question.scenario, model.target, self.tol):
             return there
-        until, prescribed = perf_counter() + limit, question.branch in ("LR", "RL")
+        until = perf_counter() + limit
+        prescribed = question.branch in ("LR", "RL")
         each = (
             attempts(
                 question,
-                case.subproblem,
+                case,
                 self.initial_guess,
                 self._guesses(question, case),
                 partial(self._from, case, prescribed),
             )
             for case in model.cases
         )
-        return choose(question, tried(each, until))
+        return choose(model, tried(each, until))
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
-        """Initial guesses: durations (3,) in the order of `paper_nlp.model`, then costates (4,)."""
-        kind, subproblem, structure = self.initial_guess, case.subproblem, case.structure
-        free = list(subproblem.free)
+        """Initial guesses: durations (3,) in the order of `one_leg.model`, then costates (4,)."""
+        kind, structure = self.initial_guess, _structure(case)
+        free = list(case.subproblem.free)
         seed = self.seed + question.repeat
-        points = initial_guesses(question, subproblem, kind, seed, self.count)
+        points = initial_guesses(question, case, kind, seed, self.count)
         for i, z in enumerate(points):
             if kind == "random":
                 nu0, nu1, nu2 = np.random.default_rng((seed, i)).normal(size=3)
@@ -140,7 +121,7 @@ class Shooting(Solver):
         self, case: Case, prescribed: bool, guess: FloatArray, seconds: float
     ) -> EngineResult:
         """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
-        structure, free = case.structure, list(case.subproblem.free)
+        structure, free = _structure(case), list(case.subproblem.free)
         v = structure.unknowns(guess[3:], guess[free])
         until = perf_counter() + seconds
         try:
@@ -182,3 +163,9 @@ class Shooting(Solver):
         ours = (self.tol * _STEP, int(self.max_evaluations)) if self.options == "equal" else ()
         options = ENGINES[self.root].options.of(self.options, *ours)
         return root(residual, v, jac=structure.jacobian, method=self.root, options=options)
+
+
+def _structure(case: Case) -> Structure:
+    """A word as a structure of Pontryagin's system."""
+    first, second = (TURNS[i] for i in case.subproblem.free)
+    return Structure((first, second), case.target.X, case.target.Y)

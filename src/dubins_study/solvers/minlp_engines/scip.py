@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.answers import claim_of
-from dubins_study.solvers.minlp_engines.program import (
+from dubins_study.solvers.minlp_engines.mixed_program import (
     MinlpCall,
     MixedProgram,
     ProvenResult,
     Settings,
 )
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.words import Claim
 
 _redirection = Lock()  # of two threads, each would save what the other has set

@@ -20,9 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.answers import STATUSES, claim_of
 from dubins_study.solvers.nlp_engines.expressions import algebra_text
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import NlpCall, Program
+from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.statuses import STATUSES, claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 

@@ -12,16 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import claim_of
-from dubins_study.solvers.nlp_engines.program import (
-    EngineResult,
-    Expressions,
-    NlpCall,
-    Program,
-    needs_watch,
-    no_point,
-)
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, needs_watch
+from dubins_study.solvers.runs import EngineResult, no_point
 from dubins_study.solvers.setting_checks import nested
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 

@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
-from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 
 # What Python's operators do for every type of operand, by casadi's name of the operation, and its
@@ -39,15 +38,11 @@ _FUNCTIONS = {
 }
 
 
-class UnknownOperationError(DubinsStudyError, ValueError):
-    """An expression holds an operation that the walk, or the other interface, does not have."""
-
-
 def rebuilt(program: Program, x: Sequence[Any], functions: Any = math) -> tuple[Any, list[Any]]:
     """A program's objective and m equations, at its parameters, in other variables x (n,).
 
     `functions` has attributes `sin`, `cos`, ...; those of numbers are computed by `math`. An
-    operation without a counterpart is an UnknownOperationError.
+    operation that no interface has, such as OP_FLOOR, is a KeyError.
     """
     function, names = _function(program.expressions), _operation_names()
     given = x, program.p.tolist()
@@ -79,19 +74,11 @@ def _function(expressions: Expressions) -> Any:
 def _operation(name: str, operands: list[Any], functions: Any) -> Callable[..., Any]:
     """What carries out an operation on operands."""
     numbers = all(isinstance(operand, (int, float)) for operand in operands)
-    place = math if numbers else functions
-    if isinstance(place, APMonitor) and name in {*_ARITHMETIC, *_FUNCTIONS}:
-        return partial(place.of, name)
+    if isinstance(functions, APMonitor) and not numbers:
+        return partial(functions.of, name)
     if name in _ARITHMETIC:
         return _ARITHMETIC[name][0]
-    function: Callable[..., Any] | None = getattr(place, _FUNCTIONS.get(name, ""), None)
-    if function is None:
-        known = ", ".join(sorted({*_ARITHMETIC, *_FUNCTIONS}))
-        where = getattr(place, "__name__", type(place).__name__)
-        raise UnknownOperationError(
-            f"casadi's operation {name} has no counterpart in {where}; state the program "
-            f"with operations out of: {known}"
-        )
+    function: Callable[..., Any] = getattr(math if numbers else functions, _FUNCTIONS[name])
     return function
 
 
@@ -131,7 +118,10 @@ class APMonitor(NamedTuple):
 
     def of(self, operation: str, *operands: float | str) -> str:
         """The text of an operation on operands."""
-        template = _ARITHMETIC.get(operation, (None, f"{_FUNCTIONS.get(operation)}({{}})"))[1]
+        if operation in _ARITHMETIC:
+            _, template = _ARITHMETIC[operation]
+        else:
+            template = f"{_FUNCTIONS[operation]}({{}})"
         text = template.format(*map(_operand, operands))
         if len(text) <= _LONGEST:
             return text

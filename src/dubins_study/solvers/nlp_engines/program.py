@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.words import Claim
 
 
 class Stages(NamedTuple):
@@ -200,22 +200,6 @@ class Program:
         return {**options, **{key: max(options[key], least) for key in names if key in options}}
 
 
-class EngineResult(NamedTuple):
-    """The end of one run. x, shape (n,), is NaN where the engine returns no point.
-
-    With the duals, shape (m,), f + duals g is stationary in the free variables. Evaluations are
-    those of the equations (or of the objective, if more), not of derivatives.
-    """
-
-    x: FloatArray
-    claim: Claim
-    duals: FloatArray | None
-    iterations: int | None
-    evaluations: int | None
-    status: str
-    message: str
-
-
 _QUICK_ITERATIONS = 3000  # Ipopt's default; on ten variables they take a third of a second
 
 
@@ -225,11 +209,6 @@ def needs_watch(max_iter: int | None, n: int) -> bool:
     In a quicker one these looks would cost a tenth of it, or more than the iterations do.
     """
     return n > 10 or (max_iter or 0) > _QUICK_ITERATIONS
-
-
-def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
-    """The end of a run that returned no point of the n variables, and counts nothing."""
-    return EngineResult(np.full(n, np.nan), claim, None, None, None, status, message)
 
 
 # (the program, an initial guess of shape (n,), the seconds left) -> the result

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.nlp_engines.program import EngineResult, Expressions, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import FloatArray
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.answers import claim_of
-from dubins_study.solvers.nlp_engines.program import EngineResult, NlpCall, Program
+from dubins_study.solvers.nlp_engines.program import NlpCall, Program
+from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 
 

@@ -13,10 +13,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.arcs import Elements, Rates, most_turn
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.pyomo_program import Ask, PyomoProgram, asked
-from dubins_study.solvers.optimal_control.arcs import Elements, Rates, most_turn
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
     Meshed,
@@ -28,7 +28,7 @@ from dubins_study.study.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Template(Meshed):
+class Collocated(Meshed):
     """The transcription of one choice of settings, compiled."""
 
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
@@ -63,14 +63,14 @@ def _sided(rate: float) -> float:
 
 
 @lru_cache(maxsize=64)
-def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str) -> Template:
+def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str) -> Collocated:
     """A transcription, compiled once per setting and number of legs."""
     model = program(shape)
     call = ENGINES[engine].load()(tol, max_iter, options)
     ask = asked(model, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.model.tau.get_discretization_info()["tau_points"][1:])
-    return Template(shape.n, shape.legs, shape.equal, fraction, ask)
+    return Collocated(shape.n, shape.legs, shape.equal, fraction, ask)
 
 
 class Shape(NamedTuple):
@@ -84,7 +84,7 @@ class Shape(NamedTuple):
 
 
 def program(shape: Shape) -> PyomoProgram:
-    """The transcription, its unknowns in the order in which `Template.solve` gives them."""
+    """The transcription, its unknowns in the order in which `Collocated.solve` gives them."""
     model = pyomo_model(shape)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
@@ -161,7 +161,7 @@ class Collocation(NlpTranscription):
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
     }
 
-    def template(self, course: Course) -> Template:
+    def template(self, course: Course) -> Collocated:
         final = course.last is not None
         shape = Shape(self.n, self.points, self.mesh == "equal", course.legs, final)
         return template(shape, self.engine, self.tol, self.max_iter, self.options)

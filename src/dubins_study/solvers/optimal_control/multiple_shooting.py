@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.course import Course, heading_gap
-from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
-from dubins_study.solvers.optimal_control.arcs import (
+from dubins_study.solvers.arcs import (
     INTEGRATORS,
     Elements,
     Rates,
     chord,
     most_turn,
 )
+from dubins_study.solvers.course import Course, heading_gap
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
     Meshed,
@@ -48,10 +48,6 @@ class MultipleShooting(NlpTranscription):
     formulation: ClassVar[str] = "multiple shooting"
     packages: ClassVar[tuple[str, ...]] = ("casadi",)
     summary: ClassVar[str] = "optimal control by multiple shooting, arcs of free length"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
-        "fast": {"tol": 1e-7},
-        "accurate": {"tol": 1e-11},
-    }
 
     def template(self, course: Course) -> Segments:
         engine = self.library.load()(self.tol, self.max_iter, self.options)

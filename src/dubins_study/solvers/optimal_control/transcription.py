@@ -8,25 +8,11 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from dubins_study.solvers.answers import (
-    Attempts,
-    Run,
-    at_start,
-    best_of,
-    coordinate_rounding,
-    costs,
-    in_world,
-    total,
-    tried,
-)
-from dubins_study.solvers.course import Course, body_course
-from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
-from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.arcs import (
+from dubins_study.solvers.arcs import (
     HERE,
     LEAST,
     RATES,
@@ -36,14 +22,26 @@ from dubins_study.solvers.optimal_control.arcs import (
     cut,
     miss,
 )
-from dubins_study.solvers.paper_nlp.initial_guesses import INITIAL_GUESSES
-from dubins_study.solvers.paper_nlp.polish import one_sided_only
+from dubins_study.solvers.course import Course, body_course, coordinate_rounding, in_world
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES
+from dubins_study.solvers.one_leg.polish import one_sided_only
 from dubins_study.solvers.presolve import nearer_first
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.runs import (
+    Attempts,
+    EngineResult,
+    Run,
+    at_start,
+    best_of,
+    spent,
+    total,
+    tried,
+)
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local, local
+from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
@@ -108,7 +106,7 @@ class Meshed:
         return np.full((self.legs, self.n), 1 / self.n) if self.equal else None
 
 
-class Model(NamedTuple):
+class PosedCourse(NamedTuple):
     """A question in body coordinates, in radii."""
 
     question: Question
@@ -154,16 +152,16 @@ class Transcription(EngineSolver):
         """The transcription of a course, compiled."""
         raise NotImplementedError
 
-    def build(self, question: Question) -> Model:
+    def build(self, question: Question) -> PosedCourse:
         course = body_course(question.scenario)
-        return Model(question, course, RATES[question.branch], self.template(course))
+        return PosedCourse(question, course, RATES[question.branch], self.template(course))
 
-    def solve(self, model: Model, limit: float) -> Solution:
+    def solve(self, model: PosedCourse, limit: float) -> Solution:
         question, course = model.question, model.course
         rounding = coordinate_rounding(question.scenario)
-        if there := at_start(question, rounding):
+        if there := at_start(question.scenario, course.target, rounding):
             return there
-        if self.initial_guess == "words" and not course.free_leg:
+        if self.initial_guess == "words" and course.target is None:
             # those of a route's legs are known from the closed form only
             message = "the guess `words` is of one leg with a free final heading"
             return Solution(Claim.FAILED, message=message)
@@ -173,7 +171,7 @@ class Transcription(EngineSolver):
         each = (Attempts(guesses, run, lambda _: not every) for guesses in trials(model, self))
         return _answer(model, tried(each, until), in_time=perf_counter() <= until)
 
-    def _run(self, model: Model, guess: Guess, until: float) -> Run[Elements]:
+    def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began, course = perf_counter(), model.course
         elements, native = model.template.solve(guess, model.rates, course, until)
         # what is optimal for a transcription is not proven for the problem itself
@@ -194,8 +192,8 @@ class Transcription(EngineSolver):
             evaluations=total((native.evaluations, rollouts)),
             message=f"{native.message}; missed by {missed:.1e} radii before the correction",
         )
-        seconds = perf_counter() - began
-        return Run(guess.subproblem, seconds, elements, *result[1:], elements.total, off)
+        seconds, length = perf_counter() - began, elements.total
+        return Run(guess.subproblem, seconds, result, elements, length=length, miss=off)
 
 
 @dataclass(frozen=True)
@@ -216,6 +214,11 @@ class NlpTranscription(Transcription):
     tol: float = tolerance()
     max_iter: int = iterations()
 
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"tol": 1e-7},
+        "accurate": {"tol": 1e-11},
+    }
+
     @property
     def method(self) -> Method:
         posed = self.formulation, self.initial_guess
@@ -226,7 +229,7 @@ def _arrives(off: float, course: Course) -> bool:
     return off <= max(_ARRIVED, _ROUNDED * (course.magnitude - 1.0))
 
 
-def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
+def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Solution:
     """The shortest run that arrives, or else the one that misses least.
 
     Of equally short runs one that the engine calls a solution goes first.
@@ -238,7 +241,7 @@ def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
     shortest = min((run.length for run in arrived), default=math.inf)
     tied = [run for run in arrived if run.length <= shortest * (1 + _SAME)]
     best = best_of([run for run in tied if run.claim is Claim.LOCAL] or tied, runs)
-    claim, message = best.claim, best.message
+    claim, message = best.claim, best.result.message
     if not in_time:
         claim = Claim.LIMIT
     elif claim is not Claim.LOCAL and _arrives(best.miss, course):
@@ -254,20 +257,18 @@ def _answer(model: Model, runs: list[Run[Elements]], in_time: bool) -> Solution:
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
-        if claim in (Claim.LOCAL, Claim.FEASIBLE) and (
-            reason := one_sided_only(model.question, path)
-        ):
-            claim, message = Claim.FAILED, reason
-    duals = best.duals if claim is Claim.LOCAL else None
+        if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
+            reason = one_sided_only(model.question, course.target, path)
+            if reason is not None:
+                claim, message = Claim.FAILED, reason
+    duals = best.result.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
         path=path,
         claimed_length=None if path is None else best.length * scenario.radius,
         multipliers=None if duals is None else in_world(scenario, duals),
-        native_status=best.status,
         message=message,
-        best_run=best.effort,
-        **costs(runs),
+        **spent(runs, best),
     )
 
 
@@ -282,7 +283,7 @@ _STRAIGHT = 1e-9
 _SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
-def trials(model: Model, solver: Transcription) -> Iterator[Iterator[Guess]]:
+def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess]]:
     """Initial guesses by a solver's settings, subproblem by subproblem.
 
     The question's own path goes first if it can be driven: among the guesses of the word that is
@@ -306,15 +307,15 @@ def trials(model: Model, solver: Transcription) -> Iterator[Iterator[Guess]]:
         cold = [_random(model, solver)]
     elif name == "straight":
         cold = [iter([_straight(course, n, shares)])]
-    elif course.free_leg and name != "one":
-        place = local(question.scenario)
+    elif course.target is not None and name != "one":
+        target = course.target
         share, most = None if shares is None else shares[0], 1 if name == "words" else None
 
         def shaped(word: str) -> Iterator[Guess]:
-            paths = islice(_shaped(word, place), most)
+            paths = islice(_shaped(word, target), most)
             return (Guess(word, cut(path, n, share)) for path in paths)
 
-        cold = [shaped(word) for word in nearer_first(question, solver.presolve, place.Y)]
+        cold = [shaped(word) for word in nearer_first(question.branch, target, solver.presolve)]
     else:
         signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
         legs = zip(signs, np.abs(course.turned()), strict=True)
@@ -343,7 +344,7 @@ def _straight(course: Course, n: int, shares: FloatArray | None) -> Guess:
     return Guess("straight", Elements(np.zeros(length.size), length), begins)
 
 
-def _random(model: Model, solver: Transcription) -> Iterator[Guess]:
+def _random(model: PosedCourse, solver: Transcription) -> Iterator[Guess]:
     question, course, rates, template = model
     n, shares, repeat = solver.n, template.shares, question.repeat
     random = np.random.default_rng((solver.seed + repeat, repeat))

@@ -8,10 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.course import Course
-from dubins_study.solvers.engines import names
-from dubins_study.solvers.nlp_engines.program import EngineResult
-from dubins_study.solvers.optimal_control.arcs import (
+from dubins_study.solvers.arcs import (
     CLOSE,
     LEAST,
     SHARINGS,
@@ -24,14 +21,17 @@ from dubins_study.solvers.optimal_control.arcs import (
     step_shares,
     turn_left,
 )
+from dubins_study.solvers.course import Course
+from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control.transcription import Guess, Transcribed, Transcription
 from dubins_study.solvers.optimal_control.turn_rate_template import (
-    Answer,
     EngineError,
-    Template,
+    QpAnswer,
+    QpTemplate,
     template,
 )
 from dubins_study.solvers.protocol import Method
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import QP, Claim
@@ -83,7 +83,7 @@ class Qps:
     """The QP of a course, compiled."""
 
     solver: TurnRateQp
-    qp: Template
+    qp: QpTemplate
     shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
@@ -153,7 +153,7 @@ class Sequence:
         ends = np.cumsum(elements.turn).reshape(self.course.legs, -1)[:, -1]
         self.duals = np.column_stack([np.cos(ends), np.sin(ends)])
 
-    def _ask(self) -> Answer:
+    def _ask(self) -> QpAnswer:
         """Write the linearisation at the present point into the QP, and solve it."""
         qp, now, rolled, legs = self.qp, self.now, self.rolled, self.course.legs
         self.scale = scale = now.total / legs
@@ -186,7 +186,7 @@ class Sequence:
         gaps = float(np.abs(rolled.gaps(elements, self.course)).sum())
         return elements.total + self.penalty * (gaps + abs(turn_left(elements, self.course)))
 
-    def _advance(self, answer: Answer) -> bool:
+    def _advance(self, answer: QpAnswer) -> bool:
         """Take the QP's step if it lowers the merit function; True if there is nothing to gain."""
         before = self._merit(self.now, self.rolled)
         promised = before - self.now.total - self.scale * answer.value
@@ -241,7 +241,7 @@ class Sequence:
         self._begin(elements)
         return True
 
-    def _adapt(self, answer: Answer, ratio: float) -> None:
+    def _adapt(self, answer: QpAnswer, ratio: float) -> None:
         """Adapt the trust region and the curvature to the ratio of gain to predicted gain."""
         turned, stretched = self.unit * float(np.abs(answer.z).max()), float(np.abs(answer.t).max())
         if ratio > 0.75 and max(turned, 2 * stretched) > 0.9 * self.reach:

@@ -12,7 +12,7 @@ from scipy.sparse import diags_array, eye_array, issparse, kron
 from dubins_study.study.arrays import FloatArray
 
 
-class Answer(NamedTuple):
+class QpAnswer(NamedTuple):
     """A QP's solution: changes of headings z (N,) and lengths t (legs,), duals (legs, 2), value.
 
     `slack` is the sum of the slacks; `solved` is False if the engine stopped at a limit.
@@ -30,7 +30,7 @@ class EngineError(RuntimeError):
     """The QP engine gave no usable answer; the message is the engine's."""
 
 
-class Template:
+class QpTemplate:
     """The QP for n steps a leg, N in all, a final heading or none, and an engine.
 
     A leg's length changes by its part t of itself; headings are in units that the caller chooses,
@@ -152,7 +152,7 @@ class Template:
             raise KeyboardInterrupt
         return self.chain.invert(raw, self.inverse)
 
-    def solve(self, options: dict[str, Any], seconds: float) -> Answer:
+    def solve(self, options: dict[str, Any], seconds: float) -> QpAnswer:
         """Solve the QP for the present numbers; an EngineError if there is no answer."""
         import cvxpy as cp
 
@@ -175,7 +175,7 @@ class Template:
         duals = -np.column_stack([dual_values[end.id] for end in self.ends])
         if not (np.isfinite(value) and np.isfinite(duals).all()):
             raise EngineError(f"{status}, with numbers that are not finite")
-        return Answer(z, t, duals, slack, value, status == cp.OPTIMAL)
+        return QpAnswer(z, t, duals, slack, value, status == cp.OPTIMAL)
 
 
 def _numbers(array: Any) -> Any:
@@ -201,6 +201,6 @@ def _places(
 
 
 @lru_cache(maxsize=32)
-def template(n: int, legs: int, final: bool, engine: str) -> Template:
+def template(n: int, legs: int, final: bool, engine: str) -> QpTemplate:
     """The compiled QP; kept, since compiling takes as long as many solves."""
-    return Template(n, legs, final, engine)
+    return QpTemplate(n, legs, final, engine)

@@ -10,9 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.course import Course, heading_gap
-from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
-from dubins_study.solvers.optimal_control.arcs import (
+from dubins_study.solvers.arcs import (
     MOST_TURN_EACH,
     SHARINGS,
     Elements,
@@ -20,6 +18,8 @@ from dubins_study.solvers.optimal_control.arcs import (
     chord,
     step_shares,
 )
+from dubins_study.solvers.course import Course, heading_gap
+from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
 from dubins_study.solvers.optimal_control.transcription import Guess, NlpTranscription, Transcribed
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.arrays import FloatArray

@@ -1,1 +1,1 @@
-"""The paper's model (4.12) as a nonlinear program: `ipopt`, `slsqp`, and `nlp` for the others."""
+"""The paper's model (4.12) as a nonlinear program: `nlp`, and its presets `slsqp` and `ipopt`."""

@@ -1,7 +1,8 @@
-"""The paper's model by any NLP engine, or by a solver that AMPL calls.
+"""The paper's model (4.12) by local NLP engines: `nlp` by any, and two presets of it.
 
-An executable is looked up on PATH by its name and run as AMPL runs it
-(`paper_nlp.program.solve_by_ampl`).
+`slsqp` names its settings as SciPy does; `ipopt` reads the model in Pyomo, as the paper's authors
+solved it. An executable is looked up on PATH by its name and run as AMPL runs it
+(`paper_nlp.pyomo_model.solve_by_ampl`).
 """
 
 from __future__ import annotations
@@ -10,21 +11,186 @@ import re
 import shutil
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.engines import (
     APART,
     NLP_ENGINES,
+    Engine,
     EngineSolver,
     names,
+    others,
     packages,
 )
-from dubins_study.solvers.paper_nlp.local_nlp import Adapter, LocalNlp
-from dubins_study.solvers.paper_nlp.program import solve, solve_by_ampl, solve_in_pyomo
-from dubins_study.solvers.protocol import Method
-from dubins_study.solvers.setting_checks import iterations, option_set, tolerance
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
+from dubins_study.solvers.one_leg.model import (
+    MODELS,
+    ORDERS,
+    UNITS,
+    PosedLeg,
+    formulation,
+    posed_leg,
+)
+from dubins_study.solvers.one_leg.search import attempts, choose
+from dubins_study.solvers.paper_nlp.case_program import solve
+from dubins_study.solvers.paper_nlp.pyomo_model import (
+    Adapter,
+    ipopt_in_pyomo,
+    solve_by_ampl,
+    solve_in_pyomo,
+)
+from dubins_study.solvers.protocol import Method, Question, Solution
+from dubins_study.solvers.runs import at_start, tried
+from dubins_study.solvers.setting_checks import (
+    iterations,
+    one_of,
+    option_set,
+    tolerance,
+    whole,
+    within,
+)
 from dubins_study.study.values import did_you_mean
-from dubins_study.study.words import NLP
+from dubins_study.study.words import BRANCHES, NLP
+
+
+class PosedNlp(NamedTuple):
+    """A question, translated for `solve`, and what solves its cases."""
+
+    leg: PosedLeg
+    adapter: Adapter
+
+
+@dataclass(frozen=True)
+class PaperNlp(EngineSolver):
+    """Model (4.12) by a local NLP engine.
+
+    Args:
+        model: `words` takes one two-variable problem per word, `joint` the paper's model unsplit.
+        order: of the joint model: `LRS` (the paper's), `RLS` or `both`.
+        initial_guess: where the search begins (`one_leg.initial_guesses`): `bearing` (several
+            guesses a word, one of the joint model), `words` (one for each word), `one`,
+            `straight`, `zero`, `random`, or `given`: only from the question's own guess.
+        seed: of random guesses; the number of the repeat is added to it.
+        count: number of random guesses.
+        capped: whether arcs are bounded by a full turn, which the paper does not do.
+        presolve: whether words that cannot exist are left out (`solvers.presolve`).
+        options: whose choice the engine's options are, `equal`, `default` or `tuned`
+            (docs/engines.md).
+    """
+
+    model: str = one_of("words", MODELS)
+    order: str = one_of("both", ORDERS)
+    initial_guess: str = one_of("bearing", INITIAL_GUESSES)
+    seed: int = whole(0, 0, 2**32)
+    count: int = whole(10, 1, 10**9)
+    capped: bool = True
+    presolve: bool = False
+    options: str = option_set()
+
+    units = "radius"  # of the model's lengths (`UNITS`); some presets make it a setting
+    # the preset's names of the engine's tolerance and of its limit of iterations
+    limits: ClassVar[tuple[str, str]] = ("tol", "max_iter")
+    branches: ClassVar[tuple[str, ...]] = BRANCHES
+    warm: ClassVar[bool] = True
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"tol": 1e-6},
+        "accurate": {"tol": 1e-11},
+    }
+
+    @property
+    def method(self) -> Method:
+        posed = formulation(self.model, self.order)
+        tol = getattr(self, self.limits[0])
+        return self.library.method(posed, self.initial_guess, self.options, tol)
+
+    def adapter(self) -> Adapter:
+        """The function that solves one case from one initial guess."""
+        tol, max_iter = (getattr(self, name) for name in self.limits)
+        return partial(solve, engine=self.library.load()(tol, max_iter, self.options))
+
+    def build(self, question: Question) -> PosedNlp:
+        leg = posed_leg(question, self.model, self.order, self.presolve)
+        unit = question.scenario.radius if self.units == "scenario" else 1.0
+        cases = [case._replace(capped=self.capped, unit=unit) for case in leg.cases]
+        return PosedNlp(leg._replace(cases=cases), self.adapter())
+
+    def solve(self, model: PosedNlp, limit: float) -> Solution:
+        leg, kind = model.leg, self.initial_guess
+        question = leg.question
+        # at z = 0 no constraint qualification holds, so that no NLP method can certify this point
+        if there := at_start(question.scenario, leg.target):
+            return there
+        until = perf_counter() + limit
+        seed = self.seed + question.repeat
+        guesses = partial(initial_guesses, question, both=len(leg.cases) > 1)
+        each = (
+            attempts(
+                question,
+                case,
+                kind,
+                guesses(case, kind, seed, self.count),
+                partial(model.adapter, case),
+            )
+            for case in leg.cases
+        )
+        return choose(leg, tried(each, until))
+
+
+@dataclass(frozen=True)
+class Slsqp(PaperNlp):
+    """Model (4.12) by SLSQP; settings that are not explained here: `PaperNlp`.
+
+    Args:
+        ftol: SLSQP's tolerance on the objective and the sum of constraint violations, in radii; 0
+            for that of `options`.
+        maxiter: largest number of iterations; 0 for that of `options`.
+        units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit;
+            `ftol` is then in that unit too.
+    """
+
+    ftol: float = tolerance()
+    maxiter: int = iterations()
+    units: str = one_of("radius", UNITS)
+
+    name: ClassVar[str] = "slsqp"
+    engine = "slsqp"
+    limits = ("ftol", "maxiter")
+    packages: ClassVar[tuple[str, ...]] = ("scipy",)
+    summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"
+    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+        "fast": {"ftol": 1e-8},
+        "accurate": {"ftol": 1e-14},
+    }
+
+
+@dataclass(frozen=True)
+class Ipopt(PaperNlp):
+    """Model (4.12) in Pyomo by Ipopt; settings that are not explained here: `PaperNlp`.
+
+    Args:
+        tol: Ipopt's tolerances; 0 for those of `options`.
+        max_iter: largest number of iterations; 0 for that of `options`.
+        mu_target: Ipopt's own: the barrier parameter to stop at.
+        units: of the model: the turning `radius`, or as in the paper the `scenario`'s own unit.
+    """
+
+    tol: float = tolerance()
+    max_iter: int = iterations()
+    mu_target: float = within(0.0, 0, 1)
+    units: str = one_of("radius", UNITS)
+
+    name: ClassVar[str] = "ipopt"
+    engine = "ipopt"
+    packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
+    summary: ClassVar[str] = "the paper's model (4.12) in Pyomo by Ipopt"
+
+    def adapter(self) -> Adapter:
+        chosen = self.library.options.of(self.options, self.tol, self.max_iter)
+        if self.mu_target:
+            chosen["ipopt.mu_target"] = self.mu_target
+        return ipopt_in_pyomo(tuple(chosen.items()), self.units)
+
 
 # A path would let whoever writes an experiment choose the file that is run.
 _EXECUTABLE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
@@ -36,7 +202,7 @@ _ENGINES = names(NLP)
 
 @dataclass(frozen=True)
 class _Named(EngineSolver):
-    """The setting that a canonical spec names before those of `LocalNlp`.
+    """The setting that a canonical spec names before those of `PaperNlp`.
 
     Args:
         engine: a name in `solvers.engines` of the kind `local NLP`, or the name of an executable on
@@ -47,8 +213,8 @@ class _Named(EngineSolver):
 
 
 @dataclass(frozen=True)
-class Nlp(LocalNlp, _Named):
-    """Model (4.12) by one of many NLP engines; settings not explained here: `LocalNlp`.
+class Nlp(PaperNlp, _Named):
+    """Model (4.12) by one of many NLP engines; settings not explained here: `PaperNlp`.
 
     Args:
         options: whose choice the options of an engine of the table are, `equal`, `default` or
@@ -59,7 +225,6 @@ class Nlp(LocalNlp, _Named):
         max_iter: largest number of iterations; 0 for that of `options`.
     """
 
-    options: str = option_set()
     tol: float = tolerance()
     max_iter: int = iterations()
 
@@ -67,13 +232,7 @@ class Nlp(LocalNlp, _Named):
     always_named: ClassVar[tuple[str, ...]] = ("engine",)
     packages: ClassVar[tuple[str, ...]] = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
     summary: ClassVar[str] = "the paper's model (4.12) by any NLP engine or AMPL solver"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"nlp[engine={engine}]" for engine in _ENGINES if engine not in APART
-    )
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
-        "fast": {"tol": 1e-6},
-        "accurate": {"tol": 1e-11},
-    }
+    variants: ClassVar[tuple[str, ...]] = others("nlp", _ENGINES, *APART)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -84,34 +243,24 @@ class Nlp(LocalNlp, _Named):
             )
 
     @property
-    def method(self) -> Method:
-        if self.engine not in _ENGINES:
-            return Method(self.formulation, self.engine, self.initial_guess)
-        posed = self.formulation, self.initial_guess
-        return self.library.method(*posed, self.options, self.tol)
-
-    @property
     def runs(self) -> str | None:
         """The program on PATH that is started, if any."""
         return None if self.engine in _ENGINES else self.engine
 
+    @property
+    def library(self) -> Engine:
+        return Engine(self.runs, NLP, ()) if self.runs else super().library
+
     def unavailable(self) -> str | None:
-        if self.engine in _ENGINES:
+        # whether an executable is a solver is seen when it is run
+        if self.runs is None or shutil.which(self.runs):
             return super().unavailable()
-        if shutil.which(self.engine):  # whether it is a solver is seen when it is run
-            return None
         engines = f"{did_you_mean(self.engine, _ENGINES)}there are: {', '.join(NLP_ENGINES)}"
         return f"no executable {self.engine!r} on PATH, and no engine of that name; {engines}"
 
-    @property
-    def keeps_limit(self) -> bool:
-        # executables are killed at the limit; KNITRO was never tried with a licence
-        return self.engine not in _ENGINES or self.library.keeps_limit
-
     def adapter(self) -> Adapter:
-        if self.engine in NLP_ENGINES:
-            call = self.library.load()(self.tol, self.max_iter, self.options)
-            return partial(solve, engine=call)
+        if self.runs:
+            return partial(solve_by_ampl, executable=self.runs)
         if self.engine == _KNITRO:
             return partial(solve_in_pyomo, interface="knitro_direct")
-        return partial(solve_by_ampl, executable=self.engine)
+        return super().adapter()

@@ -16,10 +16,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy.sparse import block_array, csr_array, eye_array, kron
 
-from dubins_study.solvers.answers import at_start, claim_of, coordinate_rounding, costs
-from dubins_study.solvers.course import path_of
-from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, packages
-from dubins_study.solvers.minlp_engines.program import (
+from dubins_study.solvers.course import coordinate_rounding, path_of
+from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.minlp_engines.mixed_program import (
     MixedProgram,
     ProvenResult,
     Row,
@@ -28,7 +27,9 @@ from dubins_study.solvers.minlp_engines.program import (
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, legs, route_of
+from dubins_study.solvers.runs import Run, at_start, spent
 from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import NEEDS, Claim
@@ -105,7 +106,7 @@ def flow_of(found: Layers) -> Flow:
     return Flow(np.concatenate([lengths.ravel() for lengths in found.lengths]), flow, begin)
 
 
-class Model(NamedTuple):
+class PosedGrid(NamedTuple):
     """A question, translated for `solve`."""
 
     question: Question
@@ -137,9 +138,7 @@ class HeadingMilp(EngineSolver):
     packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
     summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
     keeps_limit = False  # a program of thousands of legs takes seconds to state
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"heading-milp[engine={name}]" for name in _ENGINES if name != "highs"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("heading-milp", _ENGINES, "highs")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"headings": 36},
         "accurate": {"headings": 144},
@@ -149,40 +148,37 @@ class HeadingMilp(EngineSolver):
     def method(self) -> Method:
         return Method("grid of headings", self.library.label, "none", TOLERANCE)
 
-    def build(self, question: Question) -> Model:
+    def build(self, question: Question) -> PosedGrid:
         route = route_of(question.scenario)
         found = layers(route, self.headings)
-        return Model(question, route, found, flow_of(found))
+        return PosedGrid(question, route, found, flow_of(found))
 
-    def solve(self, model: Model, limit: float) -> Solution:
+    def solve(self, model: PosedGrid, limit: float) -> Solution:
         question, route, found, flow = model
         scenario = question.scenario
         rounding = coordinate_rounding(scenario)
-        if there := at_start(question, rounding):
+        if there := at_start(scenario, route.target, rounding):
             return there
         began = perf_counter()
         if self.engine == "highs":
-            result = _by_cvxpy(flow, self.gap, limit)
+            proven = _by_cvxpy(flow, self.gap, limit)
         else:
             ask = self.library.load()(Settings(self.gap, TOLERANCE))
-            result = ask(_mixed(flow), limit)
-        run = result.run("grid", perf_counter() - began, result.x)._replace(
-            iterations=result.iterations, evaluations=result.nodes
-        )
-        if result.x is None or not np.isfinite(result.x).all():
+            proven = ask(_mixed(flow), limit)
+        result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
+        run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
+        if proven.x is None or not np.isfinite(proven.x).all():
             claim = Claim.LIMIT if run.claim is Claim.LIMIT else Claim.FAILED
-            return Solution(claim, message=run.message or run.status, **costs([run]))
-        segments, words = route.shortest(_chosen(found, result.x))
+            return Solution(claim, message=result.message or result.status, **spent([run]))
+        segments, words = route.shortest(_chosen(found, proven.x))
         length = float(segments.sum()) * scenario.radius
         bound = f"{self.library.label}'s bound {run.bound * scenario.radius:.9g}"
         return Solution(
             Claim.LOCAL if run.claim is Claim.OPTIMAL else Claim.FEASIBLE,
             path=path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel()),
             claimed_length=length,
-            native_status=run.status,
             message=f"{bound} holds for {self.headings} headings only, not for the scenario",
-            best_run=run.effort,
-            **costs([run]),
+            **spent([run], run),
         )
 
 

@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, at_start, costs
 from dubins_study.solvers.course import path_of
-from dubins_study.solvers.engines import SearchSolver, names, packages
+from dubins_study.solvers.engines import SearchSolver, names, others, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Entries,
@@ -27,6 +27,7 @@ from dubins_study.solvers.nlp_engines.program import (
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
+from dubins_study.solvers.runs import EngineResult, Run, at_start, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
@@ -85,9 +86,7 @@ class Headings(SearchSolver):
     takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"headings[engine={name}]" for name in _ENGINES if name != _DEFAULT
-    )
+    variants: ClassVar[tuple[str, ...]] = others("headings", _ENGINES, _DEFAULT)
 
     @property
     def method(self) -> Method:
@@ -106,13 +105,13 @@ class Headings(SearchSolver):
     def solve(self, model: tuple[Question, Route], limit: float) -> Solution:
         question, route = model
         scenario = question.scenario
-        if there := at_start(question):
+        if there := at_start(scenario, route.target):
             return there
         trace: Trace = []
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
         begun = [run for run in runs if np.isfinite(run.length)]
         if not begun:
-            messages = [run.message for run in runs]
+            messages = [run.result.message for run in runs]
             return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
         best = min(begun, key=lambda run: run.length)
         return Solution(
@@ -120,10 +119,8 @@ class Headings(SearchSolver):
             path=_path(scenario, route, best.point),
             trace=tuple((count, _path(scenario, route, point)) for count, point in _thinned(trace)),
             claimed_length=best.length * scenario.radius,
-            native_status=best.status,
-            message=best.message,
-            best_run=best.effort,
-            **costs(runs),
+            message=best.result.message,
+            **spent(runs, best),
         )
 
     def _runs(
@@ -142,8 +139,9 @@ class Headings(SearchSolver):
                 guess = random.uniform(0.0, TWO_PI, route.unknowns)
             if nothing_unknown:
                 length = route_length(route, guess)
-                answer = Claim.FEASIBLE, None, None, 1, "", "no heading is unknown"
-                yield Run("headings", perf_counter() - began, guess, *answer, length)
+                message = "no heading is unknown"
+                result = EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
+                yield Run("headings", perf_counter() - began, result, guess, length=length)
             elif self.library.kind == NLP:
                 yield self._descend(route, guess, until, trace)
             else:
@@ -153,18 +151,17 @@ class Headings(SearchSolver):
         self, route: Route, guess: FloatArray, until: float, trace: Trace
     ) -> Run[FloatArray]:
         """A run of an engine of nonlinear programs."""
-        began = perf_counter()
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
         if self.trace:
             whole_plane = LengthInBox(route, np.zeros(route.unknowns))
             counted = CountedFunction(whole_plane, math.inf, math.inf, traced=True)
             functions = functions._replace(objective=counted)
-        result = engine(program(route, functions), guess, until - began)
+        solve = partial(engine, program(route, functions))
+        run = timed("headings", solve, partial(route_length, route))(guess, until)
         if self.trace:
             _add(trace, counted, 0.0)
-        length = route_length(route, result.x)
-        return Run("headings", perf_counter() - began, *result, length=length)
+        return run
 
     def _search(
         self,
@@ -180,14 +177,10 @@ class Headings(SearchSolver):
         budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
         function = CountedFunction(LengthInBox(route, low), budget, until, self.trace)
         begin = np.full(k, _HALF_TURN) if self.guided else None
-        claim, message = Task(function, begin, random).search(self.engine, self.options)
-        seconds, counts = perf_counter() - began, (None, function.evaluations)
+        result = Task(function, begin, random).search(self.engine, self.options)
+        seconds = perf_counter() - began
         _add(trace, function, low)
-        point = low + function.best
-        return Run(
-            *("headings", seconds, point, claim, None, *counts, claim.value, message),
-            length=function.value,
-        )
+        return Run("headings", seconds, result, low + result.x, length=function.value)
 
 
 class LengthInBox:

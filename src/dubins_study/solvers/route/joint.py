@@ -18,9 +18,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.answers import Attempts, Run, at_start, costs, settled, tried
 from dubins_study.solvers.course import heading_gap, path_of
-from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, packages
+from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Expressions,
@@ -31,6 +30,16 @@ from dubins_study.solvers.nlp_engines.program import (
 from dubins_study.solvers.protocol import Method, Question, Solution
 from dubins_study.solvers.route.grid import layers
 from dubins_study.solvers.route.legs import Route, route_of
+from dubins_study.solvers.runs import (
+    Attempts,
+    EngineResult,
+    Run,
+    at_start,
+    settled,
+    spent,
+    timed,
+    tried,
+)
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -96,9 +105,7 @@ class RouteNlp(EngineSolver):
     packages: ClassVar[tuple[str, ...]] = packages(NLP_ENGINES)
     summary: ClassVar[str] = "the paper's model (4.12) with the arcs L R S L R a leg"
     keeps_limit = False  # at 50 legs compiling or a dense engine's iteration takes up to 5 s
-    variants: ClassVar[tuple[str, ...]] = tuple(
-        f"route-nlp[engine={engine}]" for engine in NLP_ENGINES if engine != "ipopt"
-    )
+    variants: ClassVar[tuple[str, ...]] = others("route-nlp", NLP_ENGINES, "ipopt")
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},
@@ -123,19 +130,19 @@ class RouteNlp(EngineSolver):
     def solve(self, model: PosedRoute, limit: float) -> Solution:
         question, program, places = model.question, model.program, model.places
         # at zero no constraint qualification holds, as in (4.12)
-        if there := at_start(question):
+        if there := at_start(question.scenario, model.route.target):
             return there
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
 
-        def run(guess: FloatArray, until: float) -> Run[FloatArray]:
-            began = perf_counter()
-            result = engine(program, _kept(guess, places), until - began)
-            seconds, length = perf_counter() - began, float(_arcs(result.x, places).sum())
-            return Run(self.model, seconds, *result, length=length)
+        def solve(guess: FloatArray, seconds: float) -> EngineResult:
+            return engine(program, _kept(guess, places), seconds)
+
+        def length(x: FloatArray) -> float:
+            return float(_arcs(x, places).sum())
 
         guesses = self._guesses(model)
         enough = self.initial_guess == "bearing"  # of the others every guess is tried
-        attempts = Attempts(guesses, run, lambda _: enough)
+        attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
@@ -143,7 +150,7 @@ class RouteNlp(EngineSolver):
         route = model.route
         if self.initial_guess in ("bearing", "one"):
             yield turned_guess(route)
-            if self.initial_guess == "bearing" and route.free_leg:
+            if self.initial_guess == "bearing" and route.target is not None:
                 yield words_guess(route, model.known)
         elif self.initial_guess == "words":
             yield words_guess(route, model.known)
@@ -166,7 +173,7 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
     if claim is Claim.INFEASIBLE and known is not None:
         claim = Claim.FAILED  # of these words: others may have a path
-    n = route.legs
+    n, duals = route.legs, best.result.duals
     path = None
     if claim is not Claim.INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
@@ -176,11 +183,9 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
         path=path,
         claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
         # those of the last leg's end
-        multipliers=None if best.duals is None else tuple(best.duals[3 * n - 2 : 3 * n]),
-        native_status=best.status,
-        message=best.message,
-        best_run=best.effort,
-        **costs(runs),
+        multipliers=None if duals is None else tuple(duals[3 * n - 2 : 3 * n]),
+        message=best.result.message,
+        **spent(runs, best),
     )
 
 

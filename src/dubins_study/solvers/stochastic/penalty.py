@@ -14,20 +14,21 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.answers import Run, at_start, best_of, coordinate_rounding, costs
-from dubins_study.solvers.engines import SearchSolver, names, packages
-from dubins_study.solvers.paper_nlp.initial_guesses import initial_guesses
-from dubins_study.solvers.paper_nlp.model import (
+from dubins_study.solvers.course import coordinate_rounding
+from dubins_study.solvers.engines import SearchSolver, names, others, packages
+from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
+from dubins_study.solvers.one_leg.model import (
     ORDERS,
     SUBPROBLEMS,
-    Subproblem,
+    Case,
+    PosedLeg,
     as_path,
     equations,
-    subproblems,
-    target,
+    posed_leg,
 )
-from dubins_study.solvers.paper_nlp.polish import polish
+from dubins_study.solvers.one_leg.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.runs import Run, at_start, best_of, spent
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
@@ -35,6 +36,7 @@ from dubins_study.solvers.stochastic.penalty_function import (
     Task,
 )
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import BRANCHES, DERIVATIVE_FREE, SAMPLING, Claim
 
@@ -60,7 +62,7 @@ class Penalty(SearchSolver):
         polish: whether Newton's method moves the point until it arrives; without it the point is
             the engine's own.
         initial_guess, count: where an engine that needs a guess begins
-            (`paper_nlp.initial_guesses`); engines that search the whole box take none.
+            (`one_leg.initial_guesses`); engines that search the whole box take none.
         seed: of all random numbers, together with the question's repeat.
         presolve: whether a word as branch that cannot exist is answered without a search.
         options: whose choice the engine's options are, `equal`, `default` or `tuned`
@@ -85,7 +87,7 @@ class Penalty(SearchSolver):
     branches: ClassVar[tuple[str, ...]] = BRANCHES
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
-    variants: ClassVar[tuple[str, ...]] = tuple(f"penalty[engine={name}]" for name in _ENGINES[1:])
+    variants: ClassVar[tuple[str, ...]] = others("penalty", _ENGINES, _ENGINES[0])
     profiles: ClassVar[dict[str, dict[str, Any]]] = {
         "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
@@ -99,73 +101,75 @@ class Penalty(SearchSolver):
     def method(self) -> Method:
         return Method("penalty", self.library.label, self.guess)
 
-    def solve(self, model: Question, limit: float) -> Solution:
-        if there := at_start(model):
+    def build(self, question: Question) -> PosedLeg:
+        return posed_leg(question, "joint", self.order)
+
+    def solve(self, model: PosedLeg, limit: float) -> Solution:
+        scenario = model.question.scenario
+        if there := at_start(scenario, model.target):
             return there
         until = perf_counter() + limit
-        runs = [
-            run
-            for number, case in enumerate(subproblems(model, "joint", self.order))
-            for run in self._searches(model, case, number, until)
-        ]
-        return _answer(model, runs)
+        runs: list[Run[FloatArray]] = []
+        for number, case in enumerate(model.cases):
+            runs += self._searches(model.question, case, number, until)
+        return _answer(scenario, runs)
 
     def _searches(
-        self, question: Question, case: Subproblem, number: int, until: float
+        self, question: Question, case: Case, number: int, until: float
     ) -> Iterator[Run[FloatArray]]:
-        """The searches of a subproblem; a run's point is z, shape (3,), after the correction."""
-        random = np.random.default_rng((self.seed + question.repeat, number))
+        """The searches of a case; a run's result has the engine's own z, shape (3,)."""
+        seed = self.seed + question.repeat
+        random = np.random.default_rng((seed, number))
         guesses: list[FloatArray | None] = [None]
         if self.guided:
-            kind, seed = self.initial_guess, self.seed + question.repeat
-            guesses = list(initial_guesses(question, case, kind, seed, self.count))
+            guesses = list(initial_guesses(question, case, self.initial_guess, seed, self.count))
         for guess in guesses:
             at, weight = guess, self.weight
             for _ in range(self.rounds):
                 if perf_counter() > until:
                     return
-                z, run = self._search(question, case, weight, at, random, until)
+                run = self._search(case, weight, at, random, until)
                 yield run
-                if _miss(question, case, z) <= _SHORT:
+                z = run.result.x
+                if _miss(case, z) <= _SHORT:
                     break
                 weight *= _GROWTH
                 at = z if self.guided else None
 
     def _search(
         self,
-        question: Question,
-        case: Subproblem,
+        case: Case,
         weight: float,
         guess: FloatArray | None,
         random: np.random.Generator,
         until: float,
-    ) -> tuple[FloatArray, Run[FloatArray]]:
-        """The engine's own point z, shape (3,), and the run."""
+    ) -> Run[FloatArray]:
+        """One search; the run's point is that of its result after the correction."""
         began = perf_counter()
-        aim = target(question.scenario, case.mirrored)
-        penalised = PenaltyFunction(case, aim, weight)
+        penalised = PenaltyFunction(case, weight)
         function = CountedFunction(penalised, self._budget, until)
-        begin = None if guess is None else np.clip(guess[list(case.free)], 0.0, penalised.upper)
-        claim, message = Task(function, begin, random).search(self.engine, self.options)
+        begin = None
+        if guess is not None:
+            begin = np.clip(guess[list(case.subproblem.free)], 0.0, penalised.upper)
+        result = Task(function, begin, random).search(self.engine, self.options)
         z = penalised.lengths(function.best)
-        corrected, missed = z, _miss(question, case, z)
+        point, missed = z, _miss(case, z)
         if self.polish and np.isfinite(z).all():
-            corrected, missed = polish(case.name, z, *aim)
-        seconds, counts = perf_counter() - began, (None, function.evaluations)
-        texts, length = (claim.value, message), float(corrected.sum())
-        return z, Run(case.name, seconds, corrected, claim, None, *counts, *texts, length, missed)
+            point, missed = polish(case, z)
+        seconds, length = perf_counter() - began, float(point.sum())
+        result = result._replace(x=z)
+        return Run(case.subproblem.name, seconds, result, point, length=length, miss=missed)
 
 
-def _miss(question: Question, case: Subproblem, z: FloatArray) -> float:
-    return float(np.hypot(*equations(z, *target(question.scenario, case.mirrored))))
+def _miss(case: Case, z: FloatArray) -> float:
+    return float(np.hypot(*equations(z, case.target.X, case.target.Y)))
 
 
-def _answer(question: Question, runs: list[Run[FloatArray]]) -> Solution:
+def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest path that arrives; if none does, the one that ends nearest to the target."""
-    scenario = question.scenario
     begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
-        messages = [run.message for run in runs]
+        messages = [run.result.message for run in runs]
         return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
@@ -175,8 +179,6 @@ def _answer(question: Question, runs: list[Run[FloatArray]]) -> Solution:
         Claim.FEASIBLE if arriving else Claim.LIMIT if stopped else Claim.FAILED,
         path=as_path(scenario, SUBPROBLEMS[best.subproblem], best.point),
         claimed_length=best.length * scenario.radius if arriving else None,
-        native_status=best.status,
-        message=f"{best.subproblem}: {best.message}",
-        best_run=best.effort,
-        **costs(runs),
+        message=f"{best.subproblem}: {best.result.message}",
+        **spent(runs, best),
     )

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.paper_nlp.model import Subproblem, end_point
+from dubins_study.solvers.one_leg.model import Case, end_point
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.solvers.setting_checks import OPTION_SETS
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -38,12 +39,13 @@ class BoxFunction(Protocol):
 
 
 class PenaltyFunction:
-    """phi of the lengths that a subproblem leaves free; the target is in the subproblem's radii."""
+    """phi of the lengths that a case leaves free."""
 
-    def __init__(self, subproblem: Subproblem, target: tuple[float, float], weight: float) -> None:
-        self._free = list(subproblem.free)
-        self._target, self._weight = target, weight
-        farthest = math.hypot(*target) + _FARTHEST_CENTRE
+    def __init__(self, case: Case, weight: float) -> None:
+        self._free = list(case.subproblem.free)
+        self._target = case.target.X, case.target.Y
+        self._weight = weight
+        farthest = math.hypot(*self._target) + _FARTHEST_CENTRE
         # upper bounds of the free lengths, shape (n,); the lower ones are 0
         self.upper: FloatArray = np.array((TWO_PI, TWO_PI, farthest))[self._free]
 
@@ -142,8 +144,8 @@ class Task(NamedTuple):
         """The box, as SciPy takes it."""
         return [(0.0, float(high)) for high in self.upper]
 
-    def search(self, engine: str, options: str = OPTION_SETS[0]) -> tuple[Claim, str]:
-        """Let an engine minimise; how that ended, and the engine's message."""
+    def search(self, engine: str, options: str = OPTION_SETS[0]) -> EngineResult:
+        """Let an engine minimise; how that ended, with the best point that was evaluated."""
         claim = Claim.FEASIBLE
         try:
             message: str = ENGINES[engine].load()(options=options)(self)
@@ -151,7 +153,13 @@ class Task(NamedTuple):
             claim, message = Claim.LIMIT, str(end)
         if self.function.evaluations >= self.function.budget:  # the engine counts as well
             claim = Claim.LIMIT
-        return claim, message
+        return EngineResult(
+            self.function.best,
+            claim,
+            evaluations=self.function.evaluations,
+            status=claim.value,
+            message=message,
+        )
 
 
 # The engines: each minimises until it has enough, and returns its own message. The budget replaces

@@ -11,7 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from dubins_study.solvers.answers import Point, Run
+import numpy as np
+
+from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.words import Claim
 
@@ -80,13 +82,16 @@ class ProvenResult(NamedTuple):
     status: str
     message: str
 
-    def run(
-        self, subproblem: str, seconds: float, point: Point, length: float = math.inf
-    ) -> Run[Point]:
-        """The result as a run on a subproblem; its nodes count as iterations."""
-        counts, texts = (self.nodes, None), (self.status, self.message)
-        result = self.claim, None, *counts, *texts
-        return Run(subproblem, seconds, point, *result, length, bound=self.bound)
+    def counted(self, iterations: int | None, evaluations: int | None = None) -> EngineResult:
+        """The result as that of any engine, with what counts as iterations and evaluations."""
+        return EngineResult(
+            np.empty(0) if self.x is None else self.x,
+            self.claim,
+            iterations=iterations,
+            evaluations=evaluations,
+            status=self.status,
+            message=self.message,
+        )
 
 
 # (the program, the seconds left) -> the result

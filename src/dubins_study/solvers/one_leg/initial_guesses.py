@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, Subproblem, target
+from dubins_study.solvers.one_leg.model import Case, Subproblem, case_of
 from dubins_study.solvers.presolve import WORDS
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 
 INITIAL_GUESSES = ("bearing", "one", "words", "straight", "zero", "random", "given")
@@ -50,15 +51,9 @@ _SWINGS = (0.7, -0.7, 1.4, -1.4)
 
 
 def initial_guesses(
-    question: Question,
-    subproblem: Subproblem,
-    kind: str,
-    seed: int,
-    count: int,
-    *,
-    both: bool = False,
+    question: Question, case: Case, kind: str, seed: int, count: int, *, both: bool = False
 ) -> Iterator[FloatArray]:
-    """Points z, each of shape (3,), from which to solve a subproblem; fixed lengths are zero.
+    """Points z, each of shape (3,), from which to solve a case; fixed lengths are zero.
 
     The question's own guess goes first, if that is a path of the subproblem's word. The kinds:
     `bearing`: turn towards the target and by half the radius' apparent size more, then go straight;
@@ -71,7 +66,7 @@ def initial_guesses(
         plus 2.
     `given`: only the question's own guess.
     """
-    X, Y = target(question.scenario, subproblem.mirrored)
+    subproblem, target = case.subproblem, case.target
     if question.initial_guess is not None:
         path = question.guess_in_radii
         warm = None if path is None else _from_path(path, subproblem)
@@ -83,20 +78,20 @@ def initial_guesses(
     if kind == "zero":
         yield np.zeros(3)
     elif kind == "straight":
-        yield np.array((0.0, 0.0, math.hypot(X, Y))) * subproblem.mask
+        yield np.array((0.0, 0.0, math.hypot(target.X, target.Y))) * subproblem.mask
     elif kind == "one":
-        yield np.array(_toward(X, Y)) * subproblem.mask
+        yield np.array(_toward(target)) * subproblem.mask
     elif kind == "words":
         for word in _words_of(subproblem, both):
-            yield _first(question, SUBPROBLEMS[word], subproblem.mirrored)
+            yield _first(case, word, question.branch == word)
     elif kind == "random":
-        largest = np.array((TWO_PI, TWO_PI, 2 * math.hypot(X, Y) + 2))
+        largest = np.array((TWO_PI, TWO_PI, 2 * math.hypot(target.X, target.Y) + 2))
         random = np.random.default_rng(seed)
         for _ in range(count):  # one by one: time may be up long before the last
             yield random.uniform(size=3) * largest * subproblem.mask
     else:
         prescribed = question.branch == subproblem.name
-        for point in _bearing(X, Y, subproblem, prescribed):
+        for point in _bearing(case, prescribed):
             yield np.array(point) * subproblem.mask
 
 
@@ -121,11 +116,11 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
     return question.branch != subproblem.name and bool(z[1] >= math.pi)
 
 
-def _bearing(
-    X: float, Y: float, subproblem: Subproblem, prescribed: bool
-) -> Iterator[tuple[float, float, float]]:
+def _bearing(case: Case, prescribed: bool) -> Iterator[tuple[float, float, float]]:
+    X, Y, _ = case.target
+    free = case.subproblem.free
     distance = max(math.hypot(X, Y), _SHORTEST)
-    if subproblem.free == (0, 1):
+    if free == (0, 1):
         facing = math.atan2(Y - 1, X) + math.pi / 2
         beyond = min(max(math.hypot(X, Y - 1) - 1, 0.0), 2.0)
         long = min(max(TWO_PI - beyond * math.pi / 2, _LEAST_SECOND), _LONGEST_SECOND)
@@ -133,11 +128,11 @@ def _bearing(
         for aside, second in arcs:
             yield (facing + aside) % TWO_PI, second, 0.0
         return
-    if subproblem.free == (0, 1, 2):
-        yield _toward(X, Y)
+    if free == (0, 1, 2):
+        yield _toward(case.target)
         return
     bearing = math.atan2(Y, X)
-    facing = (bearing if subproblem.free[0] == 0 else -bearing) % TWO_PI
+    facing = (bearing if free[0] == 0 else -bearing) % TWO_PI
     if min(facing, TWO_PI - facing) < _STRAIGHT:
         yield 0.0, 0.0, distance
         return
@@ -146,17 +141,18 @@ def _bearing(
         yield arc % TWO_PI, arc % TWO_PI, distance + 0.5
 
 
-def _toward(X: float, Y: float) -> tuple[float, float, float]:
+def _toward(target: Local) -> tuple[float, float, float]:
     """The shorter turn towards the target, then as far as it is away."""
-    bearing = math.atan2(Y, X)
-    return max(bearing, 0.0), max(-bearing, 0.0), max(math.hypot(X, Y), _SHORTEST)
+    bearing = math.atan2(target.Y, target.X)
+    return max(bearing, 0.0), max(-bearing, 0.0), max(math.hypot(target.X, target.Y), _SHORTEST)
 
 
-def _first(question: Question, word: Subproblem, mirrored: bool) -> FloatArray:
-    """The first guess of a word, in the order of turns LRS or, `mirrored`, RLS; shape (3,)."""
-    aim = target(question.scenario, word.mirrored)
-    point = np.array(next(_bearing(*aim, word, question.branch == word.name))) * word.mask
-    return point if mirrored == word.mirrored else point[[1, 0, 2]]
+def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
+    """The first guess of a word that a case holds, in the case's order of turns; shape (3,)."""
+    mirrored = case.subproblem.mirrored
+    of_word = case_of(word, case.target.mirrored if mirrored else case.target)
+    point = np.array(next(_bearing(of_word, prescribed))) * of_word.subproblem.mask
+    return point if mirrored == of_word.subproblem.mirrored else point[[1, 0, 2]]
 
 
 def _from_path(path: Path, subproblem: Subproblem) -> FloatArray:

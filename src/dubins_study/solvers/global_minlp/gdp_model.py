@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.minlp_engines.program import MixedProgram, Row, Written
+from dubins_study.solvers.minlp_engines.mixed_program import MixedProgram, Row, Written
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN

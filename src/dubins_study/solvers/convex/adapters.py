@@ -7,13 +7,14 @@ relative one; everything else is the maker's default.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, diags_array, eye_array, hstack, triu, vstack
 
-from dubins_study.solvers.answers import claim_of
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import Point, Problem, ProblemError
 from dubins_study.study.words import Claim
@@ -35,74 +36,20 @@ class Reply(NamedTuple):
     iterations: int | None = None
 
 
-Solve = Callable[[Ask], Reply]
+class Ended(NamedTuple):
+    """What a library returned, which has its status, with the point in it and its iterations."""
+
+    result: Any
+    point: Point | None = None
+    iterations: Any = None
 
 
-class Engine(NamedTuple):
-    """A library; cvxpy takes its options under the same names."""
-
-    label: str  # its name as its makers write it
-    package: str
-    tolerances: tuple[str, ...]
-    zeros: tuple[str, ...] = ()  # relative tolerances
-    seconds: str = ""  # the limit of time, where there is one
-    others: Mapping[str, Any] = MappingProxyType({})
-    cones: bool = False
-    least: float = 0.0  # tolerance that it takes
-
-    def options(self, ask: Ask) -> dict[str, Any]:
-        """Its options by their names."""
-        values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
-        values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
-        return values | ({self.seconds: ask.seconds} if self.seconds else {})
+class NotSolvedError(Exception):
+    """The interface returned nothing of the engine's; the message is its own."""
 
 
-_MANY = 10**7  # iterations: the time limit ends first
-_EPS = ("eps_abs",), ("eps_rel",)
-_GAPS = "eps_duality_gap_abs", "eps_duality_gap_rel"
-_FEASIBILITY = "primal_feasibility_tolerance", "dual_feasibility_tolerance"
-_TOLS = "tol_feas", "tol_gap_abs"
-
-
-# Where cvxpy has defaults of its own, the maker's stand here.
-ENGINES = {
-    "piqp": Engine("PIQP", "piqp", ("eps_abs", _GAPS[0]), ("eps_rel", _GAPS[1])),
-    "clarabel": Engine("Clarabel", "clarabel", _TOLS, ("tol_gap_rel",), "time_limit", cones=True),
-    "osqp": Engine(*("OSQP", "osqp", *_EPS, "time_limit"), {"max_iter": _MANY, "polishing": False}),
-    "scs": Engine("SCS", "scs", *_EPS, "time_limit_secs", {"max_iters": _MANY}, cones=True),
-    "highs": Engine(
-        *("HiGHS", "highspy", _FEASIBILITY, (), "time_limit"), {"threads": 1}, least=1e-10
-    ),
-    "proxqp": Engine("ProxQP", "proxsuite", *_EPS),
-    "qpalm": Engine(
-        *("QPALM", "qpalm", *_EPS, "time_limit"),
-        {"max_iter": _MANY, "eps_prim_inf": 1e-5, "eps_dual_inf": 1e-5},
-    ),
-    "ecos": Engine("ECOS", "ecos", ("feastol", "abstol"), others={"reltol": 1e-300}, cones=True),
-    # cvxpy does not hand its time limit over
-    "daqp": Engine(
-        *("DAQP", "daqp", ("primal_tol", "dual_tol"), (), "time_limit"), {"eps_prox": -1.0}
-    ),
-}
-
-# the status of what an engine returns, by its own interface or to cvxpy
-_STATUS: dict[str, Callable[[Any], Any]] = {
-    "piqp": lambda result: result.info.status.name,
-    "clarabel": lambda result: result.status,
-    "osqp": lambda result: result.info.status,
-    "scs": lambda result: result["info"]["status"],
-    "highs": lambda result: result["model_status"],
-    "proxqp": lambda result: result.info.status.name,
-    "qpalm": lambda result: result.info.status,
-    "ecos": lambda result: result["info"]["infostring"],
-    "daqp": lambda result: result[2],
-}
-
-
-def _reply(engine: str, result: Any, point: Point | None, iterations: int | None) -> Reply:
-    """An engine's reply, with the status of what it returned."""
-    status = str(_STATUS[engine](result))
-    return Reply(point, claim_of(engine, status), status, iterations)
+# a problem, prepared: from options by their names to the end of a run
+Prepared = Callable[[dict[str, Any]], Ended]
 
 
 class Conic(NamedTuple):
@@ -151,35 +98,45 @@ def _boxed(problem: Problem) -> tuple[Any, FloatArray, FloatArray]:
     return A, np.concatenate((problem.l, problem.lb)), np.concatenate((problem.u, problem.ub))
 
 
-def _point(problem: Problem, x: Any, multipliers: Any) -> Point:
+def _point(x: Any, y: Any, z: Any) -> Point:
+    """A point of a problem without cones."""
+    return Point(np.array(x), np.array(y), np.array(z), np.zeros(0))
+
+
+def _of_box(problem: Problem, x: Any, multipliers: Any) -> Point:
     """A point from the multipliers of `_boxed`."""
-    y, z = np.split(np.array(multipliers), (problem.l.size,))
-    return Point(np.array(x), y, z, np.zeros(0))
+    return _point(x, *np.split(np.array(multipliers), (problem.l.size,)))
 
 
-def piqp(problem: Problem) -> Solve:
+def _rows(problem: Problem, equations: Any, others: Any) -> FloatArray:
+    """The multipliers of the rows from those of the equations and those of the others."""
+    y = np.zeros(problem.l.size)
+    y[problem.equal] = equations
+    y[~problem.equal] = others
+    return y
+
+
+def piqp(problem: Problem) -> Prepared:
     import piqp as library
 
     equal, rows = problem.equal, ~problem.equal
     matrices = diags_array(problem.p), problem.A[equal], problem.A[rows]
     P, A, G = (csc_matrix(each) for each in matrices)
 
-    def solve(ask: Ask) -> Reply:
+    def solve(options: dict[str, Any]) -> Ended:
         solver = library.SparseSolver()
-        _set(solver.settings, ENGINES["piqp"].options(ask))
+        _set(solver.settings, options)
         ends = problem.l[rows], problem.u[rows], problem.lb, problem.ub
         solver.setup(P, problem.q, A, problem.u[equal], G, *ends)
         solver.solve()
         result = solver.result
-        y = np.zeros(problem.l.size)
-        y[equal], y[rows] = result.y, result.z_u - result.z_l
-        point = Point(np.array(result.x), y, result.z_bu - result.z_bl, np.zeros(0))
-        return _reply("piqp", result, point, int(result.info.iter))
+        y = _rows(problem, result.y, result.z_u - result.z_l)
+        return Ended(result, _point(result.x, y, result.z_bu - result.z_bl), result.info.iter)
 
     return solve
 
 
-def clarabel(problem: Problem) -> Solve:
+def clarabel(problem: Problem) -> Prepared:
     import clarabel as library
 
     form = conic(problem)
@@ -187,46 +144,43 @@ def clarabel(problem: Problem) -> Solve:
     cones = [library.ZeroConeT(form.zeros), library.NonnegativeConeT(form.positive)]
     cones += [library.SecondOrderConeT(size) for size in problem.cones.tolist()]
 
-    def solve(ask: Ask) -> Reply:
-        settings = _set(library.DefaultSettings(), ENGINES["clarabel"].options(ask))
+    def solve(options: dict[str, Any]) -> Ended:
+        settings = _set(library.DefaultSettings(), options)
         result = library.DefaultSolver(P, problem.q, form.A, form.b, cones, settings).solve()
-        point = form.back(np.array(result.x), np.array(result.z))
-        return _reply("clarabel", result, point, int(result.iterations))
+        return Ended(result, form.back(np.array(result.x), np.array(result.z)), result.iterations)
 
     return solve
 
 
-def osqp(problem: Problem) -> Solve:
+def osqp(problem: Problem) -> Prepared:
     import osqp as library
 
-    P, (A, low, high) = csc_matrix(diags_array(problem.p)), _boxed(problem)
+    P, box = csc_matrix(diags_array(problem.p)), _boxed(problem)
 
-    def solve(ask: Ask) -> Reply:
+    def solve(options: dict[str, Any]) -> Ended:
         solver = library.OSQP()
-        solver.setup(P, problem.q, A, low, high, verbose=False, **ENGINES["osqp"].options(ask))
+        solver.setup(P, problem.q, *box, verbose=False, **options)
         result = solver.solve(raise_error=False)
-        point = _point(problem, result.x, result.y)
-        return _reply("osqp", result, point, int(result.info.iter))
+        return Ended(result, _of_box(problem, result.x, result.y), result.info.iter)
 
     return solve
 
 
-def scs(problem: Problem) -> Solve:
+def scs(problem: Problem) -> Prepared:
     import scs as library
 
     form = conic(problem)
     cone = {"z": form.zeros, "l": form.positive, "q": problem.cones.tolist()}
     data = {"P": triu(form.P, format="csc"), "A": form.A, "b": form.b, "c": problem.q}
 
-    def solve(ask: Ask) -> Reply:
-        result = library.SCS(data, cone, verbose=False, **ENGINES["scs"].options(ask)).solve()
-        point = form.back(result["x"], result["y"])
-        return _reply("scs", result, point, int(result["info"]["iter"]))
+    def solve(options: dict[str, Any]) -> Ended:
+        result = library.SCS(data, cone, verbose=False, **options).solve()
+        return Ended(result, form.back(result["x"], result["y"]), result["info"]["iter"])
 
     return solve
 
 
-def highs(problem: Problem) -> Solve:
+def highs(problem: Problem) -> Prepared:
     import highspy as library
 
     model, A = library.HighsModel(), csc_matrix(problem.A)
@@ -240,25 +194,24 @@ def highs(problem: Problem) -> Solve:
     hessian.dim_, hessian.format_ = problem.q.size, library.HessianFormat.kTriangular
     hessian.start_, hessian.index_, hessian.value_ = P.indptr, P.indices, P.data
 
-    def solve(ask: Ask) -> Reply:
+    def solve(options: dict[str, Any]) -> Ended:
         solver = library.Highs()
         solver.silent()
-        for name, value in ENGINES["highs"].options(ask).items():
+        for name, value in options.items():
             solver.setOptionValue(name, value)
         solver.passModel(model)
         solver.run()
         ended = {"model_status": solver.getModelStatus().name}
         result, info = solver.getSolution(), solver.getInfo()
         if not (result.value_valid and result.dual_valid):
-            return _reply("highs", ended, None, None)
-        y, z = -np.array(result.row_dual), -np.array(result.col_dual)
-        point = Point(np.array(result.col_value), y, z, np.zeros(0))
-        return _reply("highs", ended, point, max(0, int(info.qp_iteration_count)))
+            return Ended(ended)
+        duals = -np.array(result.row_dual), -np.array(result.col_dual)
+        return Ended(ended, _point(result.col_value, *duals), max(0, info.qp_iteration_count))
 
     return solve
 
 
-def proxqp(problem: Problem) -> Solve:
+def proxqp(problem: Problem) -> Prepared:
     from proxsuite import proxqp as library
 
     equal, n = problem.equal, problem.q.size
@@ -267,21 +220,19 @@ def proxqp(problem: Problem) -> Solve:
     low = np.concatenate((problem.l[~equal], problem.lb))
     high = np.concatenate((problem.u[~equal], problem.ub))
 
-    def solve(ask: Ask) -> Reply:
+    def solve(options: dict[str, Any]) -> Ended:
         solver = library.sparse.QP(n, A.shape[0], C.shape[0])
-        _set(solver.settings, ENGINES["proxqp"].options(ask))
+        _set(solver.settings, options)
         solver.init(P, problem.q, A, problem.u[equal], C, low, high)
         solver.solve()
         result = solver.results
-        y = np.zeros(problem.l.size)
-        y[equal], y[~equal] = result.y, result.z[:-n]
-        point = Point(np.array(result.x), y, np.array(result.z[-n:]), np.zeros(0))
-        return _reply("proxqp", result, point, int(result.info.iter))
+        y = _rows(problem, result.y, result.z[:-n])
+        return Ended(result, _point(result.x, y, result.z[-n:]), result.info.iter)
 
     return solve
 
 
-def qpalm(problem: Problem) -> Solve:
+def qpalm(problem: Problem) -> Prepared:
     import qpalm as library
 
     A, low, high = _boxed(problem)
@@ -289,16 +240,16 @@ def qpalm(problem: Problem) -> Solve:
     data.Q, data.q = triu(diags_array(problem.p), format="csc"), problem.q
     data.A, data.bmin, data.bmax = A, low, high
 
-    def solve(ask: Ask) -> Reply:
-        solver = library.Solver(data, _set(library.Settings(), ENGINES["qpalm"].options(ask)))
+    def solve(options: dict[str, Any]) -> Ended:
+        solver = library.Solver(data, _set(library.Settings(), options))
         solver.solve()
-        point = _point(problem, solver.solution.x, solver.solution.y)
-        return _reply("qpalm", solver, point, int(solver.info.iter))
+        point = _of_box(problem, solver.solution.x, solver.solution.y)
+        return Ended(solver, point, solver.info.iter)
 
     return solve
 
 
-def ecos(problem: Problem) -> Solve:
+def ecos(problem: Problem) -> Prepared:
     """The quadratic term becomes a cone: sum p x^2 <= 2 v, with v in its place in the objective."""
     import ecos as library
 
@@ -316,19 +267,17 @@ def ecos(problem: Problem) -> Solve:
     equations = (csc_matrix(rows[:zeros]), ends[:zeros]) if zeros else (None, None)
     G, h, cost = csc_matrix(rows[zeros:]), ends[zeros:], np.append(problem.q, 1.0)
 
-    def solve(ask: Ask) -> Reply:
-        result = library.solve(
-            cost, G, h, dims, *equations, verbose=False, **ENGINES["ecos"].options(ask)
-        )
+    def solve(options: dict[str, Any]) -> Ended:
+        result = library.solve(cost, G, h, dims, *equations, verbose=False, **options)
         y = result["y"] if zeros else np.zeros(0)
         multipliers = np.concatenate((y, result["z"][: h.size - 2 - some.size]))
         point = form.back(result["x"][:-1], multipliers)
-        return _reply("ecos", result, point, int(result["info"]["iter"]))
+        return Ended(result, point, result["info"]["iter"])
 
     return solve
 
 
-def daqp(problem: Problem) -> Solve:
+def daqp(problem: Problem) -> Prepared:
     """The matrices are dense."""
     import daqp as library
 
@@ -337,18 +286,16 @@ def daqp(problem: Problem) -> Solve:
     low = np.concatenate((problem.lb, problem.l))
     sense = np.where(high == low, 5, 0).astype(np.int32)  # 5: an equation
 
-    def solve(ask: Ask) -> Reply:
-        options = ENGINES["daqp"].options(ask)
+    def solve(options: dict[str, Any]) -> Ended:
         result = library.solve(P, problem.q, A, high, low, sense, **options)
         x, _, _, info = result
         z, y = np.split(np.array(info["lam"]), (n,))
-        point = Point(np.array(x), y, z, np.zeros(0))
-        return _reply("daqp", result, point, info["iterations"])
+        return Ended(result, _point(x, y, z), info["iterations"])
 
     return solve
 
 
-def through_cvxpy(engine: str, problem: Problem) -> Solve:
+def through_cvxpy(engine: str, problem: Problem) -> Prepared:
     """The problem stated in cvxpy, as a function that compiles and solves it."""
     import cvxpy as cp
 
@@ -371,37 +318,156 @@ def through_cvxpy(engine: str, problem: Problem) -> Solve:
     stated = cp.Problem(cp.Minimize(cp.quad_form(x, P) / 2 + problem.q @ x), [*rows, *cones])
     back = conic(problem).back  # its rows are those of cvxpy's
 
-    def solve(ask: Ask) -> Reply:
+    def solve(options: dict[str, Any]) -> Ended:
         """As `stated.solve`, which does not tell the engine's own status."""
-        options = ENGINES[engine].options(ask)
         data, chain, inverse = stated.get_problem_data(engine.upper(), solver_opts=options)
         try:
             result = chain.solve_via_data(stated, data, solver_opts=options)
         except cp.error.SolverError as error:
-            return Reply(None, Claim.FAILED, str(error))
+            raise NotSolvedError(str(error)) from None
         try:
             stated.unpack_results(result, chain, inverse)
         except cp.error.SolverError:
-            return _reply(engine, result, None, None)
+            return Ended(result)
         if x.value is None or any(row.dual_value is None for row in (*rows, *cones)):
-            return _reply(engine, result, None, None)
+            return Ended(result)
         duals = [row.dual_value for row in rows]
         duals += [part for cone in cones for part in cone.dual_value]
         point = back(x.value, np.concatenate([np.ravel(part) for part in duals]))
-        return _reply(engine, result, point, stated.solver_stats.num_iters)
+        return Ended(result, point, stated.solver_stats.num_iters)
 
     return solve
 
 
-# by their own interfaces
-NATIVE: dict[str, Callable[[Problem], Solve]] = {
-    **{"piqp": piqp, "clarabel": clarabel, "osqp": osqp, "scs": scs, "highs": highs},
-    **{"proxqp": proxqp, "qpalm": qpalm, "ecos": ecos, "daqp": daqp},
+class Engine(NamedTuple):
+    """A library; cvxpy takes its options under the same names."""
+
+    label: str  # its name as its makers write it
+    package: str
+    own: Callable[[Problem], Prepared]  # its adapter by its own interface
+    # the status of what it returns, by its own interface or to cvxpy
+    status: Callable[[Any], Any]
+    tolerances: tuple[str, ...]
+    zeros: tuple[str, ...] = ()  # relative tolerances
+    seconds: str = ""  # the limit of time, where there is one
+    others: Mapping[str, Any] = MappingProxyType({})
+    cones: bool = False
+    least: float = 0.0  # tolerance that it takes
+
+    def options(self, ask: Ask) -> dict[str, Any]:
+        """Its options by their names."""
+        values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
+        values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
+        return values | ({self.seconds: ask.seconds} if self.seconds else {})
+
+
+_MANY = 10**7  # iterations: the time limit ends first
+_INFO_STATUS = attrgetter("info.status")
+_INFO_STATUS_NAME = attrgetter("info.status.name")
+
+# Where cvxpy has defaults of its own, the maker's stand here.
+ENGINES = {
+    "piqp": Engine(
+        "PIQP",
+        "piqp",
+        piqp,
+        _INFO_STATUS_NAME,
+        tolerances=("eps_abs", "eps_duality_gap_abs"),
+        zeros=("eps_rel", "eps_duality_gap_rel"),
+    ),
+    "clarabel": Engine(
+        "Clarabel",
+        "clarabel",
+        clarabel,
+        attrgetter("status"),
+        tolerances=("tol_feas", "tol_gap_abs"),
+        zeros=("tol_gap_rel",),
+        seconds="time_limit",
+        cones=True,
+    ),
+    "osqp": Engine(
+        "OSQP",
+        "osqp",
+        osqp,
+        _INFO_STATUS,
+        tolerances=("eps_abs",),
+        zeros=("eps_rel",),
+        seconds="time_limit",
+        others={"max_iter": _MANY, "polishing": False},
+    ),
+    "scs": Engine(
+        "SCS",
+        "scs",
+        scs,
+        lambda result: result["info"]["status"],
+        tolerances=("eps_abs",),
+        zeros=("eps_rel",),
+        seconds="time_limit_secs",
+        others={"max_iters": _MANY},
+        cones=True,
+    ),
+    "highs": Engine(
+        "HiGHS",
+        "highspy",
+        highs,
+        lambda result: result["model_status"],
+        tolerances=("primal_feasibility_tolerance", "dual_feasibility_tolerance"),
+        seconds="time_limit",
+        others={"threads": 1},
+        least=1e-10,
+    ),
+    "proxqp": Engine(
+        "ProxQP",
+        "proxsuite",
+        proxqp,
+        _INFO_STATUS_NAME,
+        tolerances=("eps_abs",),
+        zeros=("eps_rel",),
+    ),
+    "qpalm": Engine(
+        "QPALM",
+        "qpalm",
+        qpalm,
+        _INFO_STATUS,
+        tolerances=("eps_abs",),
+        zeros=("eps_rel",),
+        seconds="time_limit",
+        others={"max_iter": _MANY, "eps_prim_inf": 1e-5, "eps_dual_inf": 1e-5},
+    ),
+    "ecos": Engine(
+        "ECOS",
+        "ecos",
+        ecos,
+        lambda result: result["info"]["infostring"],
+        tolerances=("feastol", "abstol"),
+        others={"reltol": 1e-300},
+        cones=True,
+    ),
+    "daqp": Engine(
+        "DAQP",
+        "daqp",
+        daqp,
+        lambda result: result[2],
+        tolerances=("primal_tol", "dual_tol"),
+        seconds="time_limit",  # which cvxpy does not hand over
+        others={"eps_prox": -1.0},
+    ),
 }
 
 
-def prepare(engine: str, interface: str, problem: Problem) -> Solve:
+def prepare(engine: str, interface: str, problem: Problem) -> Callable[[Ask], Reply]:
     """The problem in an interface's form, as a function that solves it."""
-    if problem.cones.size and not ENGINES[engine].cones:
-        raise ProblemError(f"{ENGINES[engine].label} takes no cones; expected a QP")
-    return through_cvxpy(engine, problem) if interface == "cvxpy" else NATIVE[engine](problem)
+    table = ENGINES[engine]
+    if problem.cones.size and not table.cones:
+        raise ProblemError(f"{table.label} takes no cones; expected a QP")
+    prepared = through_cvxpy(engine, problem) if interface == "cvxpy" else table.own(problem)
+
+    def solve(ask: Ask) -> Reply:
+        try:
+            ended = prepared(table.options(ask))
+        except NotSolvedError as error:
+            return Reply(None, Claim.FAILED, str(error))
+        status = str(table.status(ended.result))
+        return Reply(ended.point, claim_of(engine, status), status, ended.iterations)
+
+    return solve

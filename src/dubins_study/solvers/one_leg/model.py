@@ -10,15 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.course import path_of
 from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Question
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -63,19 +65,54 @@ def formulation(model: str, order: str) -> str:
     return f"joint NLP, {orders}" if model == "joint" else "one NLP a word"
 
 
-def subproblems(
-    question: Question, model: str, order: str, presolve: bool = False
-) -> list[Subproblem]:
-    """The subproblems to solve for a question: its word, or for `best` those of the settings."""
-    joint = model == "joint" and question.branch == "best"
-    chosen = ORDERS[order] if joint else words(question, presolve)
-    return [SUBPROBLEMS[name] for name in chosen]
+class Case(NamedTuple):
+    """A subproblem, and its target in the subproblem's order of turns, in radii.
+
+    `unit` is the length of a radius in the unit in which the model is posed; with `capped`, no arc
+    is longer than a full turn.
+    """
+
+    subproblem: Subproblem
+    target: Local
+    capped: bool = True
+    unit: float = 1.0
+
+    @property
+    def upper(self) -> FloatArray:
+        """Upper bounds of z, shape (3,), in radii."""
+        return _upper(self.subproblem, self.capped)
 
 
-def target(scenario: Scenario, mirrored: bool) -> tuple[float, float]:
-    """Target of a subproblem: in body coordinates, unit radius, mirrored if the order is RLS."""
-    X, Y = scenario.local()
-    return (X, -Y) if mirrored else (X, Y)
+@cache
+def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
+    # A path with a full turn in it is never shortest, so the cap, which the paper does not have,
+    # removes local minima and no optimum (docs/derivation.md, section 7).
+    arc = TWO_PI if capped else math.inf
+    return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
+
+
+def case_of(name: str, target: Local) -> Case:
+    """A subproblem by its name, with a target in body coordinates."""
+    subproblem = SUBPROBLEMS[name]
+    return Case(subproblem, target.mirrored if subproblem.mirrored else target)
+
+
+class PosedLeg(NamedTuple):
+    """A question about one leg, its target in body coordinates, and the cases to solve."""
+
+    question: Question
+    target: Local
+    cases: list[Case]
+
+
+def posed_leg(question: Question, model: str, order: str, presolve: bool = False) -> PosedLeg:
+    """The question with its word as the only case, or for `best` those of the settings."""
+    target = local(question.scenario)
+    if model == "joint" and question.branch == "best":
+        chosen = ORDERS[order]
+    else:
+        chosen = words(question.branch, target, presolve)
+    return PosedLeg(question, target, [case_of(name, target) for name in chosen])
 
 
 # z1, z2, z3 (radii)

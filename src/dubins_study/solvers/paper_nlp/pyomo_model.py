@@ -1,7 +1,4 @@
-"""Cases of the paper's model (4.12) as programs for NLP engines, and in Pyomo's terms.
-
-The programs have the free lengths alone; KNITRO and AMPL's solvers read Pyomo's model.
-"""
+"""Cases of the paper's model (4.12) in Pyomo: for Ipopt, for KNITRO, and for what AMPL calls."""
 
 from __future__ import annotations
 
@@ -11,108 +8,25 @@ import shutil
 import signal
 import subprocess
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.answers import claim_of
-from dubins_study.solvers.nlp_engines.program import (
-    DeferredExpressions,
-    EngineResult,
-    Expressions,
-    Functions,
-    NlpCall,
-    Program,
-    no_point,
-)
-from dubins_study.solvers.paper_nlp.local_nlp import Case
-from dubins_study.solvers.paper_nlp.model import end_point, equations, hessian, jacobian
+from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
+from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
+from dubins_study.solvers.one_leg.model import Case
+from dubins_study.solvers.runs import EngineResult, no_point
+from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
-
-def program(case: Case) -> Program:
-    """The program of a case.
-
-    Its variables are the free lengths in the case's unit, shape (n,), its parameters the target (X,
-    Y), and the radius where the unit is another.
-    """
-    X, Y = case.target
-    subproblem, unit = case.subproblem, case.unit
-    upper, lower = case.upper[subproblem.mask], np.zeros(len(subproblem.free))
-    if unit == 1.0:
-        posed = expressions(subproblem.free), np.array((X, Y)), lower, upper
-        return Program(*posed, _written_in_radii(case), math.hypot(X, Y))
-    posed = expressions(subproblem.free, True), unit * np.array((X, Y, 1.0)), lower, unit * upper
-    return Program(*posed, _written(case), unit * math.hypot(X, Y))
-
-
-def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:
-    """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
-    free = list(case.subproblem.free)
-    result = engine(program(case), case.unit * guess[free], seconds)
-    return result._replace(x=_point(result.x if case.unit == 1.0 else result.x / case.unit, free))
-
-
-@cache
-def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
-    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`."""
-
-    def write() -> Expressions:
-        import casadi
-
-        x = casadi.SX.sym("z", len(free))
-        p = casadi.SX.sym("p", 3 if scaled else 2)
-        R = p[2] if scaled else casadi.SX(1)
-        z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
-        x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
-        return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
-
-    return DeferredExpressions(write)
-
-
-def _written_in_radii(case: Case) -> Functions:
-    """The functions written by hand, for the unit of one radius."""
-    X, Y = case.target
-    free = case.subproblem.free
-    ones = np.ones(len(free))
-    places = slice(free[0], free[-1] + 1, free[1] - free[0])
-
-    def lengths(z: FloatArray) -> list[float]:
-        """All three, as Python's own numbers, with which sums are five times as quick."""
-        full = [0.0, 0.0, 0.0]
-        full[places] = z.tolist()
-        return full
-
-    return Functions(
-        lambda z: sum(z.tolist()),
-        lambda z: ones,
-        lambda z: equations(lengths(z), X, Y),
-        lambda z: jacobian(lengths(z))[:, places],
-        lambda z, weights: hessian(lengths(z), weights)[places, places],
-    )
-
-
-def _written(case: Case) -> Functions:
-    """The same functions, their variables and equations in another unit."""
-    unit, radii = case.unit, _written_in_radii(case)
-    return Functions(
-        radii.objective,
-        radii.gradient,
-        lambda z: unit * radii.equations(z / unit),
-        lambda z: radii.jacobian(z / unit),
-        lambda z, weights: radii.hessian(z / unit, weights) / unit,
-    )
-
-
-def _point(z: FloatArray, free: list[int]) -> FloatArray:
-    """All three lengths, or three NaN where the engine returned no point."""
-    full = np.full(3, np.nan if np.isnan(z).all() else 0.0)
-    full[free] = z
-    return full
+# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the end of the run,
+# whose point is z and whose duals are those of the two equations
+Adapter = Callable[[Case, FloatArray, float], EngineResult]
 
 
 def pyomo_model(units: str = "radius") -> Any:
@@ -137,6 +51,33 @@ def pyomo_model(units: str = "radius") -> Any:
     return m
 
 
+@lru_cache(maxsize=64)
+def ipopt_in_pyomo(options: tuple[tuple[str, Any], ...], units: str) -> Adapter:
+    """Ipopt on Pyomo's model, whose NL file is written once.
+
+    The target is two variables, and the radius one more in the scenario's `units`, that each case
+    fixes through their bounds.
+    """
+    model = pyomo_model(units)
+    scaled = units == "scenario"
+    data = [model.X, model.Y]
+    if scaled:
+        data.append(model.R)
+    program = PyomoProgram(model, list(model.z.values()), data, [model.x_end, model.y_end])
+    ask = asked(program, nlpsol(dict(options), "ipopt"), native=True)
+    lower = np.zeros(3)
+
+    def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
+        unit = case.unit
+        data = [unit * case.target.X, unit * case.target.Y]
+        if scaled:
+            data.append(unit)
+        result = ask(unit * guess, np.array(data), lower, unit * case.upper, seconds)
+        return result._replace(x=result.x / unit)
+
+    return run
+
+
 # One model serves all subproblems: everything that differs between them is set anew.
 _shared_model = cache(pyomo_model)
 
@@ -148,8 +89,8 @@ def posed(case: Case, guess: FloatArray) -> Any:
         z.setub(case.upper[i] if math.isfinite(case.upper[i]) else None)
         z.set_value(guess[i], skip_validation=True)
         z.fixed = i not in case.subproblem.free
-    model.X.fix(case.target[0])
-    model.Y.fix(case.target[1])
+    model.X.fix(case.target.X)
+    model.Y.fix(case.target.Y)
     return model
 
 

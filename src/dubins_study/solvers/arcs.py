@@ -63,7 +63,7 @@ def most_turn(course: Course, n: int, equal: bool) -> float:
     """The largest turn (rad) of one of the n elements of a leg."""
     if equal:
         return MOST_TURN_EACH
-    return (3 if course.free_leg else 4) * math.pi / n
+    return (4 if course.target is None else 3) * math.pi / n
 
 
 class Rates(NamedTuple):

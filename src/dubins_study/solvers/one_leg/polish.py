@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.paper_nlp.model import SUBPROBLEMS, equations, jacobian, target
+from dubins_study.solvers.one_leg.model import Case, case_of, equations, jacobian
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import EPS, local
+from dubins_study.study.body_coordinates import EPS, Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
@@ -39,7 +39,7 @@ class Polished(NamedTuple):
 
 
 def meet_target(
-    scenario: Scenario, words: tuple[str, ...], word: str, z: FloatArray
+    scenario: Scenario, target: Local, words: tuple[str, ...], word: str, z: FloatArray
 ) -> tuple[str, Polished]:
     """A solver's point made to meet the target, and its word.
 
@@ -47,12 +47,13 @@ def meet_target(
     not each can be made to meet it: if the solver's `word` cannot, the others are tried. z, shape
     (3,), is how far the point turns to the left and to the right (rad), then goes straight.
     """
-    X, Y = scenario.local()
-    rounding = 8 * EPS * (1 + math.hypot(X, Y) + scenario.extent / scenario.radius)
+    distance = math.hypot(target.X, target.Y)
+    rounding = 8 * EPS * (1 + distance + scenario.extent / scenario.radius)
     first = None
     for name in (word, *(other for other in words if other != word)):
-        mirrored = SUBPROBLEMS[name].mirrored
-        point, miss = polish(name, z[[1, 0, 2]] if mirrored else z, *target(scenario, mirrored))
+        case = case_of(name, target)
+        turns = z[[1, 0, 2]] if case.subproblem.mirrored else z
+        point, miss = polish(case, turns)
         polished = Polished(point, miss, miss <= rounding)
         if polished.meets and abs(point.sum() - z.sum()) <= _NEAR * (1 + z.sum()):
             return name, polished
@@ -61,7 +62,7 @@ def meet_target(
     return word, first
 
 
-def one_sided_only(question: Question, path: Path) -> str | None:
+def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
     """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
 
     It may go straight first, and so enter the turning circle, which no path of the word does. So
@@ -70,36 +71,36 @@ def one_sided_only(question: Question, path: Path) -> str | None:
     scenario, word = question.scenario, question.branch
     if word not in ("LS", "RS"):
         return None
-    free, turn = list(SUBPROBLEMS[word].free), abs(path.turn)
+    case, turn = case_of(word, target), abs(path.turn)
+    free = list(case.subproblem.free)
     straight = path.length / scenario.radius - turn
     end = path.end
     missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
     arcs = turn % TWO_PI, min(turn, TWO_PI)  # either side of a full turn
     # within delta of the target the word may exist; EPS is the rounding of the word's own end
-    allowed = max(missed + EPS, local(scenario).delta)
+    allowed = max(missed + EPS, target.delta)
     least = math.inf
     # On the circle, without a straight, the equations are singular: begin a little outside as well.
     for arc, outside in product(arcs, (0.0, _OUTSIDE)):
         moved = min(outside, arc / 2)
         z = np.zeros(3)
         z[free] = arc - moved, straight + moved
-        least = min(least, polish(word, z, *target(scenario, mirrored=False))[1])
+        least = min(least, polish(case, z)[1])
         if least <= allowed:
             return None
     return f"turning to one side arrives, but {word} itself misses by {least:.1e} radii"
 
 
-def polish(word: str, z: FloatArray, X: float, Y: float) -> tuple[FloatArray, float]:
-    """The point of a word near z whose end is nearest to the target, and its miss (radii).
+def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:
+    """The point of a case near z whose end is nearest to the target, and its miss (radii).
 
     Newton's step on the two equations, or the shortest least squares step, cut to the lengths that
-    the word allows and halved until it gains. z, shape (3,), is in the word's own order of turns,
-    the target (X, Y) in the word's frame (mirrored for `RL`).
+    the case allows and halved until it gains. z, shape (3,), is in the case's own order of turns.
     """
-    subproblem = SUBPROBLEMS[word]
-    free = list(subproblem.free)
-    upper = np.array((TWO_PI, TWO_PI, math.inf))[free]
-    at = np.clip(np.where(subproblem.mask, z, 0.0), 0.0, (TWO_PI, TWO_PI, math.inf))
+    X, Y, _ = case.target
+    free = list(case.subproblem.free)
+    upper = case.upper[free]
+    at = np.clip(z, 0.0, case.upper)
     residual = equations(at, X, Y)
     for _ in range(_STEPS):
         step = np.linalg.lstsq(jacobian(at)[:, free], -residual, rcond=None)[0]

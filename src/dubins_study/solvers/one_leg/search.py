@@ -1,0 +1,63 @@
+"""Runs of an engine on the cases of a question, and the answer of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from dubins_study.solvers.course import in_world
+from dubins_study.solvers.one_leg.initial_guesses import suffices
+from dubins_study.solvers.one_leg.model import Case, PosedLeg, as_path, case_of, equations
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent, timed
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.words import Claim
+
+
+def attempts(
+    question: Question,
+    case: Case,
+    kind: str,
+    guesses: Iterable[FloatArray],
+    solve: Callable[[FloatArray, float], EngineResult],
+) -> Attempts[FloatArray, FloatArray]:
+    """Runs of `solve` from the guesses of a kind, until one `suffices`; a point is z."""
+
+    def length(z: FloatArray) -> float:
+        return float(z.sum())
+
+    def enough(run: Run[FloatArray]) -> bool:
+        return suffices(question, case.subproblem, kind, run.point)
+
+    return Attempts(guesses, timed(case.subproblem.name, solve, length), enough)
+
+
+def choose(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
+    """The answer of all runs (`runs.settled`)."""
+    if not runs:
+        return Solution(Claim.LIMIT, message="no time to begin")
+    scenario = posed.question.scenario
+
+    def residual(run: Run[FloatArray]) -> float:
+        X, Y, _ = case_of(run.subproblem, posed.target).target
+        return float(np.abs(equations(run.point, X, Y)).sum())
+
+    best, claim = settled(runs, residual)
+    subproblem = case_of(best.subproblem, posed.target).subproblem
+    duals = best.result.duals
+    multipliers = None
+    if duals is not None:
+        sides = (1, -1) if subproblem.mirrored else (1, 1)
+        multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
+    # a point that its engine calls infeasible is no path, and some engines return no numbers when
+    # they fail
+    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.point).all())
+    return Solution(
+        claim,
+        path=None if pathless else as_path(scenario, subproblem, best.point),
+        claimed_length=best.length * scenario.radius if claim is Claim.LOCAL else None,
+        multipliers=multipliers,
+        message=f"{best.subproblem}: {best.result.message}",
+        **spent(runs, best),
+    )

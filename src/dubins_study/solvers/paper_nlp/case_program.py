@@ -1,0 +1,100 @@
+"""Cases of the paper's model (4.12) as programs for NLP engines, in the free lengths alone."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+from dubins_study.solvers.nlp_engines.program import (
+    DeferredExpressions,
+    Expressions,
+    Functions,
+    NlpCall,
+    Program,
+)
+from dubins_study.solvers.one_leg.model import Case, end_point, equations, hessian, jacobian
+from dubins_study.solvers.runs import EngineResult
+from dubins_study.study.arrays import FloatArray
+
+
+def program(case: Case) -> Program:
+    """The program of a case.
+
+    Its variables are the free lengths in the case's unit, shape (n,), its parameters the target (X,
+    Y), and the radius where the unit is another.
+    """
+    X, Y, _ = case.target
+    subproblem, unit = case.subproblem, case.unit
+    upper, lower = case.upper[subproblem.mask], np.zeros(len(subproblem.free))
+    if unit == 1.0:
+        posed = expressions(subproblem.free), np.array((X, Y)), lower, upper
+        return Program(*posed, _written_in_radii(case), math.hypot(X, Y))
+    posed = expressions(subproblem.free, True), unit * np.array((X, Y, 1.0)), lower, unit * upper
+    return Program(*posed, _written(case), unit * math.hypot(X, Y))
+
+
+def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:
+    """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
+    free = list(case.subproblem.free)
+    result = engine(program(case), case.unit * guess[free], seconds)
+    return result._replace(x=_point(result.x if case.unit == 1.0 else result.x / case.unit, free))
+
+
+@cache
+def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
+    """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`."""
+
+    def write() -> Expressions:
+        import casadi
+
+        x = casadi.SX.sym("z", len(free))
+        p = casadi.SX.sym("p", 3 if scaled else 2)
+        R = p[2] if scaled else casadi.SX(1)
+        z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
+        x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
+        return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
+
+    return DeferredExpressions(write)
+
+
+def _written_in_radii(case: Case) -> Functions:
+    """The functions written by hand, for the unit of one radius."""
+    X, Y, _ = case.target
+    free = case.subproblem.free
+    ones = np.ones(len(free))
+    places = slice(free[0], free[-1] + 1, free[1] - free[0])
+
+    def lengths(z: FloatArray) -> list[float]:
+        """All three, as Python's own numbers, with which sums are five times as quick."""
+        full = [0.0, 0.0, 0.0]
+        full[places] = z.tolist()
+        return full
+
+    return Functions(
+        lambda z: sum(z.tolist()),
+        lambda z: ones,
+        lambda z: equations(lengths(z), X, Y),
+        lambda z: jacobian(lengths(z))[:, places],
+        lambda z, weights: hessian(lengths(z), weights)[places, places],
+    )
+
+
+def _written(case: Case) -> Functions:
+    """The same functions, their variables and equations in another unit."""
+    unit, radii = case.unit, _written_in_radii(case)
+    return Functions(
+        radii.objective,
+        radii.gradient,
+        lambda z: unit * radii.equations(z / unit),
+        lambda z: radii.jacobian(z / unit),
+        lambda z, weights: radii.hessian(z / unit, weights) / unit,
+    )
+
+
+def _point(z: FloatArray, free: list[int]) -> FloatArray:
+    """All three lengths, or three NaN where the engine returned no point."""
+    full = np.full(3, np.nan if np.isnan(z).all() else 0.0)
+    full[free] = z
+    return full

@@ -1,0 +1,186 @@
+"""Runs of engines, and the answer that several give together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from time import perf_counter
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from dubins_study.solvers.protocol import Solution
+from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import Local
+from dubins_study.study.path import Path
+from dubins_study.study.rows.schema import Effort
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import ARRIVES
+from dubins_study.study.words import Claim
+
+Point = TypeVar("Point")
+Guess = TypeVar("Guess")
+
+
+class EngineResult(NamedTuple):
+    """The end of one run of an engine.
+
+    x, shape (n,), is NaN where the engine returns no point. With the duals, shape (m,), f + duals g
+    is stationary in the free variables. Evaluations are those of the equations (or of the
+    objective, if more), not of derivatives.
+    """
+
+    x: FloatArray
+    claim: Claim
+    duals: FloatArray | None = None
+    iterations: int | None = None
+    evaluations: int | None = None
+    status: str = ""
+    message: str = ""
+
+
+def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
+    """The end of a run that returned no point of the n variables, and counts nothing."""
+    return EngineResult(np.full(n, np.nan), claim, status=status, message=message)
+
+
+class Run(NamedTuple, Generic[Point]):
+    """One run of an engine on a subproblem: how it ended, what it cost, where its path leads."""
+
+    subproblem: str
+    seconds: float
+    result: EngineResult  # its duals, if any, begin or end with those of the end point
+    point: Point  # from which the formulation makes the path
+    length: float = math.inf  # radii; infinite without a path
+    miss: float = math.inf  # radii
+    bound: float = -math.inf  # radii: what the engine proves of the length
+
+    @property
+    def claim(self) -> Claim:
+        """What the engine claims."""
+        return self.result.claim
+
+    @property
+    def effort(self) -> Effort:
+        """What the run cost."""
+        return Effort(self.subproblem, 1, self.result.evaluations, self.seconds)
+
+
+def timed(
+    subproblem: str,
+    solve: Callable[[Guess, float], EngineResult],
+    length: Callable[[FloatArray], float],
+) -> Callable[[Guess, float], Run[FloatArray]]:
+    """Runs of `solve`, which takes the seconds left, until a time (s, on `perf_counter`).
+
+    The point is the engine's own; `length` is that of its path, in radii.
+    """
+
+    def run(guess: Guess, until: float) -> Run[FloatArray]:
+        began = perf_counter()
+        result = solve(guess, until - began)
+        seconds = perf_counter() - began
+        return Run(subproblem, seconds, result, result.x, length=length(result.x))
+
+    return run
+
+
+class Attempts(NamedTuple, Generic[Guess, Point]):
+    """One subproblem, and the initial guesses to solve it from in turn, computed one by one."""
+
+    guesses: Iterable[Guess]
+    solve: Callable[[Guess, float], Run[Point]]  # until a time (s, on `perf_counter`)
+    enough: Callable[[Run[Point]], bool]  # whether a solution leaves no reason to try another guess
+
+
+def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[Point]]:
+    """The runs on all subproblems; none begins when the time is up.
+
+    Each subproblem has an equal share of the time that is left: some engines never end on a word
+    that has no path, and would leave nothing for the others.
+    """
+    runs: list[Run[Point]] = []
+    every = list(attempts)
+    for left, (guesses, solve, enough) in zip(range(len(every), 0, -1), every, strict=True):
+        began = perf_counter()
+        end = began + (until - began) / left
+        for guess in guesses:
+            if perf_counter() > end:
+                break
+            runs.append(solve(guess, end))
+            if runs[-1].claim is Claim.LOCAL and enough(runs[-1]):
+                break
+    return runs
+
+
+def best_of(arrived: Sequence[Run[Point]], others: Iterable[Run[Point]]) -> Run[Point]:
+    """The shortest run that arrived; if none did, the one that ends nearest to the target."""
+    if arrived:
+        return min(arrived, key=lambda run: run.length)
+    return min(others, key=lambda run: run.miss)
+
+
+def settled(
+    runs: Sequence[Run[Point]], miss: Callable[[Run[Point]], float]
+) -> tuple[Run[Point], Claim]:
+    """The shortest run that is a solution to its engine, and that claim.
+
+    If there is none: the run that misses least, and the claim that all share, or `failed`. What is
+    feasible to the engine's tolerance but passes the points by is no path, and has failed too.
+    """
+    solved = [run for run in runs if run.claim is Claim.LOCAL]
+    if solved:
+        return best_of(solved, ()), Claim.LOCAL
+    missed = (miss(run) for run in runs)
+    known = zip(runs, (each if math.isfinite(each) else math.inf for each in missed), strict=True)
+    best = best_of((), (run._replace(miss=each) for run, each in known))
+    claims = {run.claim for run in runs}
+    claim = claims.pop() if len(claims) == 1 else Claim.FAILED
+    off = claim is Claim.FEASIBLE and not best.miss <= ARRIVES
+    return best, Claim.FAILED if off else claim
+
+
+def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, Any]:
+    """The fields of a solution that say what all runs of a question cost, and its best one."""
+    fields: dict[str, Any] = {
+        "iterations": total(run.result.iterations for run in runs),
+        "evaluations": total(run.result.evaluations for run in runs),
+        "efforts": summed(run.effort for run in runs),
+    }
+    if best is not None:
+        fields |= {"best_run": best.effort, "native_status": best.result.status}
+    return fields
+
+
+def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
+    """The path of no length where the target is within `tolerance` radii of the start, or None.
+
+    `target` is None where a path of no length is no answer: but for one leg with a free final
+    heading.
+    """
+    if target is None or not math.hypot(target.X, target.Y) <= tolerance:
+        return None
+    path = Path(scenario.start, [], [])
+    return Solution(Claim.LOCAL, path=path, claimed_length=0.0, message="the target is the start")
+
+
+def total(counts: Iterable[int | None]) -> int | None:
+    """The sum, or None if an engine does not count."""
+    known = list(counts)
+    return None if None in known else sum(count for count in known if count is not None)
+
+
+def summed(efforts: Iterable[Effort]) -> tuple[Effort, ...]:
+    """Efforts by subproblem, in the order in which these were begun."""
+    by_name: dict[str, list[Effort]] = {}
+    for effort in efforts:
+        by_name.setdefault(effort.subproblem, []).append(effort)
+    return tuple(
+        Effort(
+            name,
+            sum(effort.runs for effort in group),
+            total(effort.evaluations for effort in group),
+            sum(effort.seconds for effort in group),
+        )
+        for name, group in by_name.items()
+    )

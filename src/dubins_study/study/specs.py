@@ -1,0 +1,84 @@
+"""The grammar of specs: `name[setting=value,...]`, and `{a,b}` for several of them.
+
+A name is one that a solver is registered under, or `file.py:Class`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from typing import NamedTuple
+
+from dubins_study.errors import DubinsStudyError
+
+
+class SolverError(DubinsStudyError, ValueError):
+    """A solver that does not exist, does not extend `Solver`, or has no such setting."""
+
+
+class Spec(NamedTuple):
+    """A solver's name and the settings that are given, as texts."""
+
+    name: str
+    settings: dict[str, str]
+
+
+class PluginFile(NamedTuple):
+    """The name of a solver that is a class of a file."""
+
+    file: str
+    class_name: str
+
+
+_SPEC = re.compile(r"(?P<name>[^\[\]]+?)(?:\[(?P<settings>[^\[\]]*)\])?")
+
+
+def parse_spec(spec: str) -> Spec:
+    """The parts of a spec; a SolverError names what does not parse."""
+    if not isinstance(spec, str):
+        raise SolverError(f"solver is {spec!r}; expected a text, name[setting=value]")
+    match = _SPEC.fullmatch(spec.strip())
+    if match is None:
+        raise SolverError(f"solver {spec!r} does not parse; expected name or name[setting=value]")
+    given: dict[str, str] = {}
+    for item in filter(None, (match["settings"] or "").split(",")):
+        key, equals, value = (part.strip() for part in item.partition("="))
+        if not (key and equals and value):
+            raise SolverError(f"solver {spec!r}: {item!r} does not parse; expected setting=value")
+        if key in given:
+            raise SolverError(f"solver {spec!r}: {key} is given twice; expected each setting once")
+        given[key] = value
+    return Spec(match["name"].strip(), given)
+
+
+def name_of(spec: str) -> str:
+    """The name in a spec, whether the rest of it parses or not."""
+    return spec.partition("[")[0].strip()
+
+
+def plugin_file(name: str) -> PluginFile | None:
+    """The parts of the name `file.py:Class`; None of one that a solver is registered under."""
+    file, mark, class_name = name.rpartition(".py:")
+    return PluginFile(f"{file}.py", class_name) if mark else None
+
+
+_BRACES = re.compile(r"\{([^{}]*)\}")
+# Each pair of braces multiplies the number of specs, so a short line could fill the memory.
+MOST_SPECS = 1000
+
+
+def written_out(spec: str) -> list[str]:
+    """One spec for each combination of the choices in a spec's braces, such as `n={10,20}`."""
+    texts = _BRACES.split(spec)  # every second one stood in braces
+    if re.search("[{}]", "".join(texts)) or spec.count("[") != spec.count("]"):
+        raise SolverError(
+            f"solver {spec!r:.80}: its brackets do not match; expected name[setting=value] or "
+            "name[setting={a,b}]"
+        )
+    choices = [text.split(",") if place % 2 else [text] for place, text in enumerate(texts)]
+    if math.prod(map(len, choices)) > MOST_SPECS:
+        raise SolverError(
+            f"solver {spec!r:.80}: more than {MOST_SPECS} specs, braces written out; expected fewer"
+        )
+    return ["".join(map(str.strip, chosen)) for chosen in itertools.product(*choices)]
