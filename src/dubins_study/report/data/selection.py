@@ -140,4 +140,5 @@ def _answerable(rows: pd.DataFrame) -> pd.Series[bool]:
 
 def _has_answer(row: Mapping[Any, Any]) -> bool:
     scenario, branch = scenario_of(row), row["branch"]
-    return kind_of(scenario, branch).exists(scenario, branch)
+    kind = kind_of(scenario, branch)
+    return branch in kind.branches and kind.exists(scenario, branch)
