@@ -120,17 +120,17 @@ def _proven(label: str, package: str, name: str, **more: Any) -> Engine:
     return Engine(label, PROVEN, (package,), f"minlp_engines.{name}:{name}", **more)
 
 
-def _qp(label: str, package: str, feasibility: Any, optimality: Any, *others: Any) -> Engine:
+def _qp(label: str, package: str, options: Options) -> Engine:
     """One that cvxpy starts."""
-    always, why, *tuned = others or ({}, "")
-    options = Options(feasibility, optimality, "", always, why, *tuned)
     return Engine(label, QP, ("cvxpy", package), options=options)
 
 
-def _search(label: str, name: str, budget: int, *options: Any) -> Engine:
+def _search(
+    label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
+) -> Engine:
     """One of SciPy's."""
     place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
-    chosen = Options((), *options)
+    chosen = Options(optimality=optimality, **options)
     return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
 
 
@@ -147,8 +147,10 @@ _OF_BONMIN = Options(
     ("bonmin.tol", "bonmin.dual_inf_tol", "bonmin.compl_inf_tol"),
     "bonmin.max_iter",
     {
-        **{"bonmin.print_level": 0, "bonmin.sb": "yes"},
-        **{"bonmin.bb_log_level": 0, "bonmin.nlp_log_level": 0},
+        "bonmin.print_level": 0,
+        "bonmin.sb": "yes",
+        "bonmin.bb_log_level": 0,
+        "bonmin.nlp_log_level": 0,
     },
     _PRINTS_NOTHING,
 )
@@ -264,19 +266,25 @@ ENGINES = {
         "differential_evolution",
         8000,
         ("tol", "atol"),
-        *("", {}, ""),
-        {
-            **{"strategy": "rand1bin", "popsize": 10, "mutation": 0.5, "recombination": 0.9},
-            **{"vectorized": True, "updating": "deferred"},
+        tuned={
+            "strategy": "rand1bin",
+            "popsize": 10,
+            "mutation": 0.5,
+            "recombination": 0.9,
+            "vectorized": True,
+            "updating": "deferred",
         },
-        "Storn and Price 1997, Journal of Global Optimization 11, pages 341 to 359: populations of "
-        "ten a variable, which change once a generation",
+        source="Storn and Price 1997, Journal of Global Optimization 11, pages 341 to 359: "
+        "populations of ten a variable, which change once a generation",
     ),
     "dual-annealing": _search("dual annealing", "dual_annealing", 3000),
     "shgo": _search("SHGO", "shgo", 3000),
     "direct": _search("DIRECT", "direct", 8000),
     "cma-es": Engine(
-        *("CMA-ES", SAMPLING, ("cma",), "stochastic.penalty_function:cma_es"),
+        "CMA-ES",
+        SAMPLING,
+        ("cma",),
+        "stochastic.penalty_function:cma_es",
         options=Options(
             (),
             ("tolx", "tolfun"),
@@ -305,30 +313,35 @@ ENGINES = {
     "piqp": _qp(
         "PIQP",
         "piqp",
-        ("eps_abs", "eps_rel"),
-        ("eps_duality_gap_abs", "eps_duality_gap_rel"),
-        {"compute_timings": True},
-        "its own time is told",
+        Options(
+            ("eps_abs", "eps_rel"),
+            ("eps_duality_gap_abs", "eps_duality_gap_rel"),
+            always={"compute_timings": True},
+            why="its own time is told",
+        ),
     ),
-    "clarabel": _qp("Clarabel", "clarabel", ("tol_feas",), ("tol_gap_abs", "tol_gap_rel")),
+    "clarabel": _qp("Clarabel", "clarabel", Options(("tol_feas",), ("tol_gap_abs", "tol_gap_rel"))),
     "osqp": _qp(
         "OSQP",
         "osqp",
-        ("eps_abs", "eps_rel"),
-        (),
-        {"eps_abs": 1e-3, "eps_rel": 1e-3, "max_iter": 4000, "polishing": False},
-        "OSQP's own, which cvxpy replaces",
-        {"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 10000, "polishing": True},
-        "what cvxpy chooses; the higher of the two accuracies in Stellato et al. 2020, "
-        "Mathematical Programming Computation 12, pages 637 to 672",
+        Options(
+            ("eps_abs", "eps_rel"),
+            always={"eps_abs": 1e-3, "eps_rel": 1e-3, "max_iter": 4000, "polishing": False},
+            why="OSQP's own, which cvxpy replaces",
+            tuned={"eps_abs": 1e-5, "eps_rel": 1e-5, "max_iter": 10000, "polishing": True},
+            source="what cvxpy chooses; the higher of the two accuracies in Stellato et al. 2020, "
+            "Mathematical Programming Computation 12, pages 637 to 672",
+        ),
     ),
     "highs": _qp(
         "HiGHS",
         "highspy",
-        ("primal_feasibility_tolerance",),
-        ("dual_feasibility_tolerance",),
-        {"threads": 1},
-        "one thread, as all engines have",
+        Options(
+            ("primal_feasibility_tolerance",),
+            ("dual_feasibility_tolerance",),
+            always={"threads": 1},
+            why="one thread, as all engines have",
+        ),
     ),
 }
 

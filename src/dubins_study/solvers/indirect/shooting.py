@@ -146,10 +146,10 @@ class Shooting(Solver):
             z,
             Claim.FAILED if fault else Claim.LOCAL,
             None if multipliers is None else np.array(multipliers),
-            evaluations - 1,  # every evaluation but the first tries a step
-            evaluations,
-            f"{self.root} {result.status}",
-            fault or candidate.kind(conditions),
+            iterations=evaluations - 1,  # every evaluation but the first tries a step
+            evaluations=evaluations,
+            status=f"{self.root} {result.status}",
+            message=fault or candidate.kind(conditions),
         )
 
     def _root(self, structure: Structure, v: FloatArray, until: float) -> Any:

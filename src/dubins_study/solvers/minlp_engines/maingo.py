@@ -63,16 +63,19 @@ def _result(solver: Any, status: str) -> ProvenResult:
     point = None
     if status in ("GLOBALLY_OPTIMAL", "BOUND_TARGETS", "FEASIBLE_POINT"):
         point = np.array(solver.get_solution_point(), dtype=np.float64)
-    infeasible = claim is Claim.INFEASIBLE
     bound = float(solver.get_final_LBD())
+    if claim is Claim.INFEASIBLE:
+        bound = math.inf
+    elif bound <= -1e300:
+        bound = -math.inf
     return ProvenResult(
         point,
         claim,
-        math.inf if infeasible else bound if bound > -1e300 else -math.inf,
-        int(solver.get_iterations()),
-        None,
-        status,
-        status.replace("_", " ").lower(),
+        bound,
+        nodes=int(solver.get_iterations()),
+        iterations=None,
+        status=status,
+        message=status.replace("_", " ").lower(),
     )
 
 

@@ -95,10 +95,10 @@ def _result(model: Any, x: list[Any]) -> ProvenResult:
         point,
         claim,
         bound,
-        int(model.getNNodes()),
-        int(model.getNLPIterations()),
-        status,
-        f"status {status}",
+        nodes=int(model.getNNodes()),
+        iterations=int(model.getNLPIterations()),
+        status=status,
+        message=f"status {status}",
     )
 
 

@@ -44,7 +44,8 @@ def apopt(options: dict[str, Any]) -> NlpCall:
             x = _point(folder / "results.json", guess.size)
         if log is None:
             status = "time limit"
-            return EngineResult(x, claim_of("apopt", status), None, None, None, status, "stopped")
+            claim = claim_of("apopt", status)
+            return EngineResult(x, claim, status=status, message="stopped")
         known = chain.from_iterable(STATUSES["apopt"].values())
         said = (line for line in known if line in log)
         status = next(said, log.strip()[-200:] or "no words")
@@ -52,7 +53,8 @@ def apopt(options: dict[str, Any]) -> NlpCall:
         if claim is Claim.LOCAL and np.isnan(x).any():
             claim, status = Claim.FAILED, "no results.json"
         message = log[log.find("@error") :].strip() if "@error" in log else status
-        return EngineResult(x, claim, None, _iterations(log), None, status, message)
+        iterations = _iterations(log)
+        return EngineResult(x, claim, iterations=iterations, status=status, message=message)
 
     return run
 

@@ -207,10 +207,10 @@ def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]
         x,
         claim(plugin, stats),
         duals if np.isfinite(duals).all() else None,  # Bonmin returns none
-        None if iterations is None else int(iterations),
-        _evaluations(stats),
-        status,
-        status.replace("_", " ").lower(),
+        iterations=None if iterations is None else int(iterations),
+        evaluations=_evaluations(stats),
+        status=status,
+        message=status.replace("_", " ").lower(),
     )
 
 

@@ -16,8 +16,16 @@ from dubins_study.study.words import Claim
 
 # the names of all its return codes
 _STATUSES = (
-    *("SUCCESS", "FTOL_REACHED", "XTOL_REACHED", "MAXEVAL_REACHED", "MAXTIME_REACHED"),
-    *("STOPVAL_REACHED", "FAILURE", "INVALID_ARGS", "OUT_OF_MEMORY", "ROUNDOFF_LIMITED"),
+    "SUCCESS",
+    "FTOL_REACHED",
+    "XTOL_REACHED",
+    "MAXEVAL_REACHED",
+    "MAXTIME_REACHED",
+    "STOPVAL_REACHED",
+    "FAILURE",
+    "INVALID_ARGS",
+    "OUT_OF_MEMORY",
+    "ROUNDOFF_LIMITED",
     "FORCED_STOP",
 )
 
@@ -55,7 +63,8 @@ def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
         # a success is a claim only where the equations hold to the tolerance that NLopt was given
         if claim is Claim.LOCAL and not (np.abs(program.functions.equations(x)) <= allowed).all():
             claim = Claim.FAILED
-        return EngineResult(x, claim, None, None, search.get_numevals(), status, message)
+        evaluations = search.get_numevals()
+        return EngineResult(x, claim, evaluations=evaluations, status=status, message=message)
 
     return run
 

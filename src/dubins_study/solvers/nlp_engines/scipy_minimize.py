@@ -33,7 +33,10 @@ def slsqp(options: dict[str, Any]) -> NlpCall:
         watched = needs_watch(options.get("maxiter"), guess.size)
         equations = {"type": "eq", "fun": functions.equations, "jac": functions.jacobian}
         result = _minimized(
-            *("SLSQP", program, guess, seconds if watched else None),
+            "SLSQP",
+            program,
+            guess,
+            seconds if watched else None,
             jac=functions.gradient,
             constraints=equations,
             options=program.attainable(options, "ftol"),
@@ -50,7 +53,10 @@ def cobyqa(options: dict[str, Any]) -> NlpCall:
         from scipy.optimize import NonlinearConstraint
 
         result = _minimized(
-            *("COBYQA", program, guess, seconds),
+            "COBYQA",
+            program,
+            guess,
+            seconds,
             constraints=NonlinearConstraint(program.functions.equations, 0.0, 0.0),
             options=program.attainable(options, "feasibility_tol"),
         )
@@ -78,7 +84,10 @@ def trust_constr(options: dict[str, Any]) -> NlpCall:
             # of a singular Jacobian, which it then factorizes in another way
             warnings.simplefilter("ignore", UserWarning)
             result = _minimized(
-                *("trust-constr", program, guess, seconds),
+                "trust-constr",
+                program,
+                guess,
+                seconds,
                 jac=functions.gradient,
                 # that of the equations has the objective's curvature in it
                 hess=lambda x: zeros if constrained else functions.hessian(x, none),
@@ -130,9 +139,15 @@ def _minimized(
 def _ended(method: str, result: Any, duals: FloatArray | None) -> EngineResult:
     """SciPy's result as every engine gives it."""
     native = f"{'mode' if method == 'SLSQP' else 'status'} {result.status}"
-    claim = claim_of(method.lower(), native)
-    counts, message = (int(result.nit), int(result.nfev)), str(result.message)
-    return EngineResult(result.x, claim, duals, *counts, native, message)
+    return EngineResult(
+        result.x,
+        claim_of(method.lower(), native),
+        duals,
+        iterations=int(result.nit),
+        evaluations=int(result.nfev),
+        status=native,
+        message=str(result.message),
+    )
 
 
 def _duals(result: Any, program: Program) -> FloatArray | None:

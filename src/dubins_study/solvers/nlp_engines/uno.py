@@ -33,10 +33,12 @@ def filtersqp(options: dict[str, Any]) -> NlpCall:
             np.array(result.primal_solution),
             claim_of("uno-filtersqp", status),
             np.array(result.constraint_dual_solution),
-            int(result.number_iterations),
-            int(result.number_constraint_evaluations or result.number_objective_evaluations),
-            status,
-            status.replace("_", " ").lower(),
+            iterations=int(result.number_iterations),
+            evaluations=int(
+                result.number_constraint_evaluations or result.number_objective_evaluations
+            ),
+            status=status,
+            message=status.replace("_", " ").lower(),
         )
 
     return run

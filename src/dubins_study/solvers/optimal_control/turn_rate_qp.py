@@ -144,8 +144,16 @@ class Sequence:
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
             claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off"
         duals = self.duals[-1] if claim is Claim.LOCAL else None
-        counts, point = (self.qps, self.rollouts), np.append(elements.turn, elements.length)
-        return Transcribed(elements, EngineResult(point, claim, duals, *counts, status, status))
+        result = EngineResult(
+            np.append(elements.turn, elements.length),
+            claim,
+            duals,
+            iterations=self.qps,
+            evaluations=self.rollouts,
+            status=status,
+            message=status,
+        )
+        return Transcribed(elements, result)
 
     def _begin(self, elements: Elements) -> None:
         self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0

@@ -26,13 +26,17 @@ def program(case: Case) -> Program:
     Y), and the radius where the unit is another.
     """
     X, Y, _ = case.target
-    subproblem, unit = case.subproblem, case.unit
-    upper, lower = case.upper[subproblem.mask], np.zeros(len(subproblem.free))
-    if unit == 1.0:
-        posed = expressions(subproblem.free), np.array((X, Y)), lower, upper
-        return Program(*posed, _written_in_radii(case), math.hypot(X, Y))
-    posed = expressions(subproblem.free, True), unit * np.array((X, Y, 1.0)), lower, unit * upper
-    return Program(*posed, _written(case), unit * math.hypot(X, Y))
+    free, unit = case.subproblem.free, case.unit
+    scaled = unit != 1.0
+    given = (X, Y, 1.0) if scaled else (X, Y)
+    return Program(
+        expressions(free, scaled),
+        p=unit * np.array(given),
+        lower=np.zeros(len(free)),
+        upper=unit * case.upper[case.subproblem.mask],
+        written=_written(case) if scaled else _written_in_radii(case),
+        magnitude=unit * math.hypot(X, Y),
+    )
 
 
 def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> EngineResult:

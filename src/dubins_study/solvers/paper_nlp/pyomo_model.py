@@ -151,7 +151,7 @@ def _loaded(model: Any, results: Any) -> EngineResult:
         duals = None
     counted = "number_iters" in results.extra_info
     iterations = int(results.extra_info.number_iters) if counted else None
-    return EngineResult(z, claim, duals, iterations, None, condition, message)
+    return EngineResult(z, claim, duals, iterations, status=condition, message=message)
 
 
 _STUB = "model"
@@ -205,14 +205,13 @@ def _read(model: Any, info: Any, solution: Any) -> EngineResult:
         of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
         # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = -np.array([of_row[id(model.x_end)], of_row[id(model.y_end)]])
-    return EngineResult(z, claim, duals, None, None, status, message)
+    return EngineResult(z, claim, duals, status=status, message=message)
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
     """The exit code of `executable model -AMPL`, or None if it did not end in time."""
     path = shutil.which(executable)
-    if path is None:
-        return 127  # as a shell says of a command that has gone
+    assert path is not None  # or the solver is unavailable
     process = subprocess.Popen(
         [FilePath(path).absolute(), _STUB, "-AMPL"],
         cwd=folder,

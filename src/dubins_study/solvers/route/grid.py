@@ -206,9 +206,15 @@ def _by_cvxpy(flow: Flow, gap: float, seconds: float) -> ProvenResult:
     info, status = problem.solver_stats.extra_stats, str(problem.status)
     # HiGHS leaves zeros where it stopped at its limit without a point
     point = x.value if x.value is not None and x.value.max() > 0.5 else None
-    counts = int(info.mip_node_count), int(info.simplex_iteration_count)
-    claim = claim_of("cvxpy", status)
-    return ProvenResult(point, claim, float(info.mip_dual_bound), *counts, status, "")
+    return ProvenResult(
+        point,
+        claim_of("cvxpy", status),
+        bound=float(info.mip_dual_bound),
+        nodes=int(info.mip_node_count),
+        iterations=int(info.simplex_iteration_count),
+        status=status,
+        message="",
+    )
 
 
 def _mixed(flow: Flow) -> MixedProgram:
