@@ -163,11 +163,11 @@ def by_theory(factor=1.0):
 def test_whose_barrier_is_known():
     """Ipopt's on the unsplit model, from its settings; nobody else's."""
     settings = {
-        "ipopt[a]": {"model": "joint", "mu_target": 1e-5, "tol": 1e-12},
-        "ipopt[b]": {"model": "joint", "mu_target": 0.0, "tol": 1e-6},
+        "ipopt[tol=1]": {"model": "joint", "mu_target": 1e-5, "tol": 1e-12},
+        "ipopt[tol=2]": {"model": "joint", "mu_target": 0.0, "tol": 1e-6},
         "ipopt": {"model": "words", "mu_target": 0.0, "tol": 1e-8},
-        "ipopt[d]": {"model": "joint", "mu_target": 0.0, "tol": 0.0, "options": "equal"},
-        "slsqp[c]": {"model": "joint"},
+        "ipopt[tol=4]": {"model": "joint", "mu_target": 0.0, "tol": 0.0, "options": "equal"},
+        "slsqp[tol=3]": {"model": "joint"},
     }
 
     known = [barrier(spec, settings) for spec in (*settings, "unheard-of")]

@@ -397,6 +397,14 @@ def test_points_of_a_frame_are_its_columns_x_and_y():
         Scenario(target_x=9, target_y=0, via=frame.rename(columns={"x": "lon", "y": "lat"}))
 
 
+def test_stops_are_the_points_after_the_start():
+    """Only the last one may have a heading."""
+    route = Scenario(target_x=9, target_y=0, via=[(4, 1), (6, -2)], final_heading=0.5)
+
+    assert route.stops == ((4.0, 1.0, None), (6.0, -2.0, None), (9.0, 0.0, 0.5))
+    assert [stop[:2] for stop in route.stops] == [tuple(point) for point in route.points[1:]]
+
+
 def test_a_scenario_names_its_needs():
     assert PLAIN.needs == (FREE_FINAL_HEADING,)
     assert POSE.needs == (FINAL_HEADING,)
