@@ -1,9 +1,10 @@
 """The code digest: changes whenever a solver would have to be run again.
 
 A solver lies in a room: a folder of `solvers`, or a module directly in `solvers`. Its digest covers
-the code of the whole room, of every room that the room's code names, of the attempt that judges an
-answer, and of `study`. Rooms are found by their dotted names in the code. An import inside a
-function therefore counts, like one at the top of a file. Comments, docstrings and layout do not.
+the code of the whole room, of every room of `solvers` and `asking` that the room's code names, of
+the attempt that judges an answer, and of `study`. Rooms are found by their dotted names in the
+code. An import inside a function therefore counts, like one at the top of a file. Comments,
+docstrings and layout do not.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ from dubins_study.study.specs import name_of, plugin_file
 
 _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
-_ROOM_NAME = re.compile(rb"dubins_study\.solvers\.(\w+)")
-_JUDGE = "attempt"  # the room that judges the answers of all solvers
+_ROOM_NAME = re.compile(rb"dubins_study\.((?:solvers|asking)\.\w+)")
+_JUDGE = "asking.attempt"  # the room that judges the answers of all solvers
 # Fields of a node that do nothing: the use that its place gives a name, and the prefix of u"text".
 _IDLE_FIELDS = ("ctx", "kind")
 _CHILD = "*"  # in the place of a node that follows
@@ -74,7 +75,7 @@ def solver_sources(spec: str, solver_class: type[Any]) -> Sources:
     if plugin is not None:
         sources = {"plug-in": _read(FilePath(plugin.file))}  # which is loaded alone
     elif module.startswith("dubins_study.solvers."):
-        sources = dict(_room(module.split(".")[2]))
+        sources = dict(_room(".".join(module.split(".")[1:3])))
     else:
         sources = _installed_plugin(module.partition(".")[0])
     sources |= _room(_JUDGE)
@@ -95,8 +96,8 @@ def _with_named_rooms(sources: Sources) -> Sources:
 
 @cache
 def _room(name: str) -> Sources:
-    """All modules of a room of `solvers`; empty if no room has that name."""
-    place = _PACKAGE / "solvers" / name
+    """All modules of a room, such as `solvers.route`; empty if no room has that name."""
+    place = _PACKAGE.joinpath(*name.split("."))
     files = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
     return _read_all(_PACKAGE, (file for file in files if file.is_file()))
 
