@@ -34,6 +34,7 @@ CRASHES = {
     "hostile:Chatty": _crash("SIGABRT", "last words"),
     "hostile:Unprintable": _crash("SIGABRT", "alert"),
     "hostile:Overflown": _crash("SIGSEGV"),
+    "hostile:CrashInUnavailable": Case("crashed|unavailable", message="."),
     "hostile:Missing": Case("unavailable", message="no licence on this machine"),
     "hostile:Narrow": Case("unsupported", message="RL, not best"),
 }
@@ -74,6 +75,7 @@ ENDLESS = {
 STUCK = {
     "hostile_endless:LoopInWarmUp": Case("returned", "optimal"),
     "hostile_endless:LoopAlways": _LATE,
+    "hostile_endless:LoopInUnavailable": Case("timeout|unavailable", message="."),
 }
 _MUCH = Case("out_of_memory", message=".")
 MEMORY = {

@@ -132,6 +132,13 @@ class LoopAlways(Analytic):
         loop_in_c()
 
 
+class LoopInUnavailable(Analytic):
+    """Never says whether it is there."""
+
+    def unavailable(self):
+        loop_in_c()
+
+
 def loop_in_two_children(file: str, ignore_signals: bool = False) -> None:
     """Fork two children that loop, the second in a session of its own."""
     for own_session in (False, True):
