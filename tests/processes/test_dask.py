@@ -68,7 +68,7 @@ def plugin(folder: Path, solve: str) -> str:
         "    return parents[1].pid if 'dask' in str((HERE / 'executor').read_text()) else None\n"
         "class Plugin(Slsqp):\n"
         "    def solve(self, model, limit):\n"
-        "        question = model.question\n"
+        "        question = model.leg.question\n"
         "        if question.scenario.label != 'warm-up':\n"
         f"            {solve}\n"
         "        return super().solve(model, limit)\n"

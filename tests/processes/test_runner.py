@@ -274,7 +274,7 @@ from dataclasses import replace
 from dubins_study.solvers.paper_nlp.nlp import Slsqp
 class Warmed(Slsqp):
     def solve(self, model, limit):
-        scenario, start = model.question.scenario, model.question.initial_guess
+        scenario, start = model.leg.question.scenario, model.leg.question.initial_guess
         if scenario.radius == 2 and FAILS:
             raise ValueError("the second fails")
         solution = super().solve(model, limit)
