@@ -28,7 +28,7 @@ from pathlib import Path
 from dubins_study.solvers.paper_nlp.nlp import Slsqp
 class Slow(Slsqp):
     def solve(self, model, limit):
-        if model.question.scenario.label != "warm-up":
+        if model.leg.question.scenario.label != "warm-up":
             Path(__file__).with_name("asked").touch()
             time.sleep(float(os.environ["NAP"]))
         return super().solve(model, limit)
