@@ -213,10 +213,11 @@ def _judged(
     """The fields of an answer that are columns of a row under the same name."""
     solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
-    if path is not None and pathless_kind_of(branch) is None:
+    pathless = pathless_kind_of(branch)
+    if path is not None and pathless is None:
         kind_of(scenario, branch).prepare()
     allowed = allowed.begun()
-    if pathless := pathless_kind_of(branch):
+    if pathless is not None:
         tolerance = method.tolerance or allowed.gap
         judgement, certificate = pathless.judge(scenario, solution.point, solution.claim, tolerance)
     else:

@@ -21,7 +21,8 @@ from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.visits import visits
 from dubins_study.study.judging.judge import judge, miss_reason
-from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, LEG, kind_of, reference_of
+from dubins_study.study.kinds.leg import LEG
+from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, kind_of, reference_of
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict

@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.kinds.table import EVERY_KIND, LEG
+from dubins_study.study.kinds.leg import LEG
+from dubins_study.study.kinds.table import EVERY_KIND
 from dubins_study.study.scenario import COLUMNS, Scenario
 from dubins_study.study.scenario_frame import solve_command
 

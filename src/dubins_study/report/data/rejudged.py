@@ -12,12 +12,13 @@ import pyarrow as pa
 from dubins_study.report.data.attempts import UNTAKEN
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
+from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario_frame import is_missing, scenario_of
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import FROZEN, Claim, Proof
+from dubins_study.study.words import Claim, Proof
 
 # What the check finds and other libraries' sines may change; smaller differences are rounding.
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
@@ -51,11 +52,11 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
     and convex problems, stay as they are.
     """
     records = rows.to_pylist()
-    left = sum(row["branch"] == FROZEN for row in records)
+    left = sum(row["branch"] in BRANCHES_WITHOUT_PATH for row in records)
     asked = [
         place
         for place, row in enumerate(records)
-        if row["branch"] != FROZEN and row["outcome"] != UNTAKEN
+        if row["branch"] not in BRANCHES_WITHOUT_PATH and row["outcome"] != UNTAKEN
     ]
     found = {place: _found(records[place], manifest) for place in asked}
     differs = pd.DataFrame(

@@ -31,7 +31,7 @@ from dubins_study.report.topics.findings_evidence import (
     chosen_share,
 )
 from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
-from dubins_study.study.words import FROZEN
+from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
 TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
@@ -339,7 +339,7 @@ def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> 
 
     Not of frozen problems: a few of each size, which have a section of their own.
     """
-    paths = results.attempts[results.attempts["branch"] != FROZEN]
+    paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
     names = dict.fromkeys(run.name for run in results.folders if run.name in asked)
     for name in names:

@@ -73,8 +73,12 @@ class Asked:
 
     def matches(self, scenario: Scenario) -> bool:
         """Whether a scenario gives the kind's fields, and leaves out those that it must."""
-        has = dict(zip(OPTIONAL, scenario.given, strict=True))
-        return all(has[name] == given for name, given in self.fields.items())
+        return self.fits(scenario.given)
+
+    def fits(self, given: tuple[bool, ...]) -> bool:
+        """As `matches`, from whether each of the fields of `OPTIONAL` is given."""
+        has = dict(zip(OPTIONAL, given, strict=True))
+        return all(has[name] == wanted for name, wanted in self.fields.items())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

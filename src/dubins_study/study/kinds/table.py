@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -20,22 +21,6 @@ if TYPE_CHECKING:
 
     from dubins_study.study.arrays import BoolArray
 
-
-__all__ = [
-    "BRANCHES_WITHOUT_PATH",
-    "EVERY_BRANCH",
-    "EVERY_KIND",
-    "KINDS",
-    "LEG",
-    "PATHLESS",
-    "PATH_BRANCHES",
-    "branches_of",
-    "kind_of",
-    "pathless_kind_of",
-    "reference_of",
-    "rows_of",
-]
-
 # The first that matches a question is its kind.
 KINDS: tuple[Kind, ...] = (LEG, POSE, ROUTE)
 PATHLESS: tuple[Pathless, ...] = (FROZEN_PROBLEM,)
@@ -48,16 +33,13 @@ EVERY_BRANCH = (*PATH_BRANCHES, *BRANCHES_WITHOUT_PATH)
 
 def kind_of(scenario: Scenario, branch: str = "best") -> Kind:
     """The kind of a question whose answer is a path; of a branch of none, that of its scenario."""
-    given = scenario.given
-    kind = _KNOWN.get((given, branch))
-    if kind is None:
-        matching = [kind for kind in KINDS if kind.matches(scenario)]
-        kind = next((kind for kind in matching if branch in kind.branches), matching[0])
-        _KNOWN[given, branch] = kind
-    return kind
+    return _kind(scenario.given, branch)
 
 
-_KNOWN: dict[tuple[tuple[bool, ...], str], Kind] = {}
+@cache  # asked several times a row
+def _kind(given: tuple[bool, ...], branch: str) -> Kind:
+    matching = [kind for kind in KINDS if kind.fits(given)]
+    return next((kind for kind in matching if branch in kind.branches), matching[0])
 
 
 def pathless_kind_of(branch: str) -> Pathless | None:
