@@ -176,7 +176,8 @@ class Palette:
     @classmethod
     def of_page(cls, results: Results) -> Self:
         """The palette of all engines of a page, by its solvers' specs."""
-        engines = {str(s): str(engine) for s, engine in names_of(results)["engine"].items()}
+        stated = names_of(results)["engine"]
+        engines = {str(spec): parse_spec(str(engine))[0] for spec, engine in stated.items()}
         own = dict.fromkeys(filter(None, map(own_name, engines)))
         looks = zip(cycle(_OWN_HUES), cycle(_OWN), strict=False)
         hues = dict(zip(own, looks, strict=False))
