@@ -15,7 +15,7 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, own, own_name, presolved
 from dubins_study.report.data.results import Results
-from dubins_study.report.statistics.intervals import Statistic, bootstrap
+from dubins_study.report.statistics.intervals import Statistic, bootstrap, scenario_shares
 from dubins_study.report.statistics.metrics import natural, parse_spec, success
 from dubins_study.study.rows.schema import ROW
 from dubins_study.study.words import FORMULATIONS
@@ -104,8 +104,18 @@ def best_methods(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     return frame.iloc[sorted(kept)]
 
 
-def _ranked(frame: pd.DataFrame) -> pd.DataFrame:
-    return frame.sort_values(["right_low", "wall_s"], ascending=[False, True], kind="stable")
+def _ranked(frame: pd.DataFrame, low: str = "right_low") -> pd.DataFrame:
+    return frame.sort_values([low, "wall_s"], ascending=[False, True], kind="stable")
+
+
+def surest_first(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The methods of attempts (`Compared.rows`), the most surely right first.
+
+    As `scenario_shares` by the keys, a trial a question, with wall_s, the median time (s).
+    """
+    shares = scenario_shares(rows, by=keys, success="right", scenario=["question"])
+    times = rows.groupby(keys, observed=True)["wall_s"].median()
+    return _ranked(shares.assign(wall_s=times), "low")
 
 
 # As many methods at most have a bar or a curve each in one figure. Of more, only the best of each

@@ -20,8 +20,6 @@ from dubins_study.study import specs
 # A number in a spec; digits behind a letter, as in `nlp2`, count too, a sign does not.
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
 
-QUESTION = ["experiment", "scenario_id", "branch", "initial_guess"]
-
 
 def parse_spec(spec: str) -> tuple[str, dict[str, str]]:
     """Name and settings of a solver's spec, e.g. `turn-rate-qp[n=50,engine=piqp]`."""

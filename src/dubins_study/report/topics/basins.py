@@ -8,23 +8,22 @@ minimum.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
 from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.elements.looks import names_of
-from dubins_study.report.elements.plots import Mark, draw_cells
-from dubins_study.report.elements.style import HALF, MAP_PAPER, ON_MAP, WIDE, Style, new_figure
+from dubins_study.report.elements.plots import Mark
+from dubins_study.report.elements.style import MAP_PAPER
 from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order
+from dubins_study.report.topics.maps import kind_maps
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.scenario_frame import scenario_of
@@ -40,12 +39,12 @@ GIVES_UP = "gives up"
 # From light to dark, so that grey print distinguishes the ends; refuted claims are marks on white.
 MARKS = (
     Mark(OPTIMUM, colour="#d9ecdf"),
-    Mark(TURNS, colour="#6fb6dd", marker=".", hatch="..."),
+    Mark(TURNS, colour="#6fb6dd", marker="."),
     Mark(OTHER, colour="#d68a1c"),
     Mark(FALSE_MINIMUM, colour=MAP_PAPER, marker="^"),
     Mark(INFEASIBLE, colour=MAP_PAPER, marker="x"),
     Mark(FALSE_PATH, colour=MAP_PAPER, marker="s"),
-    Mark(GIVES_UP, colour="#5d636b", marker="_"),
+    Mark(GIVES_UP, colour="#5d636b"),
 )
 ENDS = tuple(mark.key for mark in MARKS)
 
@@ -67,6 +66,7 @@ REFUTED = {
     FALSE_PATH: "that a path arrives, though it misses the target",
 }
 _TURNED = ["turns_1", "turns_2", "turns_more"]
+_QUARTER_TURNS = ("0", "π/2", "π", "3π/2", "2π")
 _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 _ACROSS = 3  # maps side by side
 _MOST_LETTERS = 20  # of a solver's name above its map
@@ -92,7 +92,7 @@ def minimum(scenario: Scenario, length: float) -> tuple[str, int] | None:
     return None
 
 
-def end_of(row: pd.Series) -> tuple[str, float]:
+def end_of(row: Mapping[Hashable, Any]) -> tuple[str, float]:
     """How one attempt ended, and the number of needless full turns in its path.
 
     The number is NaN if the end is not a minimum. A shortest path that arrives counts as the
@@ -102,14 +102,16 @@ def end_of(row: pd.Series) -> tuple[str, float]:
     if row["verdict"] == "optimal":
         return OPTIMUM, 0
     if row["false_claim"]:
-        return (INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH), math.nan
+        end = INFEASIBLE if row["claim"] == "infeasible" else FALSE_PATH
+        return end, math.nan
     if row["verdict"] != "longer" or row["claim"] not in ("optimal", "local"):
         return GIVES_UP, math.nan
-    local_minimum = minimum(scenario_of(row.to_dict()), float(row["length"]))
+    local_minimum = minimum(scenario_of(row), row["length"])
     if local_minimum is None:
         return FALSE_MINIMUM, math.nan
     word, turns = local_minimum
-    return (TURNS if word == row["reference_word"] and turns else OTHER), turns
+    end = TURNS if word == row["reference_word"] and turns else OTHER
+    return end, turns
 
 
 def ends(rows: pd.DataFrame) -> pd.DataFrame:
@@ -119,12 +121,11 @@ def ends(rows: pd.DataFrame) -> pd.DataFrame:
     rad), end, turns (needless full turns; NaN if the end is not a minimum).
     """
     guessed = rows[~rows["initial_guess"].isin(["cold", "warm"])]
-    if guessed.empty:
-        return guessed.assign(z1=[], z2=[], z3=[], end=[], turns=[])
-    points = guessed["initial_guess"].str.split(expand=True).astype(float)
-    frame = guessed.assign(z1=points[0], z2=points[1], z3=points[2])
-    frame[["end", "turns"]] = [end_of(row) for _, row in guessed.iterrows()]
-    return frame.astype({"turns": float})
+    points = guessed["initial_guess"].str.split(expand=True).reindex(columns=range(3))
+    found = [end_of(row) for row in guessed.to_dict("records")]
+    end = pd.DataFrame(found, guessed.index, ["end", "turns"])
+    lengths = points.astype(float).set_axis(["z1", "z2", "z3"], axis="columns")
+    return guessed.join(lengths).join(end.astype({"turns": float}))
 
 
 def is_capped(solver: str) -> bool:
@@ -140,16 +141,17 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     """
     turns = table["turns"].fillna(0)
     kinds = {end: table["end"] == end for end in ENDS}
-    kinds |= dict(zip(_TURNED, (turns == 1, turns == 2, turns > 2), strict=True))
+    kinds |= {"turns_1": turns == 1, "turns_2": turns == 2, "turns_more": turns > 2}
     groups = table.assign(most_turns=turns, **kinds).groupby(["label", "solver"])
-    frame = groups[list(kinds)].sum().assign(guesses=groups.size())
-    frame = by_solver(frame.assign(most_turns=groups["most_turns"].max()).reset_index())
-    return frame.sort_values("label", kind="stable", ignore_index=True).assign(
-        name=lambda rows: [parse_spec(solver)[0] for solver in rows["solver"]],
-        capped=lambda rows: rows["solver"].map(is_capped),
-        optimal=lambda rows: rows[OPTIMUM] / rows["guesses"],
-        refuted=lambda rows: rows[[*REFUTED]].sum(axis="columns"),
-    )
+    frame = groups[list(kinds)].sum()
+    frame["guesses"] = groups.size()
+    frame["most_turns"] = groups["most_turns"].max()
+    frame["optimal"] = frame[OPTIMUM] / frame["guesses"]
+    frame["refuted"] = frame[list(REFUTED)].sum(axis="columns")
+    frame = by_solver(frame.reset_index())
+    frame["name"] = [parse_spec(solver)[0] for solver in frame["solver"]]
+    frame["capped"] = frame["solver"].map(is_capped)
+    return frame.sort_values("label", kind="stable", ignore_index=True)
 
 
 def capping(table: pd.DataFrame) -> pd.DataFrame:
@@ -175,44 +177,37 @@ def basins_section(results: Results) -> Section | None:
     table = ends(results.rows[results.rows["branch"] == "best"])
     if table.empty:
         return None
-    capped = table["solver"].map(is_capped)
-    mapped = table if capped.all() else table[~capped]
-    present = [mark for mark in MARKS if (mapped["end"] == mark.key).any()]
+    free = table[~table["solver"].map(is_capped)]
+    mapped = table if free.empty else free
     names = _names(results, table["solver"].unique().tolist())
-    solvers = solver_order(mapped["solver"].tolist())
-    drawn = [
-        (str(label), rows)
-        for label, group in mapped.groupby("label", sort=True)
-        for first in range(0, len(solvers), _ACROSS)
-        for rows in [group[group["solver"].isin(solvers[first : first + _ACROSS])]]
-        if len(rows)
-    ]
-    pictures = [
-        _picture(number, label, rows, names, present)
-        for number, (label, rows) in enumerate(drawn, start=1)
-    ]
-    counts = shares(table).assign(called=lambda rows: rows["solver"].map(names))
+    counts = shares(table)
+    counts["called"] = counts["solver"].map(names)
     straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
     text = sentences(
         "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
         "length, and one initial guess from a grid over z₁ and z₂; z₃ is "
         f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
         "full turns added, so an end is known by its length.",
-        _found(counts[counts["solver"].isin(solvers)]),
+        _found(counts[counts["solver"].isin(mapped["solver"])]),
         _cap(capping(counts)),
     )
     lead = (
         "Every point of a map is an initial guess, its colour the path that a solver reaches from "
         "there: only the palest colour is the shortest path."
     )
-    caption = (
+    shown = Table(
+        "basins",
         "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
         "quotation marks what the solver says and the check refutes: that no path exists, that a "
         "point is a minimum, that a path arrives. A point that its solver does not call a solution "
-        "counts as giving up, unless it is the shortest path."
+        "counts as giving up, unless it is the shortest path.",
+        counts,
+        COLUMNS,
+        marks(counts, *REFUTED),
+        numbers=("solver",),
     )
-    shown = Table("basins", caption, counts, COLUMNS, marks(counts, *REFUTED), numbers=("solver",))
-    return Section("basins", "Where initial guesses lead", text, (*pictures, shown), lead)
+    blocks: tuple[Picture | Table, ...] = (*_pictures(mapped, names), shown)
+    return Section("basins", "Where initial guesses lead", text, blocks, lead)
 
 
 def _names(results: Results, solvers: list[str]) -> dict[str, str]:
@@ -220,30 +215,33 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
     methods = names_of(results).loc[solvers]
     told_apart = methods.assign(capped=[is_capped(solver) for solver in solvers])
     shared = told_apart.duplicated(["engine", "capped"], keep=False)
-    return {str(k): str(v) for k, v in methods["engine"].where(~shared, methods["label"]).items()}
+    names = methods["engine"].where(~shared, methods["label"])
+    return {str(solver): str(name) for solver, name in names.items()}
 
 
 def _found(table: pd.DataFrame) -> str:
     """How often the optimum is reached, and what the check refutes, over all solvers."""
-    guesses, refuted = table["guesses"].sum(), table["refuted"].sum()
-    turned = table[_TURNED].to_numpy().sum() / guesses
-    counts = {what: table[end].sum() for end, what in REFUTED.items()}
-    parts = [f"{count(number)} times {what}" for what, number in counts.items() if number]
+    total = table.sum(numeric_only=True)
+    turned = total[_TURNED].sum() / total["guesses"]
+    refuted = "No solver said anything that the check refutes."
+    if total["refuted"]:
+        parts = [f"{count(total[end])} times {what}" for end, what in REFUTED.items() if total[end]]
+        refuted = f"{count(total['refuted'])} statements are refuted: {'; '.join(parts)}."
     return sentences(
-        f"The shortest path is found from {share(table[OPTIMUM].sum() / guesses)} of the initial "
-        f"guesses; {share(turned)} of all attempts end in a minimum with full turns in it, with up "
-        f"to {count(table['most_turns'].max())} of them: nothing in the model says that these are "
-        "useless.",
-        f"{count(refuted)} statements are refuted: {'; '.join(parts)}."
-        if refuted
-        else "No solver said anything that the check refutes.",
+        f"The shortest path is found from {share(total[OPTIMUM] / total['guesses'])} of the "
+        f"initial guesses; {share(turned)} of all attempts end in a minimum with full turns in it, "
+        f"with up to {count(table['most_turns'].max())} of them: nothing in the model says that "
+        "these are useless.",
+        refuted,
     )
 
 
 def _cap(change: pd.DataFrame) -> str:
+    """What a bound on turns changes; empty if no solver ran with it and without it."""
     if change.empty:
         return ""
-    free, bounded = change.loc[False], change.loc[True]
+    free = change.loc[False]
+    bounded = change.loc[True]
     return (
         "From the same initial guesses, but with every turn bounded by a full one, the share that "
         f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, "
@@ -253,76 +251,41 @@ def _cap(change: pd.DataFrame) -> str:
     )
 
 
-def _picture(
-    number: int, label: str, table: pd.DataFrame, names: Mapping[str, str], listed: Sequence[Mark]
-) -> Picture:
-    """One scenario's maps, a map per solver; `listed` are the ends of all maps."""
-    solvers = solver_order(table["solver"].tolist())
-    caption = (
-        f"{label[:1].upper()}{label[1:]}: where each of {count(len(table) / len(solvers))} initial "
-        "guesses leads, a map per solver. White cells with a mark are statements that the check "
-        "refutes."
-    )
-    name, alt = slug(f"basins-{number}-{label}"), f"Maps of initial guesses by end, {label}"
-    data = table, solvers, names, listed
-    if len(solvers) == 1:
-        return Picture(name, caption, _maps(*data, narrow=True), alt, half=True)
-    return panels_picture(name, caption, _maps, alt, *data)
+def _pictures(table: pd.DataFrame, names: Mapping[str, str]) -> list[Picture]:
+    """Each scenario's maps, a map per solver and at most `_ACROSS` side by side."""
+    order = solver_order(table["solver"].tolist())
+    place = table["solver"].map(order.index)
+    placed = table.assign(x=table["z1"], y=table["z2"], kind=table["end"], place=place)
+    pictures = []
+    for number, (key, rows) in enumerate(placed.groupby(["label", place // _ACROSS]), start=1):
+        label = str(key[0])
+        panels = {}
+        for solver, group in rows.sort_values("place").groupby("solver", sort=False):
+            right = share((group["end"] == OPTIMUM).mean())
+            panels[f"{names[str(solver)][:_MOST_LETTERS]}: {right} shortest"] = group
+        pictures.append(
+            panels_picture(
+                slug(f"basins-{number}-{label}"),
+                f"{label[:1].upper()}{label[1:]}: where each of {count(len(rows) / len(panels))} "
+                "initial guesses leads, a map per solver. White cells with a mark are statements "
+                "that the check refutes.",
+                kind_maps,
+                f"Maps of initial guesses by end, {label}",
+                panels,
+                MARKS,
+                _dress,
+                high=2.75,
+            )
+        )
+    return pictures
 
 
-def _maps(
-    table: pd.DataFrame,
-    solvers: Sequence[str],
-    names: Mapping[str, str],
-    listed: Sequence[Mark],
-    *,
-    narrow: bool,
-) -> Figure:
-    """The maps side by side, or `narrow` one below the other, and a legend."""
-    down, across = (len(solvers), 1) if narrow else (1, len(solvers))
-    entries_across = 1 if narrow else 3
-    high = 2.75 * down + 0.17 * math.ceil(len(listed) / entries_across)
-    figure = new_figure(HALF if narrow else WIDE, high)
-    panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
-    for ax, solver in zip(panels, solvers, strict=True):
-        group = table[table["solver"] == solver]
-        _draw_ends(ax, group, listed)
-        right = share((group["end"] == OPTIMUM).mean())
-        title = f"{names[solver][:_MOST_LETTERS]}: {right} shortest"
-        ax.set_title(title, fontsize=8.5, fontweight="normal")
-        ax.label_outer()
-    entries = [
-        Line2D([], [], label=mark.key, **_dots(mark))
-        if mark.colour == MAP_PAPER
-        else Patch(label=mark.key, **mark.bar() | {"edgecolor": ON_MAP, "linewidth": 0.4})
-        for mark in listed
-    ]
-    below: Style = {"loc": "outside lower left", "fontsize": 7.5, "ncols": entries_across}
-    figure.legend(handles=entries, **below)
-    return figure
-
-
-def _draw_ends(ax: Axes, table: pd.DataFrame, listed: Sequence[Mark]) -> None:
-    """Draw one solver's ends over the two turns of its guesses: z1, z2 (rad, on a grid), end."""
-    coded = table.assign(code=table["end"].map(ENDS.index).astype(float))
-    grid = coded.pivot_table(index="z2", columns="z1", values="code", aggfunc="first")
-    x, y = grid.columns.to_numpy(dtype=np.float64), grid.index.to_numpy(dtype=np.float64)
-    draw_cells(ax, grid.to_numpy(dtype=np.float64), x, y, [mark.colour for mark in MARKS])
-    for mark in listed:
-        group = table[table["end"] == mark.key]
-        if mark.marker and len(group):
-            ax.plot(group["z1"], group["z2"], **_dots(mark))
+def _dress(ax: Axes, _: pd.DataFrame) -> None:
+    """The two turns of a guess, in quarters of a full one."""
+    ticks = np.arange(5) * np.pi / 2
+    ax.set_xticks(ticks, _QUARTER_TURNS)
+    ax.set_yticks(ticks, _QUARTER_TURNS)
     ax.set(xlabel="left turn of the guess (rad)", ylabel="right turn of the guess (rad)")
-    ticks, texts = np.arange(5) * np.pi / 2, ("0", "π/2", "π", "3π/2", "2π")
-    ax.set_xticks(ticks, texts)
-    ax.set_yticks(ticks, texts)
-
-
-def _dots(mark: Mark) -> Style:
-    """Open marks on a map, without a line; the palest on the darkest cells."""
-    colour = MAP_PAPER if mark.key == GIVES_UP else ON_MAP
-    style: Style = {"linestyle": "none", "color": colour, "markerfacecolor": "none"}
-    return style | {"marker": mark.marker, "markersize": 3.5, "markeredgewidth": 0.7}
 
 
 TOPIC = Topic("where initial guesses lead", basins_section, "basins")

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table, Topic, picture
+from dubins_study.report.elements.content import Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.looks import LINES
 from dubins_study.report.elements.plots import Mark
@@ -70,8 +70,9 @@ def left_over(results: Results) -> pd.DataFrame:
     ((length - reference) / (mu / 3)).
     """
     rows = results.rows[results.rows["length"].notna()]
-    settings = {spec: results.settings.get(spec, {}) for spec in rows["solver"].unique()}
-    mu = rows["solver"].map(lambda spec: barrier(spec, settings)).astype(float)
+    settings = results.settings
+    barriers = {spec: barrier(spec, settings) for spec in rows["solver"].unique()}
+    mu = rows["solver"].map(barriers).astype(float)
     predicted = np.cbrt(mu * rows["radius"] ** 2)
     paths = [results.path(index) for index in rows.index]
     turns = [math.nan if p is None else p.lengths[p.curvatures < 0].sum() for p in paths]
@@ -80,7 +81,7 @@ def left_over(results: Results) -> pd.DataFrame:
     return rows.assign(
         z2=z2,
         mu=mu,
-        barrier_set=rows["solver"].map(lambda s: _number(settings[s].get("mu_target")) > 0),
+        barrier_set=rows["solver"].str.contains("mu_target="),
         predicted=predicted,
         ratio=z2 / predicted,
         excess_ratio=(rows["length"] - rows["reference"]) / (mu / 3),
@@ -96,16 +97,8 @@ def barrier(spec: str, settings: Mapping[str, Mapping[str, Any]]) -> float:
     group = settings.get(spec, {})
     if parse_spec(spec)[0] != "ipopt" or group.get("model") != "joint":
         return math.nan
-    target, tol = _number(group.get("mu_target")), _number(group.get("tol"))
-    if target > 0:
-        return target
-    if tol == 0:
-        tol = _TOLERANCES[str(group["options"])]
-    return last_barrier(tol) if tol > 0 else math.nan
-
-
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, (int, float)) else math.nan
+    tol = group["tol"] or _TOLERANCES[group["options"]]
+    return float(group["mu_target"] or last_barrier(tol))
 
 
 def slope(table: pd.DataFrame) -> float:
@@ -157,7 +150,7 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
 
     Columns: predicted, z2 (length unit), barrier_set (whether a setting gives the barrier).
     """
-    ends = 0.5 * table["predicted"].min(), 2 * table["predicted"].max()
+    ends = (0.5 * table["predicted"].min(), 2 * table["predicted"].max())
     ax.plot(ends, ends, color=MUTED, linewidth=0.9, linestyle=LINES[1], label="equal")
     for barrier_set, mark in MARKS.items():
         group = table[table["barrier_set"] == barrier_set]
@@ -176,7 +169,6 @@ def bias_section(results: Results) -> Section | None:
     with_barrier = table[table["mu"].notna()]
     if with_barrier.empty:
         return None
-    barriers, others = by_barrier(table), without_barrier(table)
     text = sentences(
         "The shortest path to this target is LS, and the paper's model L(z₁) R(z₂) S(z₃) should "
         "answer with z₂ = 0. There its reduced cost is zero: the length grows only like "
@@ -184,41 +176,47 @@ def bias_section(results: Results) -> Section | None:
         "length is μ / 3 too long.",
         _prediction(with_barrier),
     )
-    caption = (
-        "The turn that Ipopt leaves, against the cube root of barrier times radius squared; one "
-        "mark per attempt. On the dashed line they are equal."
-    )
-    alt = "Turn left over against its prediction"
-    blocks: list[Picture | Table] = [
-        picture("bias", plot_bias, with_barrier, caption=caption, alt=alt, height=3.9, legend=1)
-    ]
-    caption = (
-        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
-        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
-        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed."
-    )
-    blocks.append(Table("bias", caption, barriers, BARRIERS))
-    if len(others):
-        caption = (
-            "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero "
-            "gives an active-set method no reason to put the turn at its bound; with one turn "
-            "fixed at zero, as the paper's Algorithm 1 does, the other turn can be left out."
-        )
-        blocks.append(Table("bias-methods", caption, others, OTHERS))
     lead = (
         "Marks on the dashed line confirm the prediction: how much turn an interior-point solver "
         "leaves in a path that should have none, while its length shows nothing."
     )
-    return Section("bias", "The interior-point bias in the segments", text, tuple(blocks), lead)
+    figure = picture(
+        "bias",
+        plot_bias,
+        with_barrier,
+        caption="The turn that Ipopt leaves, against the cube root of barrier times radius "
+        "squared; one mark per attempt. On the dashed line they are equal.",
+        alt="Turn left over against its prediction",
+        height=3.9,
+        legend=1,
+    )
+    barriers = Table(
+        "bias",
+        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
+        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
+        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed.",
+        by_barrier(table),
+        BARRIERS,
+    )
+    others = Table(
+        "bias-methods",
+        "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero "
+        "gives an active-set method no reason to put the turn at its bound; with one turn "
+        "fixed at zero, as the paper's Algorithm 1 does, the other turn can be left out.",
+        without_barrier(table),
+        OTHERS,
+    )
+    blocks = (figure, barriers, others) if len(others.frame) else (figure, barriers)
+    return Section("bias", "The interior-point bias in the segments", text, blocks, lead)
 
 
 def _prediction(with_barrier: pd.DataFrame) -> str:
     """How well z2 is predicted, as the largest deviation and the slope."""
     deviation = float((with_barrier["ratio"] - 1).abs().max())
-    comparison = f"is within a relative {digits(2)(deviation)} of this"
+    shown = digits(2)(deviation)
+    comparison = f"is within a relative {shown} of this"
     if deviation > _FOLLOWS:
-        away = f"up to a relative {digits(2)(deviation)} away"
-        comparison = f"does not follow this everywhere: it is {away}"
+        comparison = f"does not follow this everywhere: it is up to a relative {shown} away"
     failed = int((with_barrier["claim"] == "failed").sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
     return (

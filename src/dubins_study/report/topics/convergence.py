@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -57,24 +56,26 @@ _FIGURES = {
 def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """The attempts of methods that can be refined, with the value measured for each.
 
-    Columns series (the method and all settings in its spec except the size), solver, size, place,
-    scenario_id, measure (`gap`, or `miss` in radii for uncorrected collocation), value (infinite if
-    there is none), wrong_basin and wall_s (s).
+    Columns series (the method and all settings in its spec except the size; categories in the order
+    of tables), solver, size, place (categories), scenario_id, measure (`gap`, or `miss` in radii
+    for uncorrected collocation), value (infinite if there is none), wrong_basin and wall_s (s).
     """
     sizes = sizes_of(rows, settings)
     group = rows[rows["solver"].isin(list(sizes)) & rows["region"].notna()]
-    raw = group["solver"].map({spec: settings[spec].get("correct") is False for spec in sizes})
-    raw = raw.astype(bool)
-    value = group["gap"].clip(lower=0).where(~raw, group["miss"] / group["radius"]).fillna(np.inf)
+    uncorrected = [spec for spec in sizes if settings[spec].get("correct") is False]
+    raw = group["solver"].isin(uncorrected)
+    miss = group["miss"] / group["radius"]
+    of_series = group["solver"].map({spec: series(spec) for spec in sizes})
+    where = np.where(group["region"].str.endswith("disc"), "in a disc", "outside")
     return pd.DataFrame(
         {
-            "series": group["solver"].map({spec: series(spec) for spec in sizes}),
+            "series": pd.Categorical(of_series, metrics.solver_order(of_series.tolist())),
             "solver": group["solver"],
             "size": group["solver"].map(sizes).astype("int64"),
-            "place": np.where(group["region"].str.endswith("disc"), *PLACES[::-1]),
+            "place": pd.Categorical(where, PLACES),
             "scenario_id": group["scenario_id"],
             "measure": np.where(raw, "miss", "gap"),
-            "value": value,
+            "value": group["gap"].clip(lower=0).mask(raw, miss).fillna(np.inf),
             "wrong_basin": group["wrong_basin"].astype(bool),
             "wall_s": group["wall_s"],
         }
@@ -83,16 +84,20 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 def sizes_of(rows: pd.DataFrame, settings: Settings) -> dict[str, int]:
     """Spec -> its fineness, for the solvers of the rows that have one."""
-    specs = [str(spec) for spec in rows["solver"].unique()]
-    sizes = {s: settings.get(s, {}).get(SIZES.get(parse_spec(s)[0], "")) for s in specs}
-    return {spec: size for spec, size in sizes.items() if isinstance(size, int) and size > 0}
+    sizes = {}
+    for spec in rows["solver"].unique():
+        name = parse_spec(spec)[0]
+        if name in SIZES and SIZES[name] in settings.get(spec, {}):
+            sizes[str(spec)] = int(settings[spec][SIZES[name]])
+    return sizes
 
 
 def series(spec: str) -> str:
     """A spec without its size: `collocation[n=20,mesh=equal]` -> `collocation[mesh=equal]`."""
     name, settings = parse_spec(spec)
-    others = [f"{key}={value}" for key, value in settings.items() if key != SIZES.get(name)]
-    return f"{name}[{','.join(others)}]" if others else name
+    settings.pop(SIZES[name], None)
+    others = ",".join(f"{key}={value}" for key, value in settings.items())
+    return f"{name}[{others}]" if others else name
 
 
 def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
@@ -105,6 +110,9 @@ def _named(solvers: pd.Series, labels: Mapping[str, str]) -> dict[str, str]:
     return figure_names(without)
 
 
+_LINE = ["measure", "series", "place"]
+
+
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per series, place and size, from the attempts that `refined` returns.
 
@@ -112,15 +120,10 @@ def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     value (median, infinite if half have none) and wall_s (median, s).
     """
     first = attempts.groupby("series")["solver"].first()
-    groups = attempts.groupby(["measure", "series", "place", "size"])
+    groups = attempts.groupby([*_LINE, "size"])
     value = groups["value"].agg(metrics.upper_quantile, q=0.5)
     frame = pd.DataFrame({"value": value, "wall_s": groups["wall_s"].median()}).reset_index()
     return frame.assign(solver=frame["series"].map(first))
-
-
-def falling(line: pd.DataFrame, value: str) -> pd.DataFrame:
-    """The rows up to the smallest value: beyond it the engine's own accuracy decides."""
-    return line.iloc[: int(line[value].to_numpy(dtype=np.float64).argmin()) + 1]
 
 
 def orders(attempts: pd.DataFrame) -> pd.DataFrame:
@@ -131,36 +134,35 @@ def orders(attempts: pd.DataFrame) -> pd.DataFrame:
     without answers in a wrong basin; value and wall_s at the finest size; goal_s at the smallest
     size from which on the median gap is at most 1e-4, NaN if there is no such size.
     """
-    table, keys = medians(attempts), ["measure", "series", "place"]
-    lines, attempts_of = (dict(list(frame.groupby(keys))) for frame in (table, attempts))
-    each = metrics.solver_order(table["series"].tolist())
-    places = product(sorted(table["measure"].unique()), each, PLACES)
-    records = [
-        _order(lines[key].sort_values("size"), attempts_of[key]) for key in places if key in lines
-    ]
-    return pd.DataFrame.from_records(records)
+    groups = attempts.groupby(_LINE)
+    lines = medians(attempts).groupby(_LINE)
+    return pd.DataFrame([_order(line, groups.get_group(key)) for key, line in lines])
 
 
 def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
-    floor, falls = FLOOR[str(line["measure"].iloc[0])], falling(line, "value")
-    fitted = attempts[attempts["size"].isin(falls["size"]) & ~attempts["wrong_basin"]]
-    scenarios = fitted.groupby("scenario_id")
-    orders = [metrics.fitted_order(rows["size"], rows["value"], floor) for _, rows in scenarios]
-    singly = [order for order in orders if math.isfinite(order)]
-    above = np.flatnonzero(~(line["value"] <= GOAL))
-    within = line.iloc[int(above[-1]) + 1 if above.size else 0 :]
+    """One row of `orders`, from the medians with rising size and the attempts behind them."""
     last = line.iloc[-1]
+    floor = FLOOR[last["measure"]]
+    # up to the smallest value: beyond it the engine's own accuracy decides
+    falls = line.iloc[: int(line["value"].to_numpy().argmin()) + 1]
+    fitted = attempts[attempts["size"].isin(falls["size"]) & ~attempts["wrong_basin"]]
+    singly = pd.Series(
+        [
+            metrics.fitted_order(rows["size"], rows["value"], floor)
+            for _, rows in fitted.groupby("scenario_id")
+        ],
+        dtype=float,
+    )
+    within = line["value"][::-1].le(GOAL).cummin()[::-1]
     return {
-        **last[["measure", "series", "place", "solver"]],
+        **last[["measure", "series", "place", "solver", "value", "wall_s"]],
         "scenarios": attempts["scenario_id"].nunique(),
         "order": metrics.fitted_order(falls["size"], falls["value"], floor),
-        "least": min(singly, default=math.nan),
-        "most": max(singly, default=math.nan),
+        "least": singly.min(),
+        "most": singly.max(),
         "wrong": int(attempts["wrong_basin"].sum()),
         "finest": int(last["size"]),
-        "value": last["value"],
-        "wall_s": last["wall_s"],
-        "goal_s": float(within["wall_s"].iloc[0]) if len(within) else math.nan,
+        "goal_s": next(iter(line["wall_s"][within]), math.nan),
     }
 
 
@@ -194,19 +196,19 @@ def convergence_section(results: Results) -> Section | None:
 
 def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
     """Value against size, by measure and place."""
-    lines = table.merge(fits[["measure", "series", "place", "order", "label"]])
-    pairs = zip(lines["label"], lines["order"], strict=True)
-    lines["name"] = [f"{n}: p = {digits(3)(p)}" if p == p else n for n, p in pairs]
-    lines = lines.sort_values(["series", "size"], kind="stable")
+    lines = table.merge(fits[[*_LINE, "order", "label"]])
+    lines["place"] = pd.Categorical(lines["place"], PLACES)
+    order = lines["order"].map(digits(3), na_action="ignore")
+    lines["name"] = (lines["label"] + ": p = " + order).fillna(lines["label"])
+    drawn = lines[lines["value"].between(0, np.inf, inclusive="neither")]
     pictures = []
-    for (measure, (stem, ylabel, text)), place in product(_FIGURES.items(), PLACES):
-        group = lines[(lines["measure"] == measure) & (lines["place"] == place)]
-        if not group["value"].between(0, np.inf, inclusive="neither").any():
-            continue
-        axes = "steps, headings or elements N", ylabel
+    for (measure, place), group in drawn.groupby(["measure", "place"]):
+        stem, ylabel, text = _FIGURES[str(measure)]
+        axes = ("steps, headings or elements N", ylabel)
         figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)
-        caption = f"Targets {_WHERE[place]}: {text}"
-        pictures.append(Picture(f"{stem}-{slug(place)}", caption, figure, caption, half=True))
+        caption = f"Targets {_WHERE[str(place)]}: {text}"
+        name = f"{stem}-{slug(str(place))}"
+        pictures.append(Picture(name, caption, figure, caption, half=True))
     return pictures
 
 

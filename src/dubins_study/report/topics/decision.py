@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,7 @@ from dubins_study.report.elements.content import General, Place, Section, Table,
 from dubins_study.report.elements.formats import count, sentences, share, some
 from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.elements.looks import labels_of
-from dubins_study.report.statistics.intervals import scenario_shares
-from dubins_study.report.statistics.methods import UNSTATED, Compared, compared
+from dubins_study.report.statistics.methods import UNSTATED, Compared, compared, surest_first
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.study.words import Outcome
 
@@ -25,8 +24,15 @@ TITLE = "Where engines err, and where they stop"
 _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
 _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
-_ENDS = ("longer", "misses", "none", "late", "not asked", "false_claims", "asked")
-_NUMBERS = ("solver", "share", "share_low", "share_high", "wall_s")
+_SHARES = ("longer", "misses", "none", "late", "not asked")
+# Column of `surest` -> its name in the CSV file, after that of the suite.
+_NUMBERS = {
+    "solver": "solver",
+    "share": "share",
+    "low": "share_low",
+    "high": "share_high",
+    "wall_s": "wall_s",
+}
 
 
 def surest(rows: pd.DataFrame) -> pd.DataFrame:
@@ -36,51 +42,50 @@ def surest(rows: pd.DataFrame) -> pd.DataFrame:
     end of the interval decides, then the median time. Indexed by experiment, formulation and
     guesses; columns solver, share, low, high, trials and wall_s (median).
     """
-    keys = ["experiment", *_KIND, "solver"]
-    shares = scenario_shares(rows, by=keys, success="right", scenario=["question"])
-    shares = shares.assign(wall_s=rows.groupby(keys, observed=True)["wall_s"].median())
-    asked = shares["trials"].groupby(keys[:-1], observed=True).transform("max")
-    whole = shares[2 * shares["trials"] > asked]
-    ranked = whole.sort_values(["low", "wall_s"], ascending=[False, True], kind="stable")
-    found = ranked.reset_index().drop_duplicates(keys[:-1]).set_index(keys[:-1])
-    return found[["solver", "share", "low", "high", "trials", "wall_s"]]
+    keys = ["experiment", *_KIND]
+    ranked = surest_first(rows, [*keys, "solver"])
+    asked = ranked["trials"].groupby(keys, observed=True).transform("max")
+    whole = ranked[2 * ranked["trials"] > asked]
+    return whole.reset_index("solver").groupby(keys, sort=False).head(1)
 
 
-def ends(rows: pd.DataFrame) -> dict[tuple[str, str], dict[str, float]]:
+def ends(rows: pd.DataFrame) -> dict[Hashable, dict[Any, float]]:
     """How the attempts of each formulation and kind of guess ended, all engines together.
 
     By formulation and guesses. Shares of all questions: longer, misses, none (no path), late (an
     answer after the limit) and not asked. Numbers: false_claims, and asked, the attempts made.
     """
-    verdict, late = rows["verdict"], is_true(rows["late"])
-    flags = {word: (verdict == word) & ~late for word in ("longer", "misses")}
     made = rows["outcome"] != Outcome.NOT_ASKED
-    flags |= {"late": late, "not asked": ~made}
-    flags |= {"none": ~(rows["right"] | pd.DataFrame(flags).any(axis="columns"))}
+    conditions = {
+        "late": is_true(rows["late"]),
+        "longer": rows["verdict"].eq("longer"),
+        "misses": rows["verdict"].eq("misses"),
+        "not asked": ~made,
+        "right": rows["right"],
+    }
+    kind = np.select([*conditions.values()], [*conditions], "none")
+    flags = pd.get_dummies(pd.Series(kind, rows.index)).reindex(columns=_SHARES, fill_value=False)
     counted = pd.DataFrame({"false_claims": is_true(rows["false_claim"]), "asked": made})
     kinds = [rows[key] for key in _KIND]
-    frame = pd.DataFrame(flags).groupby(kinds).mean().join(counted.groupby(kinds).sum())
-    ended: dict[tuple[str, str], dict[str, float]]
-    ended = frame.to_dict("index")  # type: ignore[assignment]
-    return ended
+    frame = flags.groupby(kinds).mean().join(counted.groupby(kinds).sum())
+    return frame.to_dict("index")
 
 
-def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[tuple[str, str], str]:
+def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     """Up to how many legs an engine is right on most routes of every size, spacing by spacing.
 
     By formulation and guesses; empty without routes. A spacing is one of the `strata`.
     """
-    legs = legs_of(rows)
-    routes = rows.assign(legs=legs)
-    routes = routes[routes["experiment"].isin(routes.loc[legs > 1, "experiment"])]
-    labels = [label for label in strata if label in set(routes["label"])]
+    routes = rows.assign(legs=legs_of(rows))
+    routes = routes[routes["legs"].groupby(routes["experiment"]).transform("max") > 1]
     keys = [*_KIND, "label", "solver"]
     holds = routes.groupby([*keys, "legs"], observed=True)["right"].mean() > 0.5
     holds = holds.groupby(keys).cummin()  # a larger size after one that fails is luck
     most = holds[holds].reset_index().groupby([*_KIND, "label"])["legs"].max()
-    found = most.unstack("label").reindex(columns=labels)
+    labels = [label for label in strata if label in set(routes["label"])]
+    found = most.unstack("label").reindex(columns=labels).fillna(0)
     return {
-        (str(kind[0]), str(kind[1])): ", ".join(count(n) if n == n else "0" for n in line)
+        kind: ", ".join(map(count, line))
         for kind, line in zip(found.index, found.to_numpy(), strict=True)
     }
 
@@ -147,29 +152,31 @@ def decision_section(results: Results) -> Section | None:
         )
         return Section("decision", TITLE, text, (), "Nothing can be compared here.")
     rows = attempts.answerable
-    stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
-    labels, questions = labels_of(results), rows.groupby("experiment")["question"].nunique()
-    few = questions.min() < ENOUGH_TO_CHOOSE
+    if rows.empty:
+        return Section("decision", TITLE, "", (), "No question that was asked has a path.")
+    few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
     mine = rows["solver"].map(own_name).ne("")
-    each = few or (bool(mine.any()) and len(attempts.methods) <= _MOST_LINES)
+    each = few or bool(mine.any() and len(attempts.methods) <= _MOST_LINES)
+    stated = attempts.methods["formulation"].replace(UNSTATED, np.nan)
     formulation = rows["solver"].map(stated)
     alone = mine | formulation.isna() | each
     rows = rows.assign(
-        formulation=formulation.mask(alone, rows["solver"].map(labels)),
+        formulation=formulation.mask(alone, rows["solver"].map(labels_of(results))),
         guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
-    if rows.empty:
-        return Section("decision", TITLE, "", (), "No question that was asked has a path.")
-    engines = attempts.engines
-    text = sentences(
-        "" if EXACT in attempts.methods.index else "The closed form was not asked here.",
-        "Only one method was asked: the table leaves no choice." if len(engines) == 1 else "",
-        "No engine was right on any question."
-        if len(engines) and not rows.loc[rows["solver"] != EXACT, "right"].any()
-        else "",
-    )
-    tables = *_tables(attempts, rows, labels, few=few, each=each), cases_table(results)
+    text = sentences(*_remarks(attempts, rows))
+    tables = (*_tables(attempts, rows, few=few, each=each), cases_table(results))
     return Section("decision", TITLE, text, tables, _lead(rows))
+
+
+def _remarks(attempts: Compared, rows: pd.DataFrame) -> Iterator[str]:
+    """What a reader must know of rows that hold less than a comparison."""
+    if EXACT not in attempts.methods.index:
+        yield "The closed form was not asked here."
+    if len(attempts.engines) == 1:
+        yield "Only one method was asked: the table leaves no choice."
+    if len(attempts.engines) and not rows.loc[rows["solver"] != EXACT, "right"].any():
+        yield "No engine was right on any question."
 
 
 def _lead(rows: pd.DataFrame) -> str:
@@ -187,67 +194,56 @@ def _lead(rows: pd.DataFrame) -> str:
     )
 
 
-def _tables(
-    attempts: Compared, rows: pd.DataFrame, labels: Mapping[str, str], *, few: bool, each: bool
-) -> tuple[Table, ...]:
+def _tables(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> tuple[Table, ...]:
     """A line for each formulation and kind of guess; first those of the surest kind alone."""
     # an engine at other options is asked a sample only, and would count twice
-    equal, best = rows[rows["solver"].map(_equal)], surest(rows)
+    equal = rows[rows["solver"].map(_equal)]
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
     ended = ends(rows) | ends(equal)
-    knows = rows.groupby("solver", observed=True)["knows"].first()
     experiments = list(dict.fromkeys(rows["experiment"]))
-    by_kind: dict[tuple[str, str], dict[str, Any]] = {}
-    for method in best.reset_index().to_dict("records"):
-        kind = str(method["formulation"]), str(method["guesses"])
-        line = by_kind.setdefault(kind, {"formulation": kind[0], "guesses": kind[1], "lows": []})
-        line["method"] = kind[0] if kind[1] in _NO_GUESS else f"{kind[0]}, {kind[1]}"
-        known = f"{line.get('knows', '')} {knows[method['solver']] or ''}"
-        line["knows"] = " ".join(sorted({*known.split()}))
-        line["lows"].append(method["low"])
-        line["mine"] = bool(own_name(str(method["solver"])))
-        named = "" if line["mine"] else f"{method['solver']}\n"
-        line |= _cell(method, experiments.index(method["experiment"]), named)
-    for kind, line in by_kind.items():
-        end = ended[kind]
-        ended_as = end["longer"], end["misses"], end["none"] + end["late"], end["not asked"]
-        line["errs"] = " / ".join(f"{100 * part:.0f}" for part in ended_as)
-        lows = line.pop("lows")
-        line["false"] = f"{end['false_claims']:.0f} of {count(end['asked'])}"
-        line |= end | {"stops": stop.get(kind, ""), "suites": len(lows), "sure": np.mean(lows)}
-    frame = pd.DataFrame([*by_kind.values()]).sort_values(
+    best = surest(rows).reset_index()
+    best["knows"] = best["solver"].map(rows.groupby("solver")["knows"].first())
+    best["place"] = best["experiment"].map(experiments.index)
+    lines = [
+        _line(methods, ended[kind]) | {"stops": stop.get(kind, "")}
+        for kind, methods in best.groupby(_KIND, sort=False)
+    ]
+    frame = pd.DataFrame(lines).sort_values(
         ["mine", "suites", "sure"], ascending=False, ignore_index=True
     )
     shown = (
         *columns(kind="text", method="method" if each else "formulation, guesses", knows="knows"),
         *(Column(f"suite_{n}", name, kind="pick spec") for n, name in enumerate(experiments)),
         *columns(kind="cell", errs="longer / misses / none / unasked, %"),
-        *columns(kind="cell", false="false claims"),
-        *(columns(kind="cell", stops="legs") if stop else ()),
+        *columns(kind="cell", false="false claims", stops="legs"),
     )
-    suites = [f"suite_{n}_{k}" for n, _ in enumerate(experiments) for k in _NUMBERS]
-    numbers = ("formulation", "guesses", *_ENDS, *suites)
-    caption = sentences(
-        f"The share right, with its 95 % interval by Wilson, then how the attempts end. Fewer than "
-        f"{ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
-        if few
-        else "The share right, with its 95 % interval by Wilson, then how the attempts end."
-        if each
-        else "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
-        "attempts of all engines end at equal options.",
-        "None: no path in time. False claims: of attempts made.",
-        "Legs: up to which an engine is right on most routes of each size, by spacing, long to "
-        "short."
-        if stop
-        else "",
-    )
+    caption = "The share right, with its 95 % interval by Wilson, then how the attempts end."
+    if not each:
+        caption = (
+            "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
+            "attempts of all engines end at equal options."
+        )
+    if few:
+        caption += (
+            f" Fewer than {ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
+        )
+    caption += " None: no path in time. False claims: of attempts made."
+    if stop:
+        caption += (
+            " Legs: up to which an engine is right on most routes of each size, by spacing, long "
+            "to short."
+        )
+    else:
+        shown = shown[:-1]
+    suites = [f"suite_{n}_{key}" for n, _ in enumerate(experiments) for key in _NUMBERS.values()]
+    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked", *suites)
     bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
     table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
     several = frame["suites"] >= min(2, len(experiments))
     first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
     which = "Of each formulation, of the kinds of guesses that most suites ask, the surest."
-    return best_first(table, kinds, {*first}, which)
+    return best_first(table, kinds, set(first), which)
 
 
 def _equal(spec: str) -> bool:
@@ -255,13 +251,32 @@ def _equal(spec: str) -> bool:
     return parse_spec(spec)[1].get("options", "equal") == "equal"
 
 
-def _cell(best: Mapping[Hashable, Any], place: int, named: str) -> dict[str, Any]:
-    """The texts and numbers of one method in one experiment."""
-    name, text = f"suite_{place}", with_interval(share, best["share"], best["low"], best["high"])
-    values = [best[key] for key in ("solver", "share", "low", "high", "wall_s")]
-    return {name: f"{named}{text}"} | {
-        f"{name}_{key}": value for key, value in zip(_NUMBERS, values, strict=True)
+def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
+    """One line of the table: the surest method in each experiment, and how all attempts ended."""
+    first = methods.iloc[0]
+    formulation = str(first["formulation"])
+    guesses = str(first["guesses"])
+    mine = bool(own_name(first["solver"]))
+    shares = (end["longer"], end["misses"], end["none"] + end["late"], end["not asked"])
+    line: dict[str, Any] = {
+        "formulation": formulation,
+        "guesses": guesses,
+        "method": formulation if guesses in _NO_GUESS else f"{formulation}, {guesses}",
+        "knows": " ".join(sorted(set(methods["knows"].str.cat(sep=" ").split()))),
+        "mine": mine,
+        "suites": len(methods),
+        "sure": methods["low"].mean(),
+        "errs": " / ".join(f"{100 * part:.0f}" for part in shares),
+        "false": f"{end['false_claims']:.0f} of {count(end['asked'])}",
+        **end,
     }
+    for method in methods.to_dict("records"):
+        cell = f"suite_{method['place']}"
+        text = with_interval(share, method["share"], method["low"], method["high"])
+        line[cell] = text if mine else f"{method['solver']}\n{text}"
+        for key, name in _NUMBERS.items():
+            line[f"{cell}_{name}"] = method[key]
+    return line
 
 
 TOPIC = Topic("where engines err", decision_section, General.DECIDED, place=Place.FRONT)

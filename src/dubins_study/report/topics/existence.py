@@ -20,7 +20,7 @@ from dubins_study.report.elements.formats import seconds, sentences, share, some
 from dubins_study.report.elements.identity import best_first, method_columns, with_share
 from dubins_study.report.elements.identity import questions as question_count
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.topics.summary import best_solvers
+from dubins_study.report.topics.summary import best_solvers, share_keys
 
 _ANSWERS = ("right", "silent", "wrong")
 KINDS = ("presolved", "unasked", *_ANSWERS)
@@ -69,8 +69,8 @@ _COLUMNS = (
 )
 _NUMBERS = (
     *("solver", "unasked", "reached", "presolve_s"),
-    *(f"{name}_{end}" for name in ("right", "silent", "wrong") for end in ("share", "low", "high")),
-    *("questions", "denied", "denied_share", "denied_low", "denied_high"),
+    *share_keys(*_ANSWERS),
+    *("questions", "denied", *share_keys("denied")),
 )
 
 

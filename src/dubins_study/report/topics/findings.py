@@ -58,50 +58,59 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
     for pair in evidence.pairs(same, "formulation", WORDS, JOINT):
         guess = str(evidence.methods["guess"][pair[0]])
         kinds.setdefault(_FROM.get(guess, guess), []).append(pair)
-    each = {guess: _points(evidence, pairs, len(kinds)) for guess, pairs in kinds.items()}
-    known = {guess: points for guess, points in each.items() if points}
+    known: dict[str, Estimate] = {}
+    for guess, pairs in kinds.items():
+        points = _points(evidence, pairs, len(kinds))
+        if points is not None:
+            known[guess] = points
     clear = [guess for guess, points in known.items() if points.is_clear()]
     if not clear:
         return None
     head = max(clear, key=lambda guess: abs(known[guess].value))
-    turned = known[head].value < 0
-    others = "".join(
-        f"; from {guess} by {(points.turned() if turned else points).text()}"
-        + ("" if points.is_clear() else ", which these rows do not decide")
-        for guess, points in known.items()
-        if guess != head
-    )
+    better, worse = "one problem a word", "the joint model"
+    if known[head].value < 0:
+        better, worse = worse, better
+        known = {guess: points.turned() for guess, points in known.items()}
+        kinds[head] = [pair[::-1] for pair in kinds[head]]
+    others = ""
+    for guess, points in known.items():
+        if guess != head:
+            others += f"; from {guess} by {points.text()}"
+            others += "" if points.is_clear() else ", which these rows do not decide"
     return _in_pairs(
         evidence,
         kinds[head],
         known[head],
-        ("one problem a word", "the joint model"),
-        f"Pose {{better}}: begun from {head}, the same engines are right on {{points}} percentage "
-        f"points more of the questions than with {{worse}}{others}.",
+        f"Pose {better}: begun from {head}, the same engines are right on {known[head].text()} "
+        f"percentage points more of the questions than with {worse}{others}.",
     )
 
 
 def blind_start(evidence: Evidence) -> Finding | None:
     """One guess toward the points against a straight line: same engine, formulation, settings."""
     pairs = evidence.pairs(["formulation", "engine", "settings"], "guess", "one", "straight")
-    points = _points(evidence, pairs) if pairs else None
+    points = _points(evidence, pairs)
     if points is None or not points.is_clear():
         return None
+    better, worse = _FROM["one"], _FROM["straight"]
+    if points.value < 0:
+        better, worse = worse, better
+        points = points.turned()
+        pairs = [pair[::-1] for pair in pairs]
     return _in_pairs(
         evidence,
         pairs,
         points,
-        (_FROM["one"], _FROM["straight"]),
-        "Begin from {better}: from {worse} the same engines on the same formulations are right on "
-        "{points} percentage points fewer of the questions.",
+        f"Begin from {better}: from {worse} the same engines on the same formulations are right on "
+        f"{points.text()} percentage points fewer of the questions.",
     )
 
 
 def _apart(evidence: Evidence, pairs: list[Pair]) -> pd.DataFrame:
     """By how many percentage points the first of each pair is right more often: by question."""
-    first, second = ([pair[side] for pair in pairs] for side in (0, 1))
-    apart = 100 * (evidence.rates[first].to_numpy() - evidence.rates[second].to_numpy())
-    return pd.DataFrame(apart, evidence.rates.index, first)
+    rates = evidence.rates
+    apart = {first: 100 * (rates[first] - rates[second]) for first, second in pairs}
+    return pd.DataFrame(apart, rates.index)
 
 
 def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | None:
@@ -112,52 +121,41 @@ def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | No
     return evidence.estimate_over_engines(_apart(evidence, pairs), of)
 
 
-def _in_pairs(
-    evidence: Evidence,
-    pairs: list[Pair],
-    points: Estimate,
-    names: tuple[str, str],
-    sentence: str,
-) -> Finding:
-    """The finding that the first of each pair is right more often, or less: `_points`.
+def _in_pairs(evidence: Evidence, pairs: list[Pair], points: Estimate, sentence: str) -> Finding:
+    """A finding on pairs, of which the first is right more often: by `points`.
 
-    The sentence has places for the better and the worse name, and the percentage points.
+    To the sentence it adds how far the pairs, or the formulations, differ among themselves.
     """
     each = _apart(evidence, pairs).mean()
-    better, worse = names
-    if points.value < 0:
-        points, each = points.turned(), -each
-        better, worse = worse, better
-    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
-    text = sentence.format(better=better, worse=worse, points=points.text())
     by = each.groupby(evidence.methods["formulation"][each.index]).mean()
     if len(by) > 1:
-        text += (
+        sentence += (
             f" By formulation the difference is {by.min():z.0f} ({by.idxmin()}) to {by.max():z.0f} "
             f"({by.idxmax()})."
         )
     elif len(pairs) > 1:
-        text += f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
-    return Finding(text, points, POINTS, f"{asked}, in pairs", MATRIX)
+        sentence += (
+            f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
+        )
+    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
+    return Finding(sentence, points, POINTS, f"{asked}, in pairs", MATRIX)
 
 
 def coarse_transcription(evidence: Evidence) -> Finding | None:
     """How often direct transcription is too coarse: right turns, but a path that is longer."""
-    best = evidence.ranked.drop_duplicates("formulation").reset_index().set_index("formulation")
+    best = evidence.ranked.reset_index().drop_duplicates("formulation").set_index("formulation")
     if WORDS not in best.index:
         return None
     rows = evidence.compared.answerable
     longer = (rows["verdict"] == "longer") & ~is_true(rows["wrong_basin"])
     too_coarse = evidence.shares(longer)
     words = evidence.share_of(too_coarse[best["solver"][WORDS]])
-    shares: list[tuple[Estimate, str]] = []
-    asked = [name for name in TRANSCRIPTIONS if name in best.index]
-    for name in asked:
-        if words is not None:
-            coarse = evidence.share_of(too_coarse[best["solver"][name]], len(asked))
-            if coarse is not None and coarse.low > words.high:
-                shares.append((coarse, str(best["solver"][name])))
-    if words is None or not shares:
+    solvers = best["solver"][best.index.isin(TRANSCRIPTIONS)]
+    each = [(evidence.share_of(too_coarse[name], len(solvers)), name) for name in solvers]
+    shares = [
+        (coarse, name) for coarse, name in each if words and coarse and coarse.low > words.high
+    ]
+    if not words or not shares:
         return None
     coarse, solver = max(shares)
     if coarse.questions < ENOUGH_TO_CHOOSE:
@@ -177,25 +175,32 @@ def coarse_transcription(evidence: Evidence) -> Finding | None:
 def presolve(evidence: Evidence) -> Finding | None:
     """What dropping words by geometry divides the evaluations by, in all and method by method."""
     table = evaluations(evidence.compared).replace(np.inf, np.nan)
-    pairs = [p for p in presolve_pairs(evidence.methods) if set(p) <= set(table.columns)]
-    if not pairs:
-        return None
-    ratios = pd.DataFrame({on: table[off] / table[on] for off, on in pairs})
+    ratios = pd.DataFrame(index=table.index)
+    for off, on in presolve_pairs(evidence.methods):
+        if off in table and on in table:
+            ratios[on] = table[off] / table[on]
     logs = evidence.estimate_over_engines(ratios.map(math.log))
     if logs is None or not logs.low > 0:
         return None
-    value, low, high = map(math.exp, logs[:3])
-    factor = Estimate(value, low, high, logs.questions)
-    each = [(solver, evidence.estimate(ratios[solver], medians)) for solver in ratios]
-    parts = [f"{one.text()} with {evidence.name(str(solver))}" for solver, one in each if one]
+    factor = Estimate(
+        value=math.exp(logs.value),
+        low=math.exp(logs.low),
+        high=math.exp(logs.high),
+        questions=logs.questions,
+    )
+    parts = []
+    for solver in ratios:
+        each = evidence.estimate(ratios[solver], medians)
+        if each is not None:
+            parts.append(f"{each.text()} with {evidence.name(str(solver))}")
     return Finding(
         "Drop the words that geometry excludes before any engine is called: that divides the "
         f"function evaluations of a question by {factor.text()} in the "
         f"geometric mean over questions and methods; in the median by {' and by '.join(parts)}.",
         factor,
         TIMES,
-        f"{some(factor.questions, 'question')} with a path, {some(len(pairs), 'method')} with and "
-        "without it",
+        f"{some(factor.questions, 'question')} with a path, "
+        f"{some(len(ratios.columns), 'method')} with and without it",
         "Cost where it arises",
     )
 
@@ -206,7 +211,8 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     proves = ranked.index.isin(evidence.provers)
     if not proves.any() or proves.all():
         return None
-    prover, local = str(ranked.index[proves][0]), str(ranked.index[~proves][0])
+    prover = ranked.index[proves][0]
+    local = ranked.index[~proves][0]
     ratio = evidence.time_ratio(prover, local)
     proven = evidence.rates[prover] == 1.0
     right = evidence.share_of(evidence.rates.loc[proven, local])
@@ -235,16 +241,14 @@ def false_proof(evidence: Evidence) -> Finding | None:
     table = table[(table["false"] > 0) & (table["questions"] >= ENOUGH)]
     if table.empty:
         return None
-    table = table.sort_values("false", ascending=False, kind="stable")
-    order = [str(solver) for solver in table.index]
-    worst = table.iloc[0]
+    worst = table.sort_values("false", ascending=False, kind="stable").iloc[0]
     share = chosen_share(worst["false"], int(worst["questions"]), len(evidence.provers))
-    lies = rows[(rows["solver"] == order[0]) & (rows["truth"] == FALSE)]
-    false = false_proofs(lies).to_dict("records")[0]
-    more = f" So do {some(len(order) - 1, 'method')} more." if len(order) > 1 else ""
+    lies = rows[(rows["solver"] == worst.name) & (rows["truth"] == FALSE)]
+    false = false_proofs(lies).iloc[0]
+    more = f" So do {some(len(table) - 1, 'method')} more." if len(table) > 1 else ""
     return Finding(
-        f"Check a proof as you check an answer: {evidence.name(order[0])} claims or bounds what "
-        f"is false on {share.percent_text()} of the questions; on "
+        f"Check a proof as you check an answer: {evidence.name(str(worst.name))} claims or "
+        f"bounds what is false on {share.percent_text()} of the questions; on "
         f"{some(false['attempts'], 'attempt')} {false['proof']}.{more}",
         share,
         PERCENT,
@@ -271,11 +275,12 @@ def infeasible_claims(evidence: Evidence) -> Finding | None:
     if share is None:
         return None
     liars = false["solver"].nunique()
+    are = "is" if liars == 1 else "are"
     return Finding(
         'Do not take a local engine\'s "infeasible" for a proof: of the questions that '
         f"{evidence.name(solver)} calls infeasible, {share.percent_text()} have a path. "
         f"{some(liars, 'local method')} of {rows['solver'].nunique()} that ever say so "
-        f"{'is' if liars == 1 else 'are'} wrong at least once.",
+        f"{are} wrong at least once.",
         share,
         PERCENT,
         f"{some(share.questions, 'question')} that it calls infeasible in some repeat",
@@ -306,7 +311,7 @@ def findings(
     evidence: Evidence, finders: Sequence[Callable[[Evidence], Finding | None]] = FINDINGS
 ) -> list[Finding]:
     """The findings that the rows carry."""
-    return [finding for find in finders if (finding := find(evidence)) is not None]
+    return list(filter(None, (find(evidence) for find in finders)))
 
 
 _MOST = 5
@@ -317,15 +322,19 @@ def findings_section(results: Results) -> Section | None:
     every = [finding for find in ADVICE for finding in _of_suites(results, find)]
     if not every:
         return None
-    tables = [_table("findings", every[:_MOST], 1, "What a practitioner can act on.")]
-    if every[_MOST:]:
-        tables.append(_table("findings-more", every[_MOST:], _MOST + 1, "Further findings."))
+    frame = pd.DataFrame(every)
+    frame["place"] = range(1, len(every) + 1)
+    frame[list(interval_keys("value"))] = [finding.estimate[:3] for finding in every]
+    tables = [_table("findings", frame[:_MOST], "What a practitioner can act on.")]
+    if len(every) > _MOST:
+        more = frame[_MOST:].reset_index(drop=True)
+        tables.append(_table("findings-more", more, "Further findings."))
     text = (
         "Every sentence is computed from the rows: it is said only if its 95 % interval excludes "
         f"that there is no difference, and if at least {ENOUGH} questions carry it."
     )
     lead = (
-        f"Read {some(len(every[:_MOST]), 'sentence')} to act on, what matters most first; each "
+        f"Read {some(min(len(every), _MOST), 'sentence')} to act on, what matters most first; each "
         "names the section that shows its numbers."
     )
     return Section("findings", "What the study found", text, tuple(tables), lead)
@@ -345,18 +354,16 @@ def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> 
     for name in names:
         attempts = compared(results.only({name}))
         finding = None if attempts is None else find(_evidence(attempts))
-        if finding is not None:
-            if len(names) > 1:
-                title = finding.shown_in.partition(":")[0]
-                finding = finding._replace(
-                    sentence=f"{name}: {finding.sentence}", shown_in=f"{title}: {name}"
-                )
-            yield finding
+        if finding is None:
+            continue
+        if len(names) > 1:
+            title = finding.shown_in.partition(":")[0]
+            sentence = f"{name}: {finding.sentence}"
+            finding = finding._replace(sentence=sentence, shown_in=f"{title}: {name}")
+        yield finding
 
 
-def _table(name: str, chosen: Sequence[Finding], first: int, title: str) -> Table:
-    frame = pd.DataFrame(chosen).assign(place=range(first, first + len(chosen)))
-    frame[list(interval_keys("value"))] = [finding.estimate[:3] for finding in chosen]
+def _table(name: str, frame: pd.DataFrame, title: str) -> Table:
     shown = (
         *columns(count, place="no."),
         *columns(kind="prose", sentence="finding"),

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
-from dubins_study.report.elements.identity import interval_keys, with_interval
+from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
     Statistic,
     bootstrap_of_both,
@@ -71,22 +72,19 @@ class Finding(NamedTuple):
     shown_in: str
 
 
-def estimate_of(frame: pd.DataFrame, key: str, questions: int) -> Estimate:
-    """The number `key` of the first row, with the ends of its interval."""
-    value, low, high = (float(frame[name].iloc[0]) for name in interval_keys(key))
+def estimate_of(intervals: pd.DataFrame, questions: int) -> Estimate:
+    """The first row of a frame whose columns are a number and the ends of its interval."""
+    value, low, high = intervals.iloc[0].tolist()
     return Estimate(value, low, high, questions)
 
 
 def chosen_share(share: float, questions: int, of: int) -> Estimate:
-    """A share of questions, the most extreme of several, with the interval of all at once."""
+    """A share of questions in per cent, the most extreme of several.
+
+    Its interval is that of all at once.
+    """
     low, high = wilson_interval(min(share * questions, questions), questions, of)
-    return percent(Estimate(share, low, high, questions))
-
-
-def percent(estimate: Estimate) -> Estimate:
-    """An estimate of a share as one in per cent."""
-    value, low, high, questions = estimate
-    return Estimate(100 * value, 100 * low, 100 * high, questions)
+    return Estimate(100 * share, 100 * low, 100 * high, questions)
 
 
 Pair = tuple[str, str]
@@ -97,10 +95,8 @@ class Evidence:
 
     def __init__(self, compared: Compared) -> None:
         self.compared = compared
-        known = compared.rows.groupby("solver", observed=True)[
-            ["guesses", "presolve", "knows"]
-        ].first()
-        self.methods = compared.engines.join(known)
+        rows = compared.rows.groupby("solver", observed=True)
+        self.methods = compared.engines.join(rows[["guesses", "presolve", "knows"]].first())
 
     @cached_property
     def rates(self) -> pd.DataFrame:
@@ -110,27 +106,25 @@ class Evidence:
     def shares(self, holds: pd.Series[bool]) -> pd.DataFrame:
         """Share of repeats of which something holds, as `rates`."""
         rows = self.compared.answerable
-        return holds.astype(np.float64).groupby([rows["question"], rows["solver"]]).mean().unstack()
+        return holds.astype(float).groupby([rows["question"], rows["solver"]]).mean().unstack()
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
         """The methods in the order of their mean times, failures at the limit; may be empty."""
-        if times(self.compared).dropna().empty:
-            return self.methods.iloc[:0].assign(right=0.0, right_low=0.0, right_high=0.0)
         return mean_ranks(self.compared)[0]
 
     @cached_property
     def claims(self) -> pd.DataFrame:
         """All claims of engines, those at questions without a path too."""
         rows = claims(self.compared)
-        return rows[rows["solver"].isin(self.methods.index)]
+        return rows[rows["solver"] != EXACT]
 
     @cached_property
     def provers(self) -> list[str]:
         """Solvers that claim optimality or give a bound, in the order of tables."""
-        proof = (self.claims["claim"] == "optimal") | self.claims["lower_bound"].notna()
-        solvers = set(self.claims.loc[proof, "solver"])
-        return [str(solver) for solver in self.methods.index if solver in solvers]
+        proof = self.claims["claim"].eq("optimal") | self.claims["lower_bound"].notna()
+        proves = self.methods.index.isin(self.claims.loc[proof, "solver"])
+        return self.methods.index[proves].tolist()
 
     def name(self, solver: str) -> str:
         """Engine, guess and settings on a formulation."""
@@ -163,21 +157,18 @@ class Evidence:
 
         The first solver of each kind in the order of tables is taken.
         """
-        kinds = []
-        for wanted in (value, other):
-            chosen = self.usual[self.usual[differs] == wanted].dropna(subset=same)
-            first = chosen.reset_index().drop_duplicates(same).set_index(same)["solver"]
-            kinds.append(first)
-        both = pd.concat(kinds, axis=1, join="inner", keys=["first", "second"])
-        return [(str(a), str(b)) for a, b in both.itertuples(index=False)]
+        kinds = self.usual.dropna(subset=same).reset_index().drop_duplicates([*same, differs])
+        first = kinds[kinds[differs] == value]
+        second = kinds[kinds[differs] == other]
+        both = first.merge(second, on=same)
+        return list(zip(both["solver_x"], both["solver_y"], strict=True))
 
     def estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
         """A statistic over questions; None if fewer than `ENOUGH` have a value."""
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        interval = self.compared.bootstrap(known, statistic, "value")
-        return estimate_of(interval, "value", len(known))
+        return estimate_of(self.compared.bootstrap(known, statistic, "value"), len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table, questions by solvers, with an interval over scenarios and engines.
@@ -190,8 +181,7 @@ class Evidence:
             return None
         engines = self.methods["engine"].reindex(table.columns).tolist()
         frame = bootstrap_of_both(self.compared.by_scenario(known), engines, of)
-        value, low, high = map(float, frame.iloc[0])
-        return Estimate(value, low, high, len(known))
+        return estimate_of(frame, len(known))
 
     def share_of(self, rates: pd.Series[float], of: int = 1) -> Estimate | None:
         """The mean of rates in per cent, with Wilson's interval for as many trials as questions.
@@ -214,14 +204,14 @@ class Evidence:
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        interval = self.compared.bootstrap(both, medians, "value", base).loc[[solver]]
-        return estimate_of(interval, "value", len(both))
+        ratios = self.compared.bootstrap(both, medians, "value", base)
+        return estimate_of(ratios.loc[[solver]], len(both))
 
     def medians_of(self, solver: str, base: str) -> str:
         """The two medians that `time_ratio` divides: `12 questions that both answer, ...`."""
         both = self._both_right(solver, base)
-        above, below = (seconds(value) for value in both.median())
-        return f"{some(len(both), 'question')} that both answer, medians {above} and {below}"
+        medians_text = " and ".join(map(seconds, both.median()))
+        return f"{some(len(both), 'question')} that both answer, medians {medians_text}"
 
     def _both_right(self, solver: str, base: str) -> pd.DataFrame:
         return times(self.compared)[[solver, base]].replace(np.inf, np.nan).dropna()

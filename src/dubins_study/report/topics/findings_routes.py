@@ -7,7 +7,8 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, legs_of
 from dubins_study.report.elements.formats import digits, seconds, some
-from dubins_study.report.statistics.intervals import geometric_means, scenario_shares
+from dubins_study.report.statistics.intervals import geometric_means
+from dubins_study.report.statistics.methods import surest_first
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
     PERCENT,
@@ -40,19 +41,19 @@ def routes_of(evidence: Evidence) -> pd.DataFrame:
 def _surest(evidence: Evidence, rows: pd.DataFrame) -> pd.DataFrame:
     """Engines that met nearly all questions, the most surely right first: `scenario_shares`."""
     engines = rows[rows["solver"].isin(evidence.usual.index)]
-    if engines.empty:
-        return pd.DataFrame()
-    shares = scenario_shares(engines, by=["solver"], success="right", scenario=["question"])
-    time = engines.groupby("solver", observed=True)["wall_s"].median()
-    shares = shares.assign(wall_s=time.reindex(shares.index))
-    return shares.sort_values(["low", "wall_s"], ascending=[False, True])
+    return surest_first(engines, ["solver"])
 
 
 def _named(evidence: Evidence, *solvers: str) -> str:
     """The names of engines' methods, and whether the words are known to all of them."""
     given = all("words" in evidence.knows(solver).split() for solver in solvers)
     names = " and ".join(map(evidence.name, solvers))
-    return names + (" (given the words)" if given else "")
+    return f"{names} (given the words)" if given else names
+
+
+def _closed(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each attempt of the search is right and proved."""
+    return rows["right"] & rows["claim"].eq("optimal")
 
 
 def proof_of_routes(evidence: Evidence) -> Finding | None:
@@ -61,92 +62,85 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
     Of several engines that are as sure the fastest counts, spacing by spacing.
     """
     rows = routes_of(evidence)
-    own, others = rows[rows["solver"] == EXACT], rows[~rows["solver"].isin(evidence.provers)]
-    surest = _surest(evidence, others)
+    own = rows[rows["solver"] == EXACT]
+    surest = _surest(evidence, rows[~rows["solver"].isin(evidence.provers)])
     if own.empty or surest.empty:
         return None
     line = surest.iloc[0]
-    names = [str(solver) for solver in surest.index[surest["low"] == line["low"]]]
-    closed = own["right"] & own["claim"].eq("optimal")
-    proved = evidence.share_of(closed.astype(float).groupby(own["question"]).mean())
-    right = rows[rows["right"] & rows["solver"].isin([EXACT, *names])]
+    names = surest.index[surest["low"] == line["low"]].tolist()
+    proved = evidence.share_of(_closed(own).astype(float).groupby(own["question"]).mean())
+    right = rows[rows["right"]]
     times = right.pivot_table(index="question", columns="solver", values="wall_s", observed=True)
     both = times.reindex(columns=[EXACT, *names]).dropna()
     if proved is None or len(both) < ENOUGH_TO_CHOOSE or {*names} & {*evidence.at_floor}:
         return None
-    label = own.groupby("question")["label"].first().reindex(both.index)
-    ratios = [
-        (name, len(part), *_against_fastest(evidence, part, names))
-        for name, part in both.groupby(label, sort=False)
-        if len(part) >= ENOUGH
-    ]
-    if not any(ratio.is_clear(1.0) for *_, ratio, _ in ratios):
-        return None
     engines = evidence.methods["engine"][names]
     short = engines if engines.is_unique else evidence.methods["name"]
-    compared = " and ".join(
-        f"{ratio.text()} times the time of {short[fastest]} on {some(n, 'route')} with {label}"
-        for label, n, ratio, fastest in ratios
-    )
+    ratios: list[Estimate] = []
+    compared: list[str] = []
+    label = own.groupby("question")["label"].first().reindex(both.index)
+    for spacing, part in both.groupby(label, sort=False):
+        if len(part) < ENOUGH:
+            continue
+        # times are compared, and the ratio is had, by geometric means
+        fastest = np.log(part[names]).mean().idxmin()
+        each = evidence.compared.bootstrap(part, geometric_means(0.0), "value", fastest)
+        ratio = estimate_of(each.loc[[EXACT]], len(part))
+        ratios.append(ratio)
+        compared.append(
+            f"{ratio.text()} times the time of {short[fastest]} on {some(len(part), 'route')} with "
+            f"{spacing}"
+        )
+    if not any(ratio.is_clear(1.0) for ratio in ratios):
+        return None
     rival = chosen_share(line["share"], int(line["trials"]), len(surest))
-    longest = own[own["legs"] == own["legs"].max()]
-    several = len(names) > 1
-    medians = ", ".join(seconds(value) for value in both.median())
+    most = own["legs"].max()
+    longest = own.loc[own["legs"] == most, "wall_s"].median()
+    finds, proves = ("find", "prove") if len(names) > 1 else ("finds", "proves")
     return Finding(
         "Ask for a proof of a route, not only of a leg: the search with a proof closes "
-        f"{proved.percent_text()} of the routes of 2 to {own['legs'].max()} legs within its limit, "
-        f"those of {own['legs'].max()} in {seconds(longest['wall_s'].median())}. Of the engines "
-        f"{_named(evidence, *names)} {'find' if several else 'finds'} most, "
-        f"{rival.percent_text()}, and {'prove' if several else 'proves'} none; where "
-        f"all are right the search takes {compared} (geometric means).",
-        ratios[0][2],
+        f"{proved.percent_text()} of the routes of 2 to {most} legs within its limit, those of "
+        f"{most} in {seconds(longest)}. Of the engines {_named(evidence, *names)} {finds} most, "
+        f"{rival.percent_text()}, and {proves} none; where all are right the search takes "
+        f"{' and '.join(compared)} (geometric means).",
+        ratios[0],
         TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
-        f"{medians}",
+        f"{', '.join(map(seconds, both.median()))}",
         TITLE,
     )
-
-
-def _against_fastest(
-    evidence: Evidence, both: pd.DataFrame, names: list[str]
-) -> tuple[Estimate, str]:
-    """The search's time over that of the fastest of several solvers, and which that is.
-
-    Times are compared, and the ratio is had, by geometric means.
-    """
-    name = str(np.log(both[names]).mean().idxmin())
-    ratios = evidence.compared.bootstrap(both, geometric_means(0.0), "value", name).loc[[EXACT]]
-    return estimate_of(ratios, "value", len(both)), name
 
 
 def where_engines_stop(evidence: Evidence) -> Finding | None:
     """Of the kind of routes that is hardest to engines, the share that the surest finds."""
     rows = routes_of(evidence)
     rows = rows[rows["legs"] >= _LONG]
-    found: list[tuple[Estimate, str, str, pd.DataFrame]] = []
+    hardest: dict[str, Estimate] = {}
     for label, of_label in rows.groupby("label"):
         surest = _surest(evidence, of_label)
         if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
             line = surest.iloc[0]
-            share = chosen_share(line["share"], int(line["trials"]), len(surest))
-            found.append((share, str(label), str(surest.index[0]), of_label))
-    if not found:
+            hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), len(surest))
+    if not hardest:
         return None
-    share, label, name, chosen = min(found)
-    own = chosen[chosen["solver"] == EXACT]
-    proved = own["right"] & own["claim"].eq("optimal")
-    if own.empty or not proved.mean() > share.high / 100:
+    label = min(hardest, key=hardest.__getitem__)
+    share = hardest[label]
+    chosen = rows[rows["label"] == label]
+    surest = _surest(evidence, chosen)
+    proved = _closed(chosen[chosen["solver"] == EXACT])
+    if proved.empty or not proved.mean() > share.high / 100:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
-    named = f", {_named(evidence, name)}," if share.questions >= ENOUGH_TO_CHOOSE else ""
+    enough = share.questions >= ENOUGH_TO_CHOOSE
+    named = f", {_named(evidence, surest.index[0])}," if enough else ""
+    routes = some(share.questions, "route")
     return Finding(
         f"Do not trust any engine alone with routes of many {label}: of {legs} the surest{named} "
-        f"finds the shortest on {share.percent_text()} of {some(share.questions, 'route')}; the "
-        f"search proves {int(proved.sum())} of {len(own)}.",
+        f"finds the shortest on {share.percent_text()} of {routes}; the search proves "
+        f"{proved.sum()} of {len(proved)}.",
         share,
         PERCENT,
-        f"{some(share.questions, 'route')} of {legs}, the surest of "
-        f"{some(len(_surest(evidence, chosen)), 'method')}",
+        f"{routes} of {legs}, the surest of {some(len(surest), 'method')}",
         TITLE,
     )
 
@@ -164,46 +158,47 @@ def growth(evidence: Evidence) -> Finding | None:
         return None
     label = rows.groupby("label")["legs"].max().idxmax()
     rows = rows[(rows["label"] == label) & (rows["legs"] >= _BEND) & ~rows["elsewhere"]]
-    solvers = [EXACT, *(s for s in evidence.usual.index if s not in evidence.at_floor)]
-    powers: list[tuple[Estimate, str]] = []
-    chosen: dict[str, pd.DataFrame] = {}
-    for solver in solvers:
+    largest = rows["legs"].max()
+    answered: dict[str, pd.DataFrame] = {}
+    for solver in [EXACT, *evidence.usual.index.difference(evidence.at_floor, sort=False)]:
         mine = rows[rows["solver"] == solver]
         done = mine["right"] & mine["claim"].ne("limit")
         share = done.groupby(mine["legs"]).mean()
         sizes = share.index[share > 0.5]
-        if len(sizes) >= _SIZES and sizes.max() == rows["legs"].max():
-            chosen[solver] = mine[done & mine["legs"].isin(sizes)]
-    for solver, mine in chosen.items():
-        estimate = exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), len(chosen))
-        powers.append((estimate, solver))
+        if len(sizes) >= _SIZES and sizes.max() == largest:
+            answered[solver] = mine[done & mine["legs"].isin(sizes)]
+    powers = {
+        solver: exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), len(answered))
+        for solver, mine in answered.items()
+    }
     if len(powers) < 2:
         return None
-    least, most = min(powers), max(powers)
-    own = next((power for power, solver in powers if solver == EXACT), None)
-    if most[0].questions < ENOUGH or not least[0].high < most[0].low:
+    least, most = (extreme(powers, key=powers.__getitem__) for extreme in (min, max))
+    power = powers[most]
+    if power.questions < ENOUGH or not powers[least].high < power.low:
         return None
 
     def named(solver: str) -> str:
-        mine = chosen[solver].groupby("legs")["wall_s"].median()
+        """A solver, and its median times at the least and the largest size."""
+        mine = answered[solver].groupby("legs")["wall_s"].median()
         name = "the search with a proof" if solver == EXACT else evidence.name(solver)
-        ends = f"{seconds(mine.iloc[0])} to {seconds(mine.iloc[-1])}"
-        return f"{name} ({ends})"
+        return f"{name} ({seconds(mine.iloc[0])} to {seconds(mine.iloc[-1])})"
 
     shown = digits(2)
-    between = EXACT not in (least[1], most[1])
-    proof = f"; that of {named(EXACT)} to {own.text(shown)}" if own and between else ""
-    largest = rows[rows["legs"] == rows["legs"].max()]
+    proof = ""
+    if EXACT in powers and EXACT not in (least, most):
+        proof = f"; that of {named(EXACT)} to {powers[EXACT].text(shown)}"
+    asked = rows.loc[rows["legs"] == largest, "question"].nunique()
     return Finding(
         f"Plan for size by the power of the legs, not by one time: with {label}, from "
-        f"{rows['legs'].min()} to {rows['legs'].max()} legs, the time of "
-        f"{named(most[1])} grows as the legs to the power {most[0].text(shown)}, that of "
-        f"{named(least[1])} to the power {least[0].text(shown)}{proof}.",
-        most[0],
+        f"{rows['legs'].min()} to {largest} legs, the time of "
+        f"{named(most)} grows as the legs to the power {power.text(shown)}, that of "
+        f"{named(least)} to the power {powers[least].text(shown)}{proof}.",
+        power,
         "power",
-        f"{some(most[0].questions, 'route')} that the first one answers; "
+        f"{some(power.questions, 'route')} that the first one answers; "
         f"{some(len(powers), 'method')} still right on most of the "
-        f"{some(largest['question'].nunique(), 'route')} of {largest['legs'].max()} legs",
+        f"{some(asked, 'route')} of {largest} legs",
         TITLE,
     )
 
@@ -214,15 +209,16 @@ def exponent(legs: FloatArray, wall_s: FloatArray, of: int = 1) -> Estimate:
     Routes are resampled within each number of legs. If it is the most extreme of several, the
     interval is that of all at once.
     """
-    x, y = np.log(legs), np.log(wall_s)
-    sizes = [np.flatnonzero(legs == size) for size in np.unique(legs)]
+    x = np.log(legs)
+    y = np.log(wall_s)
     rng = np.random.default_rng(_SEED)
-    picks = np.concatenate(
-        [size[rng.integers(size.size, size=(_RESAMPLES, size.size))] for size in sizes], axis=1
-    )
-    xs, ys = x[picks], y[picks]
-    away = xs - xs.mean(axis=1, keepdims=True)
-    slopes = (away * ys).sum(axis=1) / (away * away).sum(axis=1)
+    picks = []
+    for size in np.unique(legs):
+        places = np.flatnonzero(legs == size)
+        picks.append(places[rng.integers(places.size, size=(_RESAMPLES, places.size))])
+    drawn = np.concatenate(picks, axis=1)
+    away = x[drawn] - x[drawn].mean(axis=1, keepdims=True)
+    slopes = (away * y[drawn]).sum(axis=1) / (away * away).sum(axis=1)
     low, high = np.quantile(slopes, [0.025 / of, 1.0 - 0.025 / of])
     value = float(np.polyfit(x, y, 1)[0])
     return Estimate(value, min(float(low), value), max(float(high), value), legs.size)

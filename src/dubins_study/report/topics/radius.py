@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
@@ -24,7 +22,6 @@ from dubins_study.report.elements.style import (
     plain_log_axis,
 )
 from dubins_study.report.statistics.metrics import (
-    QUESTION,
     by_solver,
     circle_radius,
     runs_of,
@@ -34,6 +31,7 @@ from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario_frame import scenario_of
 
 _FEWEST_RADII = 4  # fewer do not show a curve
+_ASKED = ["solver", "experiment", "scenario_id", "branch"]
 _PLACE = ["x", "y", "heading", "target_x", "target_y"]
 VISIBLE = 0.01  # relative; an answer that is longer by less lies on the line of the shortest ones
 _VISIBLE = f"{100 * VISIBLE:g} %"
@@ -41,6 +39,7 @@ _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}  # of the paper's two words
 
+KINDS = ["right", "little", "longer", "lost"]
 COLUMNS = (
     SOLVER,
     *columns(count, attempts="attempts", right="shortest"),
@@ -59,13 +58,12 @@ WARM_COLUMNS = (
 def sweep_rows(rows: pd.DataFrame) -> dict[tuple[str, str], pd.DataFrame]:
     """(experiment, label) -> rows, for each label with one start and target at many radii."""
     best = rows[rows["branch"] == "best"]
-    groups = best.groupby(["experiment", "label"], sort=True)
-    return {
-        (str(experiment), str(label)): group
-        for (experiment, label), group in groups
-        if group.loc[group["reference_word"].notna(), "radius"].nunique() >= _FEWEST_RADII
-        and len(group[_PLACE].drop_duplicates()) == 1
-    }
+    sweeps = {}
+    for (experiment, label), group in best.groupby(["experiment", "label"]):
+        radii = group.loc[group["reference_word"].notna(), "radius"].nunique()
+        if radii >= _FEWEST_RADII and len(group[_PLACE].drop_duplicates()) == 1:
+            sweeps[str(experiment), str(label)] = group
+    return sweeps
 
 
 def shortest_lengths(rows: pd.DataFrame) -> pd.DataFrame:
@@ -80,7 +78,7 @@ def visibly_wrong(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[~rows["verdict"].isin(SUCCESSES) & ~(rows["gap"] <= VISIBLE)]
 
 
-def _place(rows: pd.DataFrame) -> dict[str, Any]:
+def _place(rows: pd.DataFrame) -> dict[str, float]:
     """The start and the target of one sweep."""
     return {key: float(rows[key].iloc[0]) for key in _PLACE}
 
@@ -91,12 +89,15 @@ def answers(rows: pd.DataFrame) -> pd.DataFrame:
     Columns: those of `COLUMNS`; little is longer by at most `VISIBLE`, most the largest gap of a
     path that arrives.
     """
-    right = rows["verdict"].isin(SUCCESSES)
-    little = ~right & (rows["gap"] <= VISIBLE)
-    lost = ~right & rows["gap"].isna()
-    kinds = {"right": right, "little": little, "longer": ~right & ~little & ~lost, "lost": lost}
-    groups = rows.assign(**kinds).groupby("solver", observed=True)
-    frame = groups[list(kinds)].sum().assign(attempts=groups.size(), most=groups["gap"].max())
+    conditions = {
+        "right": rows["verdict"].isin(SUCCESSES),
+        "little": rows["gap"] <= VISIBLE,
+        "lost": rows["gap"].isna(),
+    }
+    kind = np.select([*conditions.values()], [*conditions], "longer")
+    counts = pd.crosstab(rows["solver"], kind).reindex(columns=KINDS, fill_value=0)
+    groups = rows.groupby("solver", observed=True)
+    frame = counts.assign(attempts=groups.size(), most=groups["gap"].max())
     return by_solver(frame.reset_index())
 
 
@@ -105,20 +106,28 @@ def radius_section(results: Results) -> Section | None:
     sweeps = sweep_rows(results.rows)
     if not sweeps:
         return None
-    rows, palette = pd.concat(list(sweeps.values())), Palette.of_page(results)
+    palette = Palette.of_page(results)
     blocks: list[Picture | Table] = []
     for number, ((_, label), group) in enumerate(sweeps.items(), start=1):
         # The radius at which a turning circle passes through the target; else infinite.
         circle = circle_radius(**_place(group))
-        name = f"{label[:1].upper()}{label[1:]}"
-        caption, alt = f"{name}. Length units; R* = {digits(5)(circle)}.", "Length over radius"
-        style: Style = {"caption": caption, "alt": f"{alt}, {label}", "height": 2.9}
-        blocks.append(picture(f"radius-{number}", _draw_sweep, group, circle, palette, **style))
+        blocks.append(
+            picture(
+                f"radius-{number}",
+                _draw_sweep,
+                group,
+                circle,
+                palette,
+                caption=f"{label[:1].upper()}{label[1:]}. Length units; R* = {digits(5)(circle)}.",
+                alt=f"Length over radius, {label}",
+                height=2.9,
+            )
+        )
+    table = answers(pd.concat(sweeps.values()))
     caption = (
         "What the solvers answer along the sweeps, cold and warm: the shortest path within the "
         "check's tolerance, a longer one, or none that arrives. The gap is relative."
     )
-    table = answers(rows)
     wrong = marks(table, "longer", "lost")
     blocks.append(Table("radius-answers", caption, table, COLUMNS, wrong))
     text = (
@@ -138,57 +147,72 @@ def radius_section(results: Results) -> Section | None:
 
 
 def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -> None:
-    """Draw the shortest length over radius, its words and R*, and every answer visibly wrong.
+    """Draw the shortest length over radius, its words and R*, and every answer visibly wrong."""
+    known = shortest_lengths(rows)
+    wrong = visibly_wrong(rows)
+    _draw_shortest(ax, known)
+    _draw_words(ax, _place(rows), known["radius"])
+    _draw_wrong(ax, wrong, palette)
+    first = known["radius"].min()
+    last = known["radius"].max()
+    if first < circle < last:
+        mark_limit(ax, circle)
+        style: Style = {"ha": "center", "fontsize": 8, "color": MUTED}
+        above = ax.get_xaxis_transform()
+        ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", transform=above, **style)
+    # a logarithmic scale shows the jump and lengths that grow with the radius
+    ax.set(xscale="log", xlim=(first, last), xlabel="turning radius R", ylabel="length")
+    ax.set_yscale("log")
+    foot = known["length"].min()
+    top = max(known["length"].max(), wrong["length"].max(skipna=True))
+    if foot > 0:
+        ax.set_ylim(0.75 * foot, top * (top / foot) ** 0.15 * 1.2)
+    plain_log_axis(ax.xaxis)
+    plain_log_axis(ax.yaxis)
+
+
+def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
+    """Draw the shortest length, with its words above it.
 
     The line breaks where the word changes, at the geometric mean of two radii, since the length
     may jump there.
     """
-    known, wrong = shortest_lengths(rows), visibly_wrong(rows)
-    radii, lengths = known["radius"].to_numpy(), known["length"].to_numpy()
-    above = ax.get_xaxis_transform()
-    ax.set(xscale="log", xlim=(radii[0], radii[-1]), xlabel="turning radius R", ylabel="length")
-    plain_log_axis(ax.xaxis)
+    radii = known["radius"].to_numpy()
+    lengths = known["length"].to_numpy()
     edges = np.sqrt(np.append(radii[0], radii) * np.append(radii, radii[-1]))
+    above = ax.get_xaxis_transform()
     for first, past, word in runs_of(known["reference_word"].tolist()):
-        low, high, shade = edges[first], edges[past], _WORD_SHADE.get(word, 0.02)
+        low = edges[first]
+        high = edges[past]
+        shade = _WORD_SHADE.get(word, 0.02)
         ax.axvspan(low, high, color=MUTED, alpha=shade, linewidth=0, zorder=0)
         ax.text(np.sqrt(low * high), 0.97, word, transform=above, va="top", ha="center")
         ax.plot(radii[first:past], lengths[first:past], color=INK, zorder=3)
-    dense = np.geomspace(radii[0], radii[-1], 300)
+
+
+def _draw_words(ax: Axes, place: dict[str, float], radii: pd.Series[float]) -> None:
+    """Draw the lengths of the paper's two words, where they exist."""
+    dense = np.geomspace(radii.min(), radii.max(), 300)
     for word, line in _WORD_LINE.items():
-        sweep = (scenario_of(_place(rows) | {"radius": radius}) for radius in dense)
-        paths = [shortest(scenario, word) for scenario in sweep]
+        paths = [shortest(scenario_of({**place, "radius": radius}), word) for radius in dense]
         totals = [math.nan if path is None else path.total for path in paths]
-        dashes: Style = {"color": MUTED, "linestyle": line, "linewidth": 0.9, "zorder": 2}
-        ax.plot(dense, dense * totals, **dashes)
-    _draw_wrong(ax, wrong, palette)
-    if radii[0] < circle < radii[-1]:
-        mark_limit(ax, circle)
-        name: Style = {"transform": above, "ha": "center", "fontsize": 8, "color": MUTED}
-        ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", **name)
-    foot, top = lengths.min(), float(np.nanmax([lengths.max(), *wrong["length"]]))
-    if foot > 0:  # a logarithmic scale shows the jump and lengths that grow with the radius
-        ax.set(yscale="log", ylim=(0.75 * foot, top * (top / foot) ** 0.15 * 1.2))
-        plain_log_axis(ax.yaxis)
-    else:
-        ax.set_ylim(0, 1.22 * top or 1.0)
-        ax.yaxis.set_major_locator(MaxNLocator(5))
+        ax.plot(dense, dense * totals, color=MUTED, linestyle=line, linewidth=0.9, zorder=2)
 
 
 def _draw_wrong(ax: Axes, wrong: pd.DataFrame, palette: Palette) -> None:
     """Draw visibly wrong answers; those that do not arrive as crosses at the foot."""
-    looks, names = palette.looks(wrong["solver"]), palette.names(wrong["solver"])
-    for solver, look in looks.items():
+    names = palette.names(wrong["solver"])
+    for solver, look in palette.looks(wrong["solver"]).items():
         group = wrong[wrong["solver"] == solver]
-        arrived, lost = group[group["gap"].notna()], group[group["gap"].isna()]
+        arrived = group[group["gap"].notna()]
+        lost = group["radius"][group["gap"].isna()]
         dots = look.dots | {"markersize": 3.5, "markerfacecolor": "none", "zorder": 4}
-        dots |= {"label": names[solver][:_MOST_LETTERS]}
-        ax.plot(arrived["radius"], arrived["length"], **dots)
+        label = names[solver][:_MOST_LETTERS]
+        ax.plot(arrived["radius"], arrived["length"], label=label, **dots)
         if len(lost):  # an empty line off the data's axes would upset the layout
             foot = np.full(len(lost), 0.03)
-            dots |= {"marker": "x"} | ({"label": "_again"} if len(arrived) else {})
-            ax.plot(lost["radius"], foot, transform=ax.get_xaxis_transform(), **dots)
-    if looks:
+            ax.plot(lost, foot, transform=ax.get_xaxis_transform(), **dots | {"marker": "x"})
+    if names:
         ax.legend(loc="lower right", fontsize=6.5, handletextpad=0.3)
 
 
@@ -198,20 +222,25 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
     A ratio is the median over questions, NaN where iterations are not counted; a success is a share
     of all attempts.
     """
-    if not {"cold", "warm"} <= set(rows["initial_guess"]):
-        return pd.DataFrame()
-    attempts = rows.assign(success=success(rows).astype(float), s=rows["wall_s"])
-    groups = attempts.groupby(["solver", *QUESTION])
-    table = groups.agg({"s": "median", "success": "mean", "iterations": "median"})
-    wide = pd.DataFrame(table.unstack("initial_guess"))
-    both = wide.dropna(subset=[("success", "cold"), ("success", "warm")])
-    each = both.groupby(level="solver")
-    frame = pd.DataFrame({"questions": each.size()})
-    frame = frame.join(each["s"].median()["s"].add_suffix("_s"))
-    frame = frame.join(each["success"].mean()["success"].add_suffix("_success"))
-    for key, column in (("ratio", "s"), ("work", "iterations")):
-        cold, warm = both[column, "cold"].astype(float), both[column, "warm"].astype(float)
-        frame[key] = (warm / cold.where(cold > 0)).groupby(level="solver").median()
+    measured = rows.assign(success=success(rows).astype(float))
+    measured["iterations"] = measured["iterations"].astype(float)
+    hows = {"wall_s": "median", "success": "mean", "iterations": "median"}
+    cold, warm = (
+        measured[measured["initial_guess"] == guess].groupby(_ASKED).agg(hows)
+        for guess in ("cold", "warm")
+    )
+    both = cold.join(warm.add_suffix("_warm"), how="inner")
+    both["ratio"] = both["wall_s_warm"] / both["wall_s"].where(both["wall_s"] > 0)
+    both["work"] = both["iterations_warm"] / both["iterations"].where(both["iterations"] > 0)
+    frame = both.groupby("solver").agg(
+        questions=("wall_s", "size"),
+        cold_s=("wall_s", "median"),
+        warm_s=("wall_s_warm", "median"),
+        cold_success=("success", "mean"),
+        warm_success=("success_warm", "mean"),
+        ratio=("ratio", "median"),
+        work=("work", "median"),
+    )
     return by_solver(frame.reset_index())
 
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import (
     General,
     Picture,
@@ -27,9 +27,9 @@ from dubins_study.report.elements.content import (
     panels_picture,
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences
-from dubins_study.report.elements.identity import questions, with_share
+from dubins_study.report.elements.identity import interval_column, questions, with_share
 from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
-from dubins_study.report.elements.plots import HIGHEST, draw_cells
+from dubins_study.report.elements.plots import HIGHEST, Mark
 from dubins_study.report.elements.style import (
     BLUE,
     HALF,
@@ -48,23 +48,24 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
 from dubins_study.report.statistics.metrics import success, upper_quantile
+from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
-from dubins_study.report.topics.summary import solver_summary
+from dubins_study.report.topics.summary import share_keys, solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
 
 TITLE = "Routes of many legs"
 _CELL = ["solver", "label", "legs"]
-_SHARE = ["successes", "trials", "share", "low", "high"]
-# Largest median gap of a class, its name, and its colour, from light to dark.
+# Classes of median gaps, from light to dark.
 GAPS = (
-    (1e-6, "up to 1e-6", "#eef4f9"),
-    (1e-4, "up to 1e-4", "#cfe2f0"),
-    (1e-2, "up to 1e-2", "#a3c7e0"),
-    (1e300, "more", "#6a9cc4"),
-    (np.inf, "most do not arrive", "#2f4c69"),
+    Mark("up to 1e-6", colour="#eef4f9"),
+    Mark("up to 1e-4", colour="#cfe2f0"),
+    Mark("up to 1e-2", colour="#a3c7e0"),
+    Mark("more", colour="#6a9cc4"),
+    Mark("most do not arrive", colour="#2f4c69"),
 )
+_LARGEST = (1e-6, 1e-4, 1e-2, 1e300)  # gap of each class but the last
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
 
@@ -82,15 +83,12 @@ def by_legs(rows: pd.DataFrame) -> pd.DataFrame:
     gap (median over attempts, infinite if most do not arrive; of an undecided attempt an upper
     bound); wall_s (median of all attempts).
     """
-    measured = rows.assign(gap=rows["gap"].fillna(np.inf))
-    groups = measured.groupby(_CELL)
-    frame = groups.agg(
-        gap=("gap", lambda gaps: upper_quantile(gaps, 0.5)), wall_s=("wall_s", "median")
-    )
-    open_ = measured[measured["undecided"]].groupby(_CELL)["scenario_id"].nunique()
-    decided = measured[~measured["undecided"]]
-    shares = scenario_shares(decided, by=_CELL, success="right", scenario=TRIAL)
-    frame = frame.join(shares[_SHARE]).assign(undecided=open_)
+    groups = rows.fillna({"gap": np.inf}).groupby(_CELL)
+    frame = pd.DataFrame({"wall_s": groups["wall_s"].median()})
+    frame["gap"] = groups["gap"].agg(upper_quantile, q=0.5)
+    undecided = rows["undecided"]
+    frame["undecided"] = rows[undecided].groupby(_CELL)["scenario_id"].nunique()
+    frame = frame.join(scenario_shares(rows[~undecided], by=_CELL, success="right", scenario=TRIAL))
     return frame.fillna({"successes": 0, "trials": 0, "undecided": 0}).reset_index()
 
 
@@ -111,88 +109,94 @@ def routes_section(results: Results) -> Section | None:
 
 def _text(rows: pd.DataFrame) -> str:
     """How many answers are undecided, and how many the search proves."""
-    own = rows[rows["solver"] == EXACT]
+    undecided = ""
+    if rows["undecided"].any():
+        undecided = (
+            f"Undecided are {count(rows['undecided'].sum())} of {count(len(rows))} attempts: the "
+            "check does not know the shortest length well enough, and they enter no share."
+        )
+    proved = ""
+    closed = rows.loc[rows["solver"] == EXACT, "claim"].eq("optimal")
+    if len(closed):
+        proved = (
+            f"The search with a proof closes {count(closed.sum())} of its {count(len(closed))} "
+            "attempts within its limit."
+        )
     return sentences(
         "Right: the path passes all points in order, and its proven gap is within the run's "
         "tolerance.",
-        f"Undecided are {count(rows['undecided'].sum())} of {count(len(rows))} attempts: the check "
-        "does not know the shortest length well enough, and they enter no share."
-        if rows["undecided"].any()
-        else "",
-        f"The search with a proof closes {count(own['claim'].eq('optimal').sum())} of its "
-        f"{count(len(own))} attempts within its limit."
-        if len(own)
-        else "",
+        undecided,
+        proved,
     )
-
-
-def _labels(results: Results) -> dict[str, str]:
-    """Short names that tell the methods of this experiment apart, whatever else is on the page."""
-    return short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
 
 
 def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
     """A map of success and gap for each stratum, and below it the times of some methods."""
-    palette = replace(Palette.of_page(results), labels=_labels(results))
+    # that tell the methods of this experiment apart, whatever else is on the page
+    labels = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
+    palette = replace(Palette.of_page(results), labels=labels)
     summary = solver_summary(results.attempts)
     summary = summary[summary["solver"] != EXACT]
-    engines = best_methods(summary, ["formulation"])["solver"]
-    drawn = [*own(summary["solver"]), EXACT, *engines]
-    solvers = list(dict.fromkeys(cells["solver"]))
-    if len(solvers) > _LINES:
+    timed = {*own(summary["solver"]), EXACT, *best_methods(summary, ["formulation"])["solver"]}
+    if cells["solver"].nunique() > _LINES:
         known = results.rows.groupby("solver", observed=True)["guesses"].first()
         kinds = summary.assign(guesses=summary["solver"].map(known).fillna(""))
-        kept = {*drawn, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
-        solvers = [solver for solver in solvers if solver in kept]
-        cells = cells[cells["solver"].isin(solvers)]
-    longest = results.rows["limit_s"].max()
-    limit = None if pd.isna(longest) else float(longest)
-    caption = (
+        kept = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
+        cells = cells[cells["solver"].isin(kept)]
+    return panels_picture(
+        "routes",
         "Above, in each cell the routes answered right of those decided (?: others are undecided), "
         "and as colour the median gap; of each formulation and guess the surest engine. Below, "
         "median times of each formulation's surest engine, "
-        "failures included; an engine's floor is at most that at one leg. Dotted: the limit."
+        "failures included; an engine's floor is at most that at one leg. Dotted: the limit.",
+        plot_routes,
+        "Success, gap and time against the number of legs",
+        cells,
+        strata,
+        timed,
+        palette,
+        results.rows["limit_s"].max(),
     )
-    alt = "Success, gap and time against the number of legs"
-    data = cells, strata, solvers, set(drawn), palette, limit
-    return panels_picture("routes", caption, plot_routes, alt, *data)
 
 
 def plot_routes(
     cells: pd.DataFrame,
     strata: list[str],
-    solvers: list[str],
     timed: set[str],
     palette: Palette,
-    limit: float | None,
+    limit: float,
     *,
     narrow: bool,
 ) -> Figure:
     """A map of the solvers and the times of some for each stratum, side by side unless `narrow`.
 
-    `cells` is the table of `by_legs`; `limit` is in s.
+    `cells` is the table of `by_legs`, `timed` are the solvers with a time; `limit` is in s,
+    NaN if there is none.
     """
-    count = len(strata)
+    number = len(strata)
+    solvers = list(dict.fromkeys(cells["solver"]))
     heights = (0.14 * len(solvers), 1.1 if narrow else 1.45)
     if narrow:
-        figure = new_figure(HALF, count * (sum(heights) + 0.7) + 1.2)
-        pairs = figure.subplots(2 * count, height_ratios=heights * count).reshape(count, 2)
+        figure = new_figure(HALF, number * (sum(heights) + 0.7) + 1.2)
+        panels = figure.subplots(2 * number, height_ratios=heights * number)
+        pairs = panels.reshape(number, 2)
     else:
-        figure, shape = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3)), (2, count)
-        pairs = figure.subplots(*shape, sharey="row", squeeze=False, height_ratios=heights).T
+        figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
+        panels = figure.subplots(2, number, sharey="row", squeeze=False, height_ratios=heights)
+        pairs = panels.T
     for place, ((above, below), label) in enumerate(zip(pairs, strata, strict=True)):
         chosen = cells[cells["label"] == label]
         plot_success(above, chosen, solvers)
         above.set_title(label, fontsize=7.5, pad=3)
         lines = plot_times(below, chosen[chosen["solver"].isin(timed)], palette)
-        if limit is not None:
+        if limit > 0:
             mark_limit(below, limit, "y")
         if narrow or place == 0:
             above.set_yticks(range(len(solvers)), map(palette.label, solvers), fontsize=6.5)
             below.set_ylabel("median time")
-        if narrow or place == count // 2:
+        if narrow or place == number // 2:
             below.set_xlabel("legs")
-    patches = [Patch(facecolor=colour, edgecolor=RULE, label=name) for _, name, colour in GAPS]
+    patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in GAPS]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
     figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
@@ -206,23 +210,22 @@ def plot_success(ax: Axes, cells: pd.DataFrame, solvers: list[str]) -> None:
     Columns: those of `by_legs`, of one stratum.
     """
     legs = sorted(cells["legs"].unique())
-    kinds = np.searchsorted([most for most, _, _ in GAPS], cells["gap"])
-    table = cells.assign(kind=kinds).pivot(index="solver", columns="legs", values="kind")
-    values = table.reindex(solvers).to_numpy(dtype=np.float64)
-    x, y = np.arange(len(legs), dtype=float), np.arange(len(solvers), dtype=float)
-    draw_cells(ax, values, x, y, [colour for _, _, colour in GAPS])
-    for cell, kind in zip(cells.to_dict("records"), kinds, strict=True):
-        text = f"{questions(cell['successes'])}/{questions(cell['trials'])}"
-        text = (text if cell["trials"] else "") + ("?" if cell["undecided"] else "")
+    classes = np.searchsorted(_LARGEST, cells["gap"])
+    placed = cells.assign(
+        x=cells["legs"].map(legs.index),
+        y=cells["solver"].map(solvers.index),
+        kind=[GAPS[place].key for place in classes],
+        colour=np.where(classes >= _DARK, MAP_PAPER, ON_MAP),
+    )
+    draw_kinds(ax, placed, GAPS)
+    for cell in placed.to_dict("records"):
+        text = "?" if cell["undecided"] else ""
+        if cell["trials"]:
+            text = f"{questions(cell['successes'])}/{questions(cell['trials'])}{text}"
         style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}
-        colour = MAP_PAPER if kind >= _DARK else ON_MAP
-        place = legs.index(cell["legs"]), solvers.index(cell["solver"])
-        ax.text(*place, text, color=colour, **style)
-    for edge in y[1:] - 0.5:
-        ax.axhline(edge, color=MAP_PAPER, linewidth=0.6)
-    for edge in x[1:] - 0.5:
-        ax.axvline(edge, color=MAP_PAPER, linewidth=0.6)
-    ax.set_aspect("auto")
+        ax.text(cell["x"], cell["y"], text, color=cell["colour"], **style)
+    ax.hlines(np.arange(len(solvers)) - 0.5, *ax.get_xlim(), color=MAP_PAPER, linewidth=0.6)
+    ax.vlines(np.arange(len(legs)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
     ax.set_ylim(len(solvers) - 0.5, -0.5)
     ax.set_xticks(range(len(legs)), map(str, legs), fontsize=7)
     ax.tick_params(length=0)
@@ -233,8 +236,9 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
 
     Columns: those of `by_legs`, of one stratum. Returns the lines.
     """
-    solvers = list(dict.fromkeys(cells["solver"]))
-    looks, names, lines = palette.looks(solvers), palette.names(solvers), []
+    looks = palette.looks(cells["solver"].unique())
+    names = palette.names(cells["solver"].unique())
+    lines = []
     for solver, rows in cells.groupby("solver", sort=False):
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
@@ -252,29 +256,22 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
 
 def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
     """Shares right for each stratum over all numbers of legs, what is undecided or false, times."""
-    decided = rows[~rows["undecided"]]
-    shares = scenario_shares(decided, by=["solver", "label"], success="right", scenario=TRIAL)
     frame = rows.groupby("solver")[["undecided", "false_claim"]].sum()
-    right, trials = (
-        shares[name].unstack("label").reindex(index=frame.index, columns=strata).fillna(0)
-        for name in ("successes", "trials")
-    )
-    for place, label in enumerate(strata):
-        frame = with_share(frame, f"right_{place}", right[label], trials[label])
-    fewest, most = rows["legs"].min(), rows["legs"].max()
-    for name, legs in (("least_s", fewest), ("most_s", most)):
-        frame[name] = rows[rows["legs"] == legs].groupby("solver")["wall_s"].median()
+    titles = {f"right_{place}": label for place, label in enumerate(strata)}
+    for name, label in titles.items():
+        decided = rows[~rows["undecided"] & (rows["label"] == label)]
+        shares = scenario_shares(decided, by=["solver"], success="right", scenario=TRIAL)
+        shares = shares.reindex(frame.index, columns=["successes", "trials"], fill_value=0)
+        frame = with_share(frame, name, shares["successes"], shares["trials"])
+    fewest = rows["legs"].min()
+    most = rows["legs"].max()
+    frame["least_s"] = rows[rows["legs"] == fewest].groupby("solver")["wall_s"].median()
+    frame["most_s"] = rows[rows["legs"] == most].groupby("solver")["wall_s"].median()
     shown = (
         SOLVER,
-        *(
-            Column(f"right_{n}_text", f"right, {label}", kind="cell")
-            for n, label in enumerate(strata)
-        ),
+        *(interval_column(name, f"right, {label}") for name, label in titles.items()),
         *columns(count, undecided="undecided", false_claim="false claims"),
         *columns(seconds, least_s=f"time, legs: {fewest}", most_s=f"time, legs: {most}"),
-    )
-    numbers = tuple(
-        f"right_{n}_{end}" for n in range(len(strata)) for end in ("share", "low", "high")
     )
     caption = (
         "Shares of the decided routes of all numbers of legs that the experiment asks, with their "
@@ -282,6 +279,7 @@ def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
         "attempts, failures included."
     )
     frame = in_page_order(frame.reset_index(), results)
+    numbers = share_keys(*titles)
     return Table("routes", caption, frame, shown, marks(frame, "false_claim"), numbers, dense=True)
 
 

@@ -54,6 +54,11 @@ def solver_summary(attempts: pd.DataFrame) -> pd.DataFrame:
     return named.join(frame).reset_index()
 
 
+def share_keys(*names: str) -> tuple[str, ...]:
+    """The columns of `with_share` that hold numbers, for the CSV file."""
+    return tuple(f"{name}_{end}" for name in names for end in ("share", "low", "high"))
+
+
 # The spec instead of the settings: it is what a reader hands to the command.
 _COLUMNS = (
     *METHOD[:-1],
@@ -66,7 +71,7 @@ _COLUMNS = (
     *columns(count, not_returned="not returned"),
     *columns(seconds, wall_s="median time"),
 )
-_NUMBERS = ("attempts", "questions", "optimal", "right_share", "right_low", "right_high")
+_NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 
 
 @once

@@ -1,0 +1,78 @@
+"""Maps of kinds: what happened at each place of a grid, drawn alike by every topic that has one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from dubins_study.report.elements.plots import Mark, draw_cells
+from dubins_study.report.elements.style import HALF, ON_MAP, WIDE, Style, new_figure
+from dubins_study.study.arrays import FloatArray
+
+
+def kind_maps(
+    panels: Mapping[str, pd.DataFrame],
+    marks: Sequence[Mark],
+    dress: Callable[[Axes, pd.DataFrame], None],
+    *,
+    high: float,
+    narrow: bool,
+) -> Figure:
+    """A map for each title, side by side or `narrow` one below the other, and a common legend.
+
+    `dress` draws what else a map shows; a map is `high` inches high. Columns of each table: those
+    of `draw_kinds`.
+    """
+    down, across = (len(panels), 1) if narrow else (1, len(panels))
+    kinds = pd.concat(panels.values())["kind"]
+    present = [mark for mark in marks if kinds.eq(mark.key).any()]
+    columns = 2 if narrow else 5
+    legend = 0.2 + 0.17 * -(-len(present) // columns)
+    figure = new_figure(HALF if narrow else WIDE, high * down + legend)
+    axes = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+    for ax, (title, table) in zip(axes.ravel(), panels.items(), strict=True):
+        draw_kinds(ax, table, marks)
+        dress(ax, table)
+        ax.set_title(title, fontsize=8.5)
+        ax.label_outer()
+    handles = [Line2D([], [], label=mark.label or mark.key, **_dots(mark)) for mark in present]
+    figure.legend(handles=handles, loc="outside lower left", fontsize=7.5, ncols=columns)
+    return figure
+
+
+def draw_kinds(ax: Axes, table: pd.DataFrame, marks: Sequence[Mark]) -> None:
+    """Fill each cell with the colour of its kind, and mark it if the kind has a marker.
+
+    Columns: x and y (on a grid), kind (the key of a mark).
+    """
+    codes = {mark.key: code for code, mark in enumerate(marks)}
+    x, y, values = grid_of(table.assign(code=table["kind"].map(codes)), "code")
+    draw_cells(ax, values, x, y, [mark.colour for mark in marks])
+    for mark in marks:
+        group = table[table["kind"] == mark.key]
+        if mark.marker:
+            ax.plot(group["x"], group["y"], **_dots(mark))
+    ax.set_aspect("auto")
+
+
+def grid_of(table: pd.DataFrame, column: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x of shape (n,), y of shape (m,) and the column's values of shape (m, n); NaN where none.
+
+    Columns: x, y and the column; of several rows at one place the first counts.
+    """
+    grid = table.drop_duplicates(["x", "y"]).pivot(index="y", columns="x", values=column)
+    x = grid.columns.to_numpy(dtype=np.float64)
+    y = grid.index.to_numpy(dtype=np.float64)
+    return x, y, grid.to_numpy(dtype=np.float64)
+
+
+def _dots(mark: Mark) -> Style:
+    """A kind's marker on its cells, or a square with the cells' colour for the legend."""
+    edge = {"markeredgecolor": ON_MAP, "markeredgewidth": 0.7, "markersize": 4}
+    face = {"linestyle": "none", "markerfacecolor": mark.colour}
+    return {"marker": mark.marker or "s"} | edge | face
