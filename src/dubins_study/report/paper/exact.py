@@ -2,29 +2,25 @@
 
 Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`,
 but with proven bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double).
-The formulas are not trusted: `report.paper.audit` drives each path and checks that it arrives.
+The formulas are not trusted: each path is driven, and must arrive.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from fractions import Fraction
 from typing import NamedTuple
 
 from flint import arb, fmpq
+from scipy.optimize import brentq
 
 from dubins_study.report.paper.printed import Problem
 
-WORKING = 90  # digits; 40 are kept, and bisection and cancellation cost a few
-NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
+WORKING = 90  # digits; 40 are kept, and cancellation costs a few
+_NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
 _KEPT = 40  # significant digits
-_STEPS = 300  # bisections: each halves the interval, and 90 digits are 299 bits
 Pieces = tuple[arb, arb, arb]
-
-
-class UndecidedError(ArithmeticError):
-    """The two bounds of a number give different answers: it was computed with too few digits."""
 
 
 def ball(value: Fraction | Decimal | int) -> arb:
@@ -36,20 +32,20 @@ def ball(value: Fraction | Decimal | int) -> arb:
 def positive(value: arb) -> bool:
     """Whether a number lies above zero, proven."""
     if value.contains(0):
-        raise UndecidedError(f"the sign of {value.str(5)}")
+        raise ArithmeticError(f"too few digits for the sign of {value.str(5)}")
     return bool(value > 0)
 
 
-def text(value: arb, digits: int = _KEPT) -> str:
-    """A number with significant digits, proven up to a unit of the last."""
-    return str(value.str(digits, radius=False))
+def text(value: arb) -> str:
+    """A number with 40 significant digits, proven up to a unit of the last."""
+    return str(value.str(_KEPT, radius=False))
 
 
 def truncated(value: arb, places: int) -> Decimal:
     """A number that is not negative, cut off after `places` decimals, proven."""
     whole = (value * 10**places).floor().unique_fmpz()
     if whole is None:
-        raise UndecidedError(f"{value.str(20)}, cut off after {places} decimals")
+        raise ArithmeticError(f"too few digits to cut {value.str(20)} off after {places} decimals")
     return Decimal(int(whole)).scaleb(-places)
 
 
@@ -61,11 +57,6 @@ def rounded(value: arb, places: int) -> Decimal:
 def rounded_twice(value: arb, first: int, places: int) -> Decimal:
     """Rounded to `first` decimals, and what that gives to `places`."""
     return rounded(value, first).quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
-
-
-def places_of(printed: str) -> int:
-    """Number of decimals of a printed number."""
-    return len(printed.partition(".")[2])
 
 
 def half_unit(places: int) -> arb:
@@ -103,26 +94,28 @@ def heading(problem: Problem) -> arb:
 
 
 def left_straight(at: Target) -> tuple[arb, arb]:
-    """LS: angle and straight (docs/derivation.md, eq. 3); none inside the left turning circle."""
-    w = at.Y * (2 - at.Y) - at.X**2  # 1 - |T - C_L|^2
-    if positive(w):
-        raise UndecidedError("no LS: the target lies inside the left turning circle")
-    s = (-w).sqrt()
-    half = arb.atan2(at.Y, at.X + s) if positive(at.X) else arb.atan2(s - at.X, at.Y - 2)
-    if not positive(half):
-        half += arb.pi()
-    return 2 * half, s
+    """LS to a target outside the left turning circle: angle and straight.
+
+    Seen from the circle's centre, the target lies s along and 1 across the direction of arrival.
+    """
+    straight = (at.X**2 + at.Y * (at.Y - 2)).sqrt()
+    turn = arb.atan2(at.X, 1 - at.Y) - straight.atan()
+    if not positive(turn):
+        turn += 2 * arb.pi()
+    return turn, straight
 
 
 def pieces(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 (length unit) of the paper's LS or RS."""
+    """z1, z2, z3 (length unit) of the paper's LS or RS, which is found to arrive."""
     at = target(problem, arb(problem.radius))
     unit = left_straight(at if word == "LS" else at.mirrored)
     turn, straight = (value * problem.radius for value in unit)
-    return (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+    z = (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+    assert miss(problem, z) < ball(_NIL), f"{problem.label}, {word} does not arrive"
+    return z
 
 
-def miss(problem: Problem, z: Pieces) -> arb:
+def miss(problem: Problem, z: Sequence[arb]) -> arb:
     """Distance of the target from the end of the path z: the length of (4.10) and (4.11)."""
     th0 = heading(problem)
     R = ball(problem.radius)
@@ -136,17 +129,14 @@ def miss(problem: Problem, z: Pieces) -> arb:
     return (off_x * off_x + off_y * off_y).nonnegative_part().sqrt()
 
 
-def ipopt_barrier() -> arb:
-    """Ipopt's last barrier parameter with default options, 2.506e-9.
-
-    From mu = 0.1 it takes min(0.2 mu, mu^1.5), which is 0.02 and then four times mu^1.5, until mu
-    is below tol = 1e-8 (Waechter and Biegler 2006, eqs. 7 and 8).
-    """
-    return ball(Fraction(1, 50)) ** ball(Fraction(3, 2) ** 4)
+# Ipopt's last barrier parameter with default options, 2.506e-9: from mu = 0.1 it takes
+# min(0.2 mu, mu^1.5), which is 0.02 and then four times mu^1.5, until mu is below tol = 1e-8
+# (Waechter and Biegler 2006, eqs. 7 and 8).
+IPOPT_BARRIER = 0.02 ** (1.5**4)
 
 
-def biased(problem: Problem, word: str, mu: arb) -> Pieces:
-    """z1, z2, z3 where a log barrier of weight mu stops on model (4.12), near the LS or RS.
+def biased(problem: Problem, word: str) -> Pieces:
+    """z1, z2, z3 where Ipopt's barrier stops on model (4.12), near the LS or RS; to ten digits.
 
     z1 parametrises the model's feasible curve. At unit radius, with the target at (X, Y) after the
     first turn, dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
@@ -154,43 +144,30 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
     Near LS that is z2 = (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's
     order.
     """
-    R = ball(problem.radius)
-    at = target(problem, R)
-    weight = mu / R
-    turn = sum(pieces(problem, word)[:2]) / R
-
-    def excess(z1: arb) -> arb:
-        there = at.after_left(z1)
-        z2, z3 = left_straight(there.mirrored)
-        drift = 2 * there.X / z3
-        slope = 2 * (1 - z2.cos())
-        pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
-        return slope - weight * pull
-
+    R = problem.radius
+    at = target(problem, arb(R))
+    weight = IPOPT_BARRIER / R
+    left, right, _ = pieces(problem, word)
+    turn = (left + right) / R  # one of them is zero
     # R S begins with the turn; in L S the second turn is what the barrier adds behind the first.
     # At RS the minimum is strict: z1 rises from zero to about mu over the model's slope.
     if word == "LS":
         base = turn
-        guess = weight ** ball(Fraction(1, 3))
+        guess = weight ** (1 / 3)
     else:
         base = arb(0)
-        guess = weight / (2 * (1 - turn.cos()))
-    z1 = base + _root(lambda t: excess(base + t), guess / 4, guess * 4)
-    z2, z3 = left_straight(at.after_left(z1).mirrored)
-    return z1 * R, z2 * R, z3 * R
+        guess = weight / float(2 * (1 - turn.cos()))
 
+    def second(first: float) -> tuple[arb, arb]:
+        return left_straight(at.after_left(base + first).mirrored)
 
-def _root(function: Callable[[arb], arb], low: arb, high: arb) -> arb:
-    """The root of a function that is negative at `low` and positive at `high`, by bisection.
+    def excess(first: float) -> float:
+        z2, z3 = second(first)
+        drift = 2 * at.after_left(base + first).X / z3
+        slope = 2 * (1 - z2.cos())
+        pull = 1 / (base + first) + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
+        return float(slope - weight * pull)
 
-    The bisection ends where the function's ball no longer decides its sign.
-    """
-    assert not positive(function(low))
-    assert positive(function(high))
-    for _ in range(_STEPS):
-        middle = ((low + high) / 2).mid()
-        value = function(middle)
-        if value.contains(0):
-            break
-        low, high = (low, middle) if value > 0 else (middle, high)
-    return low.union(high)
+    first = brentq(excess, guess / 4, guess * 4, xtol=1e-12 * guess)
+    z2, z3 = second(first)
+    return (base + first) * R, z2 * R, z3 * R

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping
-from decimal import Decimal
 from typing import Any
 
 import pandas as pd
@@ -31,8 +30,6 @@ from dubins_study.report.paper.printed import (
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path
 
-_PLACES = 6  # decimals of exact lengths
-_HALF = Decimal("0.005")  # of the last decimal that the paper prints
 _AS_PRINTED = 0.005 + 1e-9  # the small rest: binary fractions instead of decimal ones
 
 
@@ -51,31 +48,22 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
     """Two rows for each printed row of the audit's cells: what is printed, and the exact.
 
-    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, empty
+    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, missing
     if the path does not have it.
     """
-    rows: dict[tuple[str, str, str], dict[str, str]] = {}
-    for cell in cells.to_dict("records"):
-        mark = "" if cell["verdict"] == CORRECT else " ✗"
-        texts = {"paper": cell["printed"] + mark, "exact": _exact_text(cell)}
-        for source, text in texts.items():
-            row = rows.setdefault((cell["label"], cell["path"], source), {})
-            row[cell["quantity"]] = text
-    index = pd.MultiIndex.from_tuples(rows, names=["label", "path", "source"])
-    return pd.DataFrame([*rows.values()], index, columns=[*QUANTITIES]).reset_index()
+    rows = []
+    for (label, path), row in cells.groupby(["label", "path"], sort=False):
+        marked = row["printed"] + row["verdict"].map(lambda text: "" if text == CORRECT else " ✗")
+        exact = row["exact"].map(_exact_text)
+        for source, texts in (("paper", marked), ("exact", exact)):
+            named = {"label": label, "path": path, "source": source}
+            rows.append(named | dict(zip(row["quantity"], texts, strict=True)))
+    return pd.DataFrame(rows, columns=["label", "path", "source", *QUANTITIES])
 
 
-def _exact_text(cell: Mapping[Hashable, Any]) -> str:
-    """The exact length with six decimals; with more if these would round to what is printed wrong.
-
-    Of 1.73499986, six decimals are 1.735000, which looks as if 1.74 were right.
-    """
-    places = _PLACES
-    exact = Decimal(cell["exact"])
-    wrong = cell["verdict"] != CORRECT
-    while wrong and abs(round(exact, places) - Decimal(cell["printed"])) <= _HALF:
-        places += 1
-    return str(round(exact, places))
+def _exact_text(exact: str) -> str:
+    """With seven decimals: of 1.73499986, six are 1.735000, which looks as if 1.74 were right."""
+    return f"{float(exact):.7f}"
 
 
 def answered(cells: pd.DataFrame, paths: Mapping[tuple[str, str], Path]) -> pd.Series[float]:
