@@ -126,10 +126,7 @@ def paper_section(results: Results) -> Section | None:
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
         "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
-        "below says what became of the others. The paper's solve times are 1, 2 and 3 ticks of a "
-        "clock that moves 64 times a second (15.6, 31.2 and 46.9 ms), printed with three decimals: "
-        "each tells that a solve ended within a tick of it, and nothing of which path or solver is "
-        "the faster."
+        "below says what became of the others."
     )
     lead = (
         "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
