@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -57,10 +58,19 @@ def _record(comparison: Comparison) -> dict[str, Any]:
     }
 
 
+_LEFT_OUT = (
+    "questions",
+    "timed",
+    "time_base",
+    "time_new",
+)  # columns that a terminal lacks room for
+
+
 def _text(comparison: Comparison) -> str:
     from dubins_study.report.two_runs.compare import solvers_table, speed_text, unpaired_text
 
-    each = solvers_table(comparison)
+    every = solvers_table(comparison)
+    each = replace(every, columns=tuple(c for c in every.columns if c.key not in _LEFT_OUT))
     rows = [[plain(" ".join(cell.split())) for cell in row] for row in each.texts()]
     lines = [
         output.table([column.title for column in each.columns], rows),

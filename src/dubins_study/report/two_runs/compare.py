@@ -148,7 +148,7 @@ def solvers_table(comparison: Comparison) -> Table:
         *columns(share, right_base="right, base", right_new="right, new"),
         *columns(count, lost="lost", gained="gained", timed="timed"),
         *columns(seconds, time_base="time, base", time_new="time, new"),
-        interval_column("time_ratio", "new / base"),
+        interval_column("time_ratio", "time, new / base"),
     )
     caption = (
         "Questions that both runs were asked and that have a path; times are geometric means of "
