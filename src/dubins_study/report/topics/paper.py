@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import pandas as pd
 
@@ -137,23 +136,14 @@ def paper_section(results: Results) -> Section | None:
 
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     frame = side_by_side(cells[cells["table"] == number])
-    rows = frame.to_dict("records")
     wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
-    frame["row"] = [_row_name(row) if row["source"] == "paper" else "" for row in rows]
     shown = (
-        *columns(kind="text", row="row", source="from"),
+        *columns(kind="text", label="scenario", path="path", source="from"),
         *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
     )
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
-    return Table(
-        f"paper-{number.replace('.', '-')}", caption, frame, shown, marks(wrong, *QUANTITIES)
-    )
-
-
-def _row_name(row: Mapping[Hashable, Any]) -> str:
-    """Row label: the radius in problem 5, the path name in the other problems."""
-    _, radius, value = str(row["label"]).removeprefix("problem 5, ").partition("R=")
-    return f"R = {value}" if radius else f"{str(row['path']).capitalize()} path"
+    name = f"paper-{number.replace('.', '-')}"
+    return Table(name, caption, frame, shown, marks(wrong, *QUANTITIES))
 
 
 def _scores(frame: pd.DataFrame) -> Table:
