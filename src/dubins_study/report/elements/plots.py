@@ -35,7 +35,6 @@ from dubins_study.report.elements.style import (
     log_axis,
     mark_limit,
     new_figure,
-    only_grid,
     percent_axis,
     plain_log_axis,
 )
@@ -236,7 +235,7 @@ def _name(ax: Axes, names: Sequence[str], notes: pd.Series[str] | None, size: fl
     places = range(len(names))[::-1]
     ax.set_yticks(places, names, color=INK, fontsize=size)
     ax.set_ylim(-0.6, len(names) - 0.4)
-    only_grid(ax, "x")
+    ax.grid(False, axis="y")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0, pad=2)
     style: Style = {"va": "center", "fontsize": min(size, 7.5), "color": MUTED}
