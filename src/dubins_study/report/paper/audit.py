@@ -169,13 +169,13 @@ def _algorithm() -> list[Record]:
 def _crossing(position: str, problem: Problem) -> Record:
     """Lengths just beyond R*; the right circle is the left one of the mirror image."""
     at = target(problem, arb(1))
-    left = positive(at.Y)
-    circle = (at.X**2 + at.Y**2) / (2 * abs(at.Y))
+    left = positive(at.imag)
+    circle = abs(at) ** 2 / (2 * abs(at.imag))
     near = target(problem, circle)
     if not left:
-        near = near.mirrored
-    ((optimum,), _) = right_left_solutions(*near, inside=True)
-    turn, straight = left_straight(near.mirrored)
+        near = near.conjugate()
+    ((optimum,), _) = right_left_solutions(near.real, near.imag, inside=True)
+    turn, straight = left_straight(near.conjugate())
     returned = turn + straight
     return {
         "label": position,

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from fractions import Fraction
-from typing import NamedTuple
 
-from flint import arb, fmpq
+from flint import acb, arb, fmpq
 from scipy.optimize import brentq
 
 from dubins_study.report.paper.printed import Problem
@@ -64,42 +63,35 @@ def half_unit(places: int) -> arb:
     return ball(Fraction(1, 2 * 10**places))
 
 
-class Target(NamedTuple):
-    """The target in the vehicle's frame, in units of the radius."""
-
-    X: arb
-    Y: arb
-
-    @property
-    def mirrored(self) -> Target:
-        return Target(self.X, -self.Y)
-
-    def after_left(self, angle: arb) -> Target:
-        """The target in the vehicle's frame after a left turn by an angle (rad)."""
-        sin, cos = angle.sin_cos()
-        forward = self.X - sin
-        left = self.Y - (1 - cos)
-        return Target(forward * cos + left * sin, left * cos - forward * sin)
+# A point of the plane is the complex number x + iy.
 
 
-def target(problem: Problem, radius: arb) -> Target:
-    """The target in the vehicle's frame, in units of `radius`."""
-    sin, cos = heading(problem).sin_cos()
-    x, y = problem.target
-    return Target((x * cos + y * sin) / radius, (y * cos - x * sin) / radius)
+def direction(angle: arb) -> acb:
+    """The unit vector at an angle (rad)."""
+    return acb(0, angle).exp()
 
 
 def heading(problem: Problem) -> arb:
     return ball(problem.heading) * arb.pi()
 
 
-def left_straight(at: Target) -> tuple[arb, arb]:
+def target(problem: Problem, radius: arb) -> acb:
+    """The target in the vehicle's frame, in units of `radius`; its conjugate is mirrored."""
+    return acb(*problem.target) * direction(-heading(problem)) / radius
+
+
+def after_left(at: acb, angle: arb) -> acb:
+    """A target in the vehicle's frame after a left turn by an angle (rad), at unit radius."""
+    return (at - 1j) * direction(-angle) + 1j
+
+
+def left_straight(at: acb) -> tuple[arb, arb]:
     """LS to a target outside the left turning circle: angle and straight.
 
     Seen from the circle's centre, the target lies s along and 1 across the direction of arrival.
     """
-    straight = (at.X**2 + at.Y * (at.Y - 2)).sqrt()
-    turn = arb.atan2(at.X, 1 - at.Y) - straight.atan()
+    straight = (abs(at - 1j) ** 2 - 1).sqrt()
+    turn = (1 + 1j * at).arg() - straight.atan()
     if not positive(turn):
         turn += 2 * arb.pi()
     return turn, straight
@@ -108,7 +100,7 @@ def left_straight(at: Target) -> tuple[arb, arb]:
 def pieces(problem: Problem, word: str) -> Pieces:
     """z1, z2, z3 (length unit) of the paper's LS or RS, which is found to arrive."""
     at = target(problem, arb(problem.radius))
-    unit = left_straight(at if word == "LS" else at.mirrored)
+    unit = left_straight(at if word == "LS" else at.conjugate())
     turn, straight = (value * problem.radius for value in unit)
     z = (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
     assert miss(problem, z) < ball(_NIL), f"{problem.label}, {word} does not arrive"
@@ -116,17 +108,13 @@ def pieces(problem: Problem, word: str) -> Pieces:
 
 
 def miss(problem: Problem, z: Sequence[arb]) -> arb:
-    """Distance of the target from the end of the path z: the length of (4.10) and (4.11)."""
+    """Distance of the target from the end of the path z: the length of (4.10) + i (4.11)."""
     th0 = heading(problem)
-    R = ball(problem.radius)
-    th1 = th0 + z[0] / R
-    th2 = th1 - z[1] / R
-    (s0, c0), (s1, c1), (s2, c2) = (angle.sin_cos() for angle in (th0, th1, th2))
-    x, y = problem.target
-    off_x = x - R * (-s0 + 2 * s1 - s2) - z[2] * c2
-    off_y = y - R * (c0 - 2 * c1 + c2) - z[2] * s2
-    # arb ** 2 is NaN where the ball holds zero
-    return (off_x * off_x + off_y * off_y).nonnegative_part().sqrt()
+    th1 = th0 + z[0] / problem.radius
+    th2 = th1 - z[1] / problem.radius
+    turns = 2 * direction(th1) - direction(th0) - direction(th2)
+    end = -1j * problem.radius * turns + z[2] * direction(th2)
+    return abs(acb(*problem.target) - end)
 
 
 # Ipopt's last barrier parameter with default options, 2.506e-9: from mu = 0.1 it takes
@@ -147,27 +135,19 @@ def biased(problem: Problem, word: str) -> Pieces:
     R = problem.radius
     at = target(problem, arb(R))
     weight = IPOPT_BARRIER / R
-    left, right, _ = pieces(problem, word)
-    turn = (left + right) / R  # one of them is zero
     # R S begins with the turn; in L S the second turn is what the barrier adds behind the first.
-    # At RS the minimum is strict: z1 rises from zero to about mu over the model's slope.
-    if word == "LS":
-        base = turn
-        guess = weight ** (1 / 3)
-    else:
-        base = arb(0)
-        guess = weight / float(2 * (1 - turn.cos()))
+    base = pieces(problem, word)[0] / R
 
     def second(first: float) -> tuple[arb, arb]:
-        return left_straight(at.after_left(base + first).mirrored)
+        return left_straight(after_left(at, base + first).conjugate())
 
     def excess(first: float) -> float:
         z2, z3 = second(first)
-        drift = 2 * at.after_left(base + first).X / z3
+        drift = 2 * after_left(at, base + first).real / z3
         slope = 2 * (1 - z2.cos())
         pull = 1 / (base + first) + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
         return float(slope - weight * pull)
 
-    first = brentq(excess, guess / 4, guess * 4, xtol=1e-12 * guess)
+    first = brentq(excess, 1e-12, 0.1, xtol=1e-24)
     z2, z3 = second(first)
     return (base + first) * R, z2 * R, z3 * R
