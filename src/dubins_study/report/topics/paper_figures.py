@@ -87,9 +87,14 @@ def figures_section(results: Results) -> Section | None:
         if problem.position == "problem 5" and paths:
             shortest[problem] = paths[0]
         elif paths:
-            pictures.append(_problem_picture(problem, paths))
+            ranked = zip(("optimal", "feasible"), paths, strict=False)
+            named = {labelled(rank, *each): each[1] for rank, each in ranked}
+            what = "Optimal (solid) and feasible (dashed) path"
+            pictures.append(_picture(problem, named, what))
     if shortest:
-        pictures.append(_radii_picture(shortest))
+        named = {labelled(f"R = {at.radius}", *each): each[1] for at, each in shortest.items()}
+        what = "Optimal paths for three turning radii"
+        pictures.append(_picture(min(shortest), named, what, [at.radius for at in shortest]))
     text = (
         "The paper's Figures 6.1–6.5, drawn from the controls in the rows. The arrow is the start "
         "heading, the ring the target; faint are the turning circles. The paper's text gives each "
@@ -102,36 +107,19 @@ def figures_section(results: Results) -> Section | None:
     return Section("paths", "The paper's figures", text, tuple(pictures), lead)
 
 
-def _problem_picture(problem: Problem, paths: list[tuple[str, Path]]) -> Picture:
-    """The paper's figure of one of its first four test problems."""
-    ranks = ("optimal", "feasible")
-    named = {labelled(rank, *each): each[1] for rank, each in zip(ranks, paths, strict=False)}
-    number = problem.label.removeprefix("problem ")
+def _picture(
+    problem: Problem, paths: Mapping[str, Path], what: str, radii: Iterable[float] = ()
+) -> Picture:
+    """The paper's figure of one of its test problems."""
+    number = problem.position.removeprefix("problem ")
     return picture(
         f"paths-{number}",
         plot_paths,
-        named,
+        paths,
         problem.scenario,
-        caption=f"Figure 6.{number}. Optimal (solid) and feasible (dashed) path with their "
-        "lengths; length units.",
-        alt=f"Paths of test {problem.label}",
-        height=2.9,
-    )
-
-
-def _radii_picture(paths: Mapping[Problem, tuple[str, Path]]) -> Picture:
-    """The paper's figure of the fifth test problem: the shortest path at each radius."""
-    named = {labelled(f"R = {p.radius}", *each): each[1] for p, each in paths.items()}
-    radii = [problem.radius for problem in paths]
-    return picture(
-        "paths-5",
-        plot_paths,
-        named,
-        next(iter(paths)).scenario,
         radii,
-        caption="Figure 6.5. Optimal paths of test problem 5 for three turning radii with their "
-        "lengths; length units.",
-        alt="Paths of test problem 5 for three radii",
+        caption=f"Figure 6.{number}. {what} with their lengths; length units.",
+        alt=f"Paths of test {problem.position}",
         height=2.9,
     )
 
