@@ -32,12 +32,12 @@ def pairs(base: Results, new: Results) -> pd.DataFrame:
     return joined.reset_index().sort_values(_PAIR, ignore_index=True)
 
 
-def unpaired(base: Results, new: Results) -> pd.DataFrame:
+def unpaired(base: Results, new: Results, pairs: pd.DataFrame) -> pd.DataFrame:
     """solver, only_base, only_new: how many questions only one of the runs was asked, if any."""
-    indexes = [_questions(results).index for results in (base, new)]
+    paired = pairs.groupby("solver").size()
     counts = {
-        f"only_{side}": mine.difference(other).to_frame(index=False).groupby("solver").size()
-        for side, mine, other in zip(SIDES, indexes, indexes[::-1], strict=True)
+        f"only_{side}": _questions(results).groupby("solver").size().sub(paired, fill_value=0)
+        for side, results in zip(SIDES, (base, new), strict=True)
     }
     frame = pd.DataFrame(counts).fillna(0).astype(int)
     return frame[frame.sum(axis=1) > 0].rename_axis("solver").reset_index()

@@ -81,7 +81,7 @@ def compare(
     comparison = Comparison(
         solvers=changes,
         regressions=worse,
-        unpaired=unpaired(before, after),
+        unpaired=unpaired(before, after, paired),
         differences=differences(before.folders[0].manifest, after.folders[0].manifest),
         speed=speed,
         slower=slower,
