@@ -35,7 +35,7 @@ def audit_table() -> str:
             cell["quantity"],
             cell["printed"],
             cell["exact"][:11],
-            f"{cell['verdict']}: {prose(cell['reason'])}",
+            cell["verdict"],
         )
         for cell in misprints(audit())
     ]

@@ -49,7 +49,7 @@ def test_the_names():
 
 def test_every_refusal_has_one_base_class():
     """A public error class of the package that is no `DubinsStudyError` is an internal one."""
-    internal = {"EngineError", "NotSolvedError", "UndecidedError"}
+    internal = {"EngineError", "NotSolvedError"}
     internal |= {"SearchEndError", "SpentError"}  # they end a search
     errors = set()
     for module in pkgutil.walk_packages(dubins_study.__path__, "dubins_study."):

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any
+from collections import Counter
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from dubins_study.cli.terminal.arguments import CommandError, Json
 from dubins_study.cli.terminal.output import table
+
+if TYPE_CHECKING:
+    from dubins_study.report.elements.content import Table
 
 Record = dict[str, Any]
 _SOURCE = "paper: its tables; kaya: four published routes"
@@ -29,11 +32,15 @@ def audit(
         from dubins_study.study.values import short  # numpy, which no help waits for
 
         raise CommandError(f"no audit of {short(source)}; choose one of: {', '.join(audits)}")
-    raise typer.Exit(1 if audits[source](as_json) else 0)
+    lines = audits[source](as_json)
+    if lines:
+        lines = ["dubins-study: the code contradicts the committed audit:", *lines]
+        print(*lines, sep="\n", file=sys.stderr)
+    raise typer.Exit(1 if lines else 0)
 
 
-def _audit_kaya(as_json: bool) -> bool:
-    """Print the audit of Kaya's routes; whether it is another than the committed one."""
+def _audit_kaya(as_json: bool) -> list[str]:
+    """Print the audit of Kaya's routes; in what it is another than the committed one."""
     from dubins_study.experiments.definition.experiment import read
     from dubins_study.experiments.plan.scenario_columns import scenarios
     from dubins_study.report.paper.routes import audit_routes
@@ -41,27 +48,33 @@ def _audit_kaya(as_json: bool) -> bool:
     blocks = read("kaya").experiment.scenarios
     routes = [scenario for block in blocks for scenario in scenarios(block, block.label)]
     records = audit_routes(routes)
-    text = _table(_ROUTES, records) + "\n\n" + "\n".join(_route_lines(records))
-    print(json.dumps(records, indent=1, allow_nan=False) if as_json else text, flush=True)
-    contradicted = [record for record in records if record["verdict"] != record["expected"]]
-    for record in contradicted:
-        place = "contradiction: {source}, {label}: {verdict}, not {expected}".format(**record)
-        print(f"dubins-study: {place}", file=sys.stderr)
-    return bool(contradicted)
+    print(json.dumps(records, indent=1, allow_nan=False) if as_json else routes_text(records))
+    return [
+        "{source}, {label}: {verdict}, not {expected}".format(**record)
+        for record in records
+        if record["verdict"] != record["expected"]
+    ]
 
 
-def _route_lines(records: Sequence[Record]) -> Iterator[str]:
-    """The shortest path of each route, and what is wrong with a published length."""
-    for record in {record["label"]: record for record in records}.values():
-        yield "{label}: {word}".format(**record)
-    for record in records:
-        if record["verdict"] != "shortest":
-            line = "{source}, {label}: printed {printed}, {difference:+.3g} from a path that exists"
-            yield line.format(**record)
+def routes_text(records: list[Record]) -> str:
+    """The table of the report, the shortest path of each route, and what is printed wrong."""
+    import pandas as pd
+
+    from dubins_study.report.topics.audit import routes_table
+
+    words = {record["label"]: record["word"] for record in records}
+    wrong = "{source}, {label}: printed {printed}, {difference:+.3g} from a path that exists"
+    lines = [
+        _text(routes_table(pd.DataFrame(records))),
+        "",
+        *(f"{label}: {word}" for label, word in words.items()),
+        *(wrong.format(**record) for record in records if record["verdict"] != "shortest"),
+    ]
+    return "\n".join(lines)
 
 
-def _audit_paper(as_json: bool) -> bool:
-    """Print the audit of the paper's tables; whether it contradicts the committed one."""
+def _audit_paper(as_json: bool) -> list[str]:
+    """Print the audit of the paper's tables; in what it contradicts the committed one."""
     from dubins_study.report.paper.audit import audit as recompute
     from dubins_study.report.paper.audit import contradictions
     from dubins_study.report.paper.printed import committed
@@ -70,63 +83,19 @@ def _audit_paper(as_json: bool) -> bool:
     # Flush before the committed audit is read: stdout may be redirected into that file.
     committed_form = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
     print(committed_form if as_json else audit_text(record), flush=True)
-    lines = contradictions(record, committed())
-    if lines:
-        print(
-            "dubins-study: the code contradicts the committed audit:",
-            *lines,
-            sep="\n",
-            file=sys.stderr,
-        )
-    return bool(lines)
-
-
-# column titles and the format of a record's values below them
-_CELLS = (
-    *(("table", "{table}"), ("scenario", "{label}"), ("path", "{path}"), ("cell", "{quantity}")),
-    *(("printed", "{printed}"), ("exact", "{exact}")),
-    *(("printed - exact", "{difference:+.6f}"), ("verdict", "{verdict}")),
-)
-_ROUTES = (
-    *(("source", "{source}"), ("route", "{label}"), ("legs", "{legs}"), ("printed", "{printed}")),
-    *(("ours", "{length!r}"), ("proven: at least", "{low!r}"), ("at most", "{high!r}")),
-    *(("printed - ours", "{difference:+.2g}"), ("verdict", "{verdict}")),
-)
-_TIMES = (
-    *(("scenario", "{label}"), ("path", "{path}"), ("seconds", "{printed}")),
-    *(("ticks", "{ticks}"), ("rounded to it", "{is_ticks}")),
-)
+    return contradictions(record, committed())
 
 
 def audit_text(record: Record) -> str:
-    """Every printed length and solve time, and the tables of the report."""
+    """How many printed lengths are right, and the tables of the report."""
     from dubins_study.report.topics.audit import audit_tables
 
-    summary = record["summary"]
-    counts = ", ".join(f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n)
-    paths = (
-        f"{summary['paths_beyond_rounding']} printed paths miss by more than rounding allows, "
-        f"{summary['totals_that_do_not_add_up']} do not add up"
-    )
-    ticks = (
-        f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
-        "whole ticks of a clock of 64 a second"
-    )
-    parts = [
-        (f"{summary['cells']} printed lengths: {counts}", _table(_CELLS, record["cells"])),
-        (ticks, _table(_TIMES, record["times"])),
-        *(
-            (each.caption, table([column.title for column in each.columns], each.texts()))
-            for each in audit_tables(record)
-        ),
-    ]
-    return "\n\n".join([*(f"{title}\n{body}" for title, body in parts), paths])
+    verdicts = Counter(cell["verdict"] for cell in record["cells"])
+    counts = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.most_common())
+    first = f"{len(record['cells'])} printed lengths: {counts}"
+    return "\n\n".join([first, *map(_text, audit_tables(record))])
 
 
-def _table(columns: Sequence[tuple[str, str]], records: Sequence[Record]) -> str:
-    words = {True: "yes", False: "no"}
-    rows = []
-    for record in records:
-        shown = {k: words[v] if isinstance(v, bool) else v for k, v in record.items()}
-        rows.append([text.format(**shown) for _, text in columns])
-    return table([title for title, _ in columns], rows)
+def _text(each: Table) -> str:
+    head = [column.title for column in each.columns]
+    return f"{each.caption}\n{table(head, each.texts())}"

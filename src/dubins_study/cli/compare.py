@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,7 +21,7 @@ def compare(
     base: Annotated[FilePath, typer.Argument(metavar="BASE", help="results folder")],
     new: Annotated[FilePath, typer.Argument(metavar="NEW", help="results folder")],
     out: Annotated[
-        FilePath | None, typer.Option(metavar="DIR", help="write a page with tables and figures")
+        FilePath | None, typer.Option(metavar="DIR", help="write a page with tables")
     ] = None,
     slower: Annotated[
         float, typer.Option(metavar="RATIO", help="times as long that count as slower")
@@ -57,36 +58,25 @@ def _record(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def _text(comparison: Comparison) -> str:
-    def ratio(row: Any) -> str:
-        low, high = row["time_ratio_low"], row["time_ratio_high"]
-        return "" if low != low else f"{row['time_ratio']:.3g} ({low:.3g} to {high:.3g})"
+_LEFT_OUT = (
+    "questions",
+    "timed",
+    "time_base",
+    "time_new",
+)  # columns that a terminal lacks room for
 
-    head = ["solver", "verdict", "right, base", "right, new", "lost", "gained", "time, new / base"]
-    rows = [
-        [
-            plain(row["solver"]),
-            row["verdict"],
-            _percent(row["right_base"], row["questions"]),
-            _percent(row["right_new"], row["questions"]),
-            str(row["lost"]),
-            str(row["gained"]),
-            ratio(row),
-        ]
-        for row in comparison.with_verdicts().to_dict("records")
-    ]
-    speed = comparison.speed
-    machine = (
-        "Nothing says how fast the machines were: no solver is called slower."
-        if speed is None
-        else f"The same work took {speed.ratio:.3g} times as long ({speed.low:.3g} to "
-        f"{speed.high:.3g}), by {speed.evidence}; times of changed solvers are divided by that."
-    )
+
+def _text(comparison: Comparison) -> str:
+    from dubins_study.report.two_runs.compare import solvers_table, speed_text, unpaired_text
+
+    every = solvers_table(comparison)
+    each = replace(every, columns=tuple(c for c in every.columns if c.key not in _LEFT_OUT))
+    rows = [[plain(" ".join(cell.split())) for cell in row] for row in each.texts()]
     lines = [
-        output.table(head, rows),
+        output.table([column.title for column in each.columns], rows),
         "",
-        machine,
-        *_unpaired(comparison),
+        speed_text(comparison.speed),
+        unpaired_text(comparison),
         *_regressions(comparison),
     ]
     if comparison.page is not None:
@@ -94,20 +84,7 @@ def _text(comparison: Comparison) -> str:
     return "\n".join(lines)
 
 
-_MOST_LINES, _MOST_NAMES = 20, 8
-
-
-def _unpaired(comparison: Comparison) -> list[str]:
-    """What only one run was asked: nothing is said of it."""
-    lines = []
-    for side in ("base", "new"):
-        counts = comparison.unpaired.set_index("solver")[f"only_{side}"]
-        counts = counts[counts > 0]
-        names = [f"{plain(str(solver))} {n}" for solver, n in counts.head(_MOST_NAMES).items()]
-        more = [f"{len(counts) - _MOST_NAMES} more solvers"] if len(counts) > _MOST_NAMES else []
-        if names:
-            lines.append(f"Not compared, questions of {side} only: {', '.join(names + more)}.")
-    return lines
+_MOST_LINES = 20
 
 
 def _regressions(comparison: Comparison) -> list[str]:
@@ -123,7 +100,3 @@ def _regressions(comparison: Comparison) -> list[str]:
     more = len(frame) - len(shown)
     rest = [f"  and {more} more: --json or --out has them all"] if more else []
     return [f"Worse ({len(frame)}):", *shown, *rest]
-
-
-def _percent(value: float, questions: int) -> str:
-    return f"{100 * value:.1f} % of {questions}" if questions else "none asked"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,6 +34,7 @@ class PlotError(DubinsStudyError, ValueError):
     """The path cannot be drawn, or the file cannot be written."""
 
 
+@runtime_checkable
 class Answered(Protocol):
     """The fields that are drawn; an answer of `dubins_study.solve` has them.
 
@@ -147,8 +148,7 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
         radius = 1 / sharpest if sharpest > 0 else 1.0
         x, y = drawn.end.x, drawn.end.y
         return "path", drawn, Scenario(*drawn.start, x, y, radius, _radians=True)
-    wanted = ("scenario", "path", "solver")
-    if isinstance(drawn, type) or not all(hasattr(drawn, name) for name in wanted):
+    if isinstance(drawn, type) or not isinstance(drawn, Answered):
         raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")
     if drawn.path is None:
         raise PlotError(f"there is no path to draw: {drawn.solver} returned none")

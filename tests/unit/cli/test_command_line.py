@@ -93,8 +93,8 @@ def test_the_audit_is_the_committed_file():
     assert done.exit_code == 0
     assert done.stdout == folder.joinpath("audit.json").read_text(encoding="utf-8")
     shown = asked("audit").stdout
-    assert "33 printed lengths: 26 correct rounding, 1 double rounding" in shown
-    assert "1.734999854667528017769085812802804636586" in shown
+    assert "33 printed lengths: 26 correct rounding, 4 wrong" in shown
+    assert "1.734999855" in shown
 
 
 def test_a_contradiction_is_exit_code_1(monkeypatch):
@@ -127,4 +127,4 @@ def test_published_routes(monkeypatch):
     monkeypatch.setattr(routes, "PRINTED_ROUTES", lines)
     done = asked("audit", "kaya")
     assert done.exit_code == 1
-    assert "contradiction: here, example 1: longer, not shortest" in done.stderr
+    assert "here, example 1: longer, not shortest" in done.stderr

@@ -12,11 +12,12 @@ from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.plan.scenario_columns import scenarios
 from dubins_study.report.paper import exact, routes
 from dubins_study.report.paper.audit import audit
-from dubins_study.report.paper.exact import UndecidedError, ball, rounded, truncated
+from dubins_study.report.paper.exact import ball, rounded, truncated
 from dubins_study.report.paper.printed import (
     PRINTED,
     PROBLEMS,
     QUANTITIES,
+    WORDS,
     committed,
     misprints,
     segments,
@@ -81,10 +82,6 @@ def test_every_cell_to_40_digits(found):
         assert mpmath.nstr(expected, 40, strip_zeros=False) == cell["exact"], cell
         difference = mpmath.mpf(cell["printed"]) - expected
         assert cell["difference"] == pytest.approx(float(difference), rel=1e-12)
-    for path in found["omitted"]:
-        expected = solved(PROBLEMS[path["label"]], path["word"])
-        for quantity in QUANTITIES:
-            assert mpmath.almosteq(mpmath.mpf(path[quantity]), expected[quantity], 1e-39)
 
 
 def test_the_closed_form_in_doubles_agrees(found):
@@ -116,10 +113,9 @@ def test_seven_cells_are_no_correct_roundings():
 def test_the_bias_solves_the_barrier_equations(row):
     """Gradient of f - mu sum log z along the constraints' null space, differenced by mpmath."""
     problem = PROBLEMS[row.label]
+    mu = exact.IPOPT_BARRIER
     with ctx.workdps(exact.WORKING):
-        barrier = exact.ipopt_barrier()
-        z = [mpmath.mpf(exact.text(value)) for value in exact.biased(problem, row.word, barrier)]
-        mu = mpmath.mpf(exact.text(barrier))
+        z = [mpmath.mpf(exact.text(value)) for value in exact.biased(problem, row.word)]
 
     assert mu == pytest.approx(0.02 ** (81 / 16), rel=1e-12)  # 0.02 to the power 1.5, four times
     assert max(map(abs, offset(problem, *z))) < 1e-36
@@ -130,8 +126,7 @@ def test_the_bias_solves_the_barrier_equations(row):
     (a, b), (c, d), (e, f) = slopes
     along = (c * f - d * e, b * e - a * f, a * d - b * c)  # cross product of both gradients
     slope = sum((1 - mu / value) * step for value, step in zip(z, along, strict=True))
-    # mu / z is known to 40 digits less what z has lost to its own smallness
-    assert abs(slope) < 1e-18 * max(map(abs, along))
+    assert abs(slope) < 1e-10 * max(map(abs, along))
 
 
 @pytest.mark.parametrize("radius", [5, 10, 25])
@@ -156,7 +151,7 @@ def test_the_bias_is_what_ipopt_returns(radius):
     got = solve(x0=[turn, 0.5, straight], lbx=0, ubx=np.inf, lbg=0, ubg=0)["x"].full().ravel()
 
     with ctx.workdps(exact.WORKING):
-        held = exact.biased(problem, "LS", exact.ipopt_barrier())
+        held = exact.biased(problem, "LS")
         expected = [float(value) for value in held]
     # Ipopt stops at a complementarity near mu, not at mu: z2 to a few parts in a hundred
     assert got[1] == pytest.approx(expected[1], rel=0.05)
@@ -164,6 +159,7 @@ def test_the_bias_is_what_ipopt_returns(radius):
         np.array(expected) - [turn, 0, straight], rel=0.05
     )
     assert expected[1] == pytest.approx((2.506e-9 * radius**2) ** (1 / 3), rel=2e-3)
+    assert f"{expected[1]:.2f}" == ("0.00" if radius == 5 else "0.01")  # as the page says
 
 
 def test_printed_paths_driven_by_the_judge(found):
@@ -171,7 +167,9 @@ def test_printed_paths_driven_by_the_judge(found):
     for row, path in zip(PRINTED, found["paths"], strict=True):
         end = driven(row.label, [float(text) for text in row.cells[:3]])
         assert path["miss"] == pytest.approx(np.hypot(*end), abs=1e-12), path
-        assert path["rank_is_right"]
+        lengths = {word: shortest(double(PROBLEMS[row.label]), word).total for word in WORDS}
+        rank = min if row.path == "optimal" else max
+        assert rank(WORDS, key=lengths.get) == row.word
     beyond = [p["label"] for p in found["paths"] if p["miss"] > p["rounding_allows"]]
     assert beyond == ["problem 3", "problem 4", "problem 5, R=25"]
     assert max(path["miss"] for path in found["paths"]) == pytest.approx(0.161358, abs=1e-6)
@@ -198,30 +196,20 @@ def test_no_rounding_misses_by_more_than_is_allowed(found):
 
 
 def test_the_algorithm_beyond_a_turning_circle(found):
-    """Just inside and at the round radius, against the closed form in doubles."""
+    """Just inside, against the closed form in doubles."""
     for crossing in found["algorithm"]:
         problem = next(p for p in PROBLEMS.values() if p.position == crossing["label"])
-        circle = float(crossing["radius"])
-        away = crossing["algorithm_word"]
-        cases = ((circle * (1 + 1e-9), ""), (crossing["example_radius"], "example_"))
-        for radius, prefix in cases:
-            scenario = double(problem, radius)
-            # a square root of the 1e-9 is in the second arc
-            best, algorithm = shortest_path(scenario), shortest_path(scenario, away)
-            length = crossing["example_length" if prefix else "length_beyond"]
-            assert length == pytest.approx(best.length, rel=1e-4)
-            assert crossing[f"{prefix}algorithm_length"] == pytest.approx(
-                algorithm.length, rel=1e-8
-            )
-            assert best.word() == crossing["word_beyond"] or radius < 1.001 * circle
-            other = "LS" if away == "RS" else "RS"
-            assert shortest_path(scenario, other) is None  # nothing else is left to the algorithm
-        before = shortest_path(double(problem, circle * (1 - 1e-9)))
-        assert crossing["length_there"] == pytest.approx(before.length, rel=1e-4)
-    fifth = found["algorithm"][-1]
-    assert float(fifth["radius"]) == pytest.approx(57.352960, abs=1e-6)
-    assert fifth["example_radius"] == 60
-    assert fifth["example_excess"] == pytest.approx(0.34, abs=0.005)
+        scenario = double(problem, float(crossing["radius"]) * (1 + 1e-9))
+        best = shortest_path(scenario)
+        algorithm = shortest_path(scenario, crossing["algorithm_word"])
+        # a square root of the 1e-9 is in the second arc
+        assert crossing["length_beyond"] == pytest.approx(best.length, rel=1e-4)
+        assert crossing["algorithm_length"] == pytest.approx(algorithm.length, rel=1e-8)
+        beyond = shortest_path(double(problem, float(crossing["radius"]) * 1.01))
+        assert beyond.word() == crossing["word_beyond"]
+        other = "LS" if crossing["algorithm_word"] == "RS" else "RS"
+        assert shortest_path(scenario, other) is None  # nothing else is left to the algorithm
+    assert float(found["algorithm"][-1]["radius"]) == pytest.approx(57.352960, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -229,7 +217,7 @@ def test_the_unsplit_model_is_right_in_one_disc_only(found):
     """Model (4.12) by brute force: turn left by z1, then the shortest RS from there."""
     for crossing in found["algorithm"]:
         problem = next(p for p in PROBLEMS.values() if p.position == crossing["label"])
-        radius = crossing["example_radius"]
+        radius = float(crossing["radius"]) * 1.0001
         lengths = []
         for z1 in np.linspace(0, 2 * np.pi, 20001):
             start = double(problem, radius)
@@ -243,8 +231,8 @@ def test_the_unsplit_model_is_right_in_one_disc_only(found):
             then = shortest(turned, "RS")
             if then is not None:
                 lengths.append(radius * (z1 + then.total))
-        excess = min(lengths) / crossing["example_length"] - 1
-        expected = crossing["example_excess"] if crossing["circle"] == "left" else 0.0
+        excess = min(lengths) / crossing["length_beyond"] - 1
+        expected = crossing["algorithm_excess"] if crossing["circle"] == "left" else 0.0
         # a straight of no length is met as the square root of the grid's step
         assert excess == pytest.approx(expected, abs=0.02)
 
@@ -270,6 +258,7 @@ def test_statements_by_other_means(found):
     ]
     assert f"up to {max(ratios):.2f} times" in said["(2.4)-(2.15)"]
     assert "14 of the 14" in said["(2.4)-(2.15)"]
+    assert said["section 6"].startswith("9 of the 9 are whole ticks")
     assert [s["where"] for s in found["statements"] if s["holds"]] == ["(4.10), (4.11)"]
 
 
@@ -277,7 +266,7 @@ def test_what_the_bounds_do_not_decide_is_not_decided():
     wide = ball(Fraction("1.7349")).union(ball(Fraction("1.7351")))
 
     assert str(truncated(wide, 2)) == "1.73"
-    with pytest.raises(UndecidedError, match="cut off after 2 decimals"):
+    with pytest.raises(ArithmeticError, match="too few digits to cut"):
         rounded(wide, 2)
 
 
@@ -294,4 +283,5 @@ def test_one_published_length_is_not_the_shortest():
         ("MPDP", "example 4", routes.LONGER)
     ]
     assert longer[0]["difference"] == pytest.approx(1.5373e-8, rel=1e-3)
-    assert all(r["verdict"] == r["expected"] and 0 <= r["width"] <= 1e-9 for r in records)
+    assert all(r["verdict"] == r["expected"] for r in records)
+    assert all(0 <= r["high"] - r["low"] <= 1e-9 * r["high"] for r in records)

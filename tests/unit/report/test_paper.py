@@ -57,7 +57,7 @@ def test_the_papers_scenarios_are_those_of_the_experiment():
 
 
 def test_a_crossed_number_shows_why(cells):
-    """The exact text below it rounds to another number by itself; the others have six decimals."""
+    """The exact text below it rounds to another number by itself."""
     lines = side_by_side(cells).fillna("").to_dict("records")
     pairs = [
         (printed[quantity], exact[quantity])
@@ -72,7 +72,6 @@ def test_a_crossed_number_shows_why(cells):
     for printed, exact in pairs:
         wrong = abs(Fraction(printed.removesuffix(" ✗")) - Fraction(exact)) > Fraction("0.005")
         assert wrong == ("✗" in printed), (printed, exact)
-        assert len(exact.partition(".")[2]) == (7 if printed == "1.74 ✗" else 6)
 
 
 def test_a_turn_at_half_rate_counts_half():
@@ -83,7 +82,7 @@ def test_a_turn_at_half_rate_counts_half():
 
 
 def test_the_papers_figures_name_their_paths(results):
-    """3.1, then 6.1 to 6.5; every path is named, with its length."""
+    """6.1 to 6.5; every path is named, with its length."""
     rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
     with drawing():
         section = figures_section(load_folders([results("paper", rows)]))
@@ -91,15 +90,14 @@ def test_the_papers_figures_name_their_paths(results):
         pictures = {picture.name: picture for picture in section.blocks}
     panels = {name: picture.figure.axes for name, picture in pictures.items()}
 
-    assert list(pictures) == ["paths-feasible", *(f"paths-{i}" for i in range(1, 6))]
+    assert list(pictures) == [f"paths-{i}" for i in range(1, 6)]
     for name, lengths in (  # those of Tables 6.1 and 6.2, with one digit more
         ("paths-1", ["optimal: RS, 11.87", "feasible: LS, 16.88"]),
         ("paths-2", ["optimal: LS, 6.743", "feasible: RS, 12.96"]),
+        ("paths-5", ["R = 25: LS, 85.00", "R = 10: LS, 83.36", "R = 5: LS, 82.89"]),
     ):
         legend = panels[name][0].get_legend()
         assert [text.get_text() for text in legend.get_texts()] == lengths
-    named = {text.get_text() for text in panels["paths-feasible"][0].texts}
-    assert {"P", "X₁", "X₂", "X₃ = T"} <= named
 
 
 RADII = (20.0, 40.0, 55.0, 60.0, 80.0)  # the target enters a circle at 57.35

@@ -99,13 +99,13 @@ def _other_limits(rows: pd.DataFrame) -> pd.Series[int]:
 
 def _is_current(rows: pd.DataFrame, manifests: Sequence[Manifest]) -> pd.Series[bool]:
     """Whether each row is of the code that the manifest names for its solver, as in `status`."""
-    code = ["folder", "solver", "code_digest"]
-    blocks = rows[code].drop_duplicates()
-    blocks["current"] = [
-        (solver, digest) in manifests[folder].code_digests.items()
-        for folder, solver, digest in blocks.itertuples(index=False)
+    named = [
+        (folder, *entry)
+        for folder, manifest in enumerate(manifests)
+        for entry in manifest.code_digests.items()
     ]
-    return rows[code].merge(blocks, on=code, how="left")["current"]
+    code = pd.MultiIndex.from_frame(rows[["folder", "solver", "code_digest"]])
+    return pd.Series(code.isin(named), rows.index)
 
 
 def _row_counts(current: pd.Series[bool], pairs: pd.DataFrame, gap_tolerance: float) -> RowCounts:

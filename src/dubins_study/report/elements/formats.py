@@ -28,13 +28,16 @@ def digits(n: int) -> Format:
             return "0"
         if not math.isfinite(number):
             return "∞" if number > 0 else ABSENT
-        exponent = math.floor(math.log10(abs(float(f"{number:.{n - 1}e}"))))
-        if -4 < exponent < 6:
-            decimals = n - 1 - exponent
-            text = f"{number:.{decimals}f}" if decimals > 0 else count(round(number))
-            return text.replace("-", "−")
         mantissa, _, power = f"{number:.{n - 1}e}".partition("e")
-        return f"{mantissa}e{int(power)}".replace("-", "−")
+        exponent = int(power)
+        decimals = n - 1 - exponent
+        if not -4 < exponent < 6:
+            text = f"{mantissa}e{exponent}"
+        elif decimals > 0:
+            text = f"{number:.{decimals}f}"
+        else:
+            text = count(round(number))
+        return text.replace("-", "−")
 
     return show
 

@@ -6,7 +6,6 @@ Matplotlib's constrained layout finds the places.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -19,14 +18,13 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator
 from matplotlib.transforms import blended_transform_factory as blended
 
 from dubins_study.report.data.attempts import own_name
-from dubins_study.report.elements.looks import BEHIND, Look, Palette, common_part, one_line
+from dubins_study.report.elements.looks import BEHIND, Palette, common_part, one_line
 from dubins_study.report.elements.style import (
     HALF,
     INK,
@@ -37,7 +35,6 @@ from dubins_study.report.elements.style import (
     log_axis,
     mark_limit,
     new_figure,
-    only_grid,
     percent_axis,
     plain_log_axis,
 )
@@ -61,18 +58,21 @@ class Mark:
     """How one column of a table, or one kind of its rows, is drawn."""
 
     key: str  # the column, or the kind
-    label: str = ""  # its name in the legend; empty for none
-    colour: str = ""  # empty for the colour of the row's solver
-    marker: str = ""  # empty for the marker of the row's solver
+    label: str = ""  # its name in the legend; empty for its key
+    colour: str = INK
+    marker: str = ""  # empty for none
     filled: bool = True  # whether the marker is filled
     hatch: str = ""  # of bars; neighbours differ in it, so that grey print keeps them apart
 
-    def dots(self, look: Look | None = None) -> Style:
-        """Keywords for markers without a line; `look` is the solver's."""
-        colour = self.colour or (look.colour if look else INK)
-        marker = self.marker or (look.marker if look else "o")
-        face = colour if self.filled else "none"
-        return {"linestyle": "none", "color": colour, "marker": marker, "markerfacecolor": face}
+    def dots(self) -> Style:
+        """Keywords for markers without a line."""
+        face = self.colour if self.filled else "none"
+        return {
+            "linestyle": "none",
+            "color": self.colour,
+            "marker": self.marker,
+            "markerfacecolor": face,
+        }
 
     def bar(self) -> Style:
         """Keywords for a bar."""
@@ -80,40 +80,28 @@ class Mark:
 
 
 def quartile_lines(
-    table: pd.DataFrame,
-    marks: Sequence[Mark],
-    palette: Palette,
-    label: str,
-    *,
-    panels: bool = False,
-    narrow: bool = False,
+    table: pd.DataFrame, key: str, palette: Palette, label: str, *, narrow: bool = False
 ) -> Figure:
     """Median and quartiles of durations (s) on a logarithmic axis, a named line per row.
 
-    Columns: those of `named_lines`, solver, and for each mark `key`, `key`_q1 and `key`_q3. In a
-    line the first mark is the highest.
+    Columns: those of `named_lines`, solver, and `key`, `key`_q1 and `key`_q3.
     """
-    figure, axes = named_lines(table, label, panels=panels, narrow=narrow)
+    figure, axes = named_lines(table, label, narrow=narrow)
     looks = palette.looks(table["solver"])
-    values = table[[f"{mark.key}{end}" for mark in marks for end in ("_q1", "", "_q3")]]
-    positive = values.to_numpy(dtype=np.float64)
-    ends = positive[positive > 0] if (positive > 0).any() else np.ones(1)
-    low, high = 0.8 * ends.min(), 1.25 * ends.max()
+    ends = table[[f"{key}_q1", key, f"{key}_q3"]].to_numpy(dtype=np.float64)
+    positive = ends[ends > 0] if (ends > 0).any() else np.ones(1)
+    low, high = 0.8 * positive.min(), 1.25 * positive.max()
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
-        for number, mark in enumerate(marks):
-            lift = 0.56 / len(marks) * ((len(marks) - 1) / 2 - number)
-            for place, row in zip(range(len(rows))[::-1], rows.to_dict("records"), strict=True):
-                if not row[mark.key] > 0:
-                    continue
-                dots = mark.dots(looks[row["solver"]])
-                bar = [max(row[f"{mark.key}_q1"], low), row[f"{mark.key}_q3"]]
-                ax.hlines(place + lift, *bar, color=dots["color"], linewidth=2.4, alpha=0.45)
-                ax.plot(row[mark.key], place + lift, **dots)
-        ax.set(xscale="log", xlim=(low / widen, high * widen))
+        places = range(len(rows))[::-1]
+        for place, row in zip(places, rows.to_dict("records"), strict=True):
+            if row[key] > 0:
+                look = looks[row["solver"]]
+                bar = [max(row[f"{key}_q1"], low), row[f"{key}_q3"]]
+                ax.hlines(place, *bar, color=look.colour, linewidth=2.4, alpha=0.45)
+                ax.plot(row[key], place, **look.dots)
+        ax.set(xlim=(low / widen, high * widen), xscale="log")
         log_axis(ax.xaxis, duration)
-    handles = [Line2D([], [], label=mark.label, **mark.dots()) for mark in marks if mark.label]
-    _legend(figure, "upper", handles)
     return figure
 
 
@@ -125,7 +113,7 @@ def stacked_shares(
     Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
     in the order of the stack, from dark to light; those that no row has are left out.
     """
-    figure, axes = named_lines(table, label, panels=True, narrow=narrow)
+    figure, axes = named_lines(table, label, narrow=narrow)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
     for ax, rows in axes:
         places, left = np.arange(len(rows))[::-1], np.zeros(len(rows))
@@ -145,63 +133,65 @@ _THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
 
 
 def named_lines(
-    table: pd.DataFrame, label: str, *, panels: bool = False, narrow: bool = False
+    table: pd.DataFrame, label: str, *, narrow: bool = False
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A figure of named lines and its panels, each with its rows.
+    """A figure with a panel of named lines per formulation, and the panels, each with its rows.
 
-    The first row is the highest, and the last is at the height 0. Columns: name, and if it is given
-    note (a text at the right). With `panels` each `formulation` has its panel, with the names in
-    `short`. A `narrow` figure is half as wide and as high as its panels in one column.
+    The first row is the highest, and the last is at the height 0. Columns: formulation, short (the
+    name), and if it is given note (a text at the right). A `narrow` figure is half as wide and as
+    high as its panels in one column.
     """
-    size, inches = (8.0, 0.27) if not panels else (6.5, 0.15) if narrow else (6.0, 0.145)
-    groups = _groups(table) if panels else [("", [*map(_wrapped, table["name"])], table)]
-    heights = np.array([inches * len(rows) + (0.3 if panels else 0) for _, _, rows in groups])
+    size = 6.5 if narrow else 6.0
+    line = 0.15 if narrow else 0.145  # inches
+    groups = _groups(table)
+    heights = np.array([line * len(rows) + 0.3 for _, _, rows in groups])
     beside = [
         _inches(names, size) + _inches(rows.get("note", ()), size) for _, names, rows in groups
     ]
     columns, widths = _bars_alike(heights, np.array(beside), narrow=narrow)
     tallest = max(heights[places].sum() for places in columns)
-    lines = "\n".join(name for _, names, _ in groups for name in names).count("\n") + 1
-    if not panels:  # names of several lines need more room
-        tallest = max(tallest, 0.13 * lines)
-    high = max(tallest + 0.75, 1.7 if narrow else 0.0)  # a narrow legend has several lines
-    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
-    if panels:
-        figure.supxlabel(label, fontsize=8, color=MUTED)
+    # a narrow legend has several lines
+    figure = (
+        new_figure(HALF, max(tallest + 0.75, 1.7))
+        if narrow
+        else new_figure(WIDE, min(HIGHEST, tallest + 0.75))
+    )
+    figure.supxlabel(label, fontsize=8, color=MUTED)
     parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=widths)[0]
     drawn = []
     for part, places in zip(parts, columns, strict=True):
         empty = max(tallest - heights[places].sum(), 1e-3)
         grid = part.add_gridspec(len(places) + 1, 1, height_ratios=[*heights[places], empty])
-        for line, place in enumerate(places):
+        for cell, place in enumerate(places):
             title, names, rows = groups[place]
-            ax = part.add_subplot(grid[line])
+            ax = part.add_subplot(grid[cell])
             _name(ax, names, rows.get("note"), size)
             ax.tick_params(axis="x", labelsize=size + 0.5, labelbottom=place == places[-1])
-            if not panels:
-                ax.set_xlabel(label)
-            else:  # the title begins at the column's edge, above the names; a blank holds its place
-                ax.set_title(" ", fontsize=7.5, pad=3)
-                across = blended(part.transSubfigure, ax.transAxes)
-                ax.annotate(
-                    *(title, (0.015, 1.0)),
-                    xycoords=across,
-                    xytext=(0, 3),
-                    textcoords="offset points",
-                    fontsize=7.5,
-                    fontweight="bold",
-                    in_layout=False,
-                    annotation_clip=False,
-                )
+            # the title begins at the column's edge, above the names; a blank holds its place
+            ax.set_title(" ", fontsize=7.5, pad=3)
+            across = blended(part.transSubfigure, ax.transAxes)
+            ax.annotate(
+                title,
+                (0.015, 1.0),
+                xycoords=across,
+                xytext=(0, 3),
+                textcoords="offset points",
+                fontsize=7.5,
+                fontweight="bold",
+                in_layout=False,
+                annotation_clip=False,
+            )
             drawn.append((ax, rows))
     return figure, drawn
 
 
 def _inches(lines: Iterable[str], size: float) -> float:
     """The width of the longest of some lines, in letters of a size (points); 0 of none."""
-    font, extents = FontProperties(size=size), text_to_path.get_text_width_height_descent
-    every = (part for line in lines for part in line.split("\n"))
-    return max((float(extents(part, font, ismath=False)[0]) / 72 for part in every), default=0.0)
+    font = FontProperties(size=size)
+    extents = [
+        text_to_path.get_text_width_height_descent(line, font, ismath=False) for line in lines
+    ]
+    return max((float(width) / 72 for width, _, _ in extents), default=0.0)
 
 
 _SHORTEST_BAR = 0.7  # inches, with the blanks around it
@@ -241,15 +231,11 @@ def _groups(table: pd.DataFrame) -> list[tuple[str, list[str], pd.DataFrame]]:
     return groups
 
 
-def _wrapped(name: str) -> str:
-    return "\n".join(textwrap.wrap(name, 32))
-
-
 def _name(ax: Axes, names: Sequence[str], notes: pd.Series[str] | None, size: float) -> None:
     places = range(len(names))[::-1]
     ax.set_yticks(places, names, color=INK, fontsize=size)
     ax.set_ylim(-0.6, len(names) - 0.4)
-    only_grid(ax, "x")
+    ax.grid(False, axis="y")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0, pad=2)
     style: Style = {"va": "center", "fontsize": min(size, 7.5), "color": MUTED}

@@ -146,12 +146,6 @@ def plain_log_axis(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def only_grid(ax: Axes, which: str) -> None:
-    """Draw the grid lines of one axis only: `x` or `y`."""
-    ax.grid(False)
-    ax.grid(True, axis="x" if which == "x" else "y")
-
-
 def mark_limit(ax: Axes, place: float, across: str = "x") -> Line2D:
     """Draw a thin dotted line at a limit: vertical for `across="x"`, horizontal for `"y"`."""
     draw = ax.axvline if across == "x" else ax.axhline

@@ -38,25 +38,28 @@ GLOSSARY = {
 WORDS = [word for words in GLOSSARY.values() for word in words]
 
 
+_LINKED = [word for word in WORDS if word.forms]
+_FORMS = "|".join(f"({word.forms})" for word in _LINKED)
+_FIRST_OF = re.compile(rf"\b(?:{_FORMS})", re.IGNORECASE)
+
+
 class Glossed:
     """Links the first use of every word on one page to the glossary."""
 
     def __init__(self) -> None:
-        linked = (word for word in WORDS if word.forms)
-        self._left = {word: re.compile(rf"\b(?:{word.forms})", re.IGNORECASE) for word in linked}
+        self._used: set[Word] = set()
 
     def __call__(self, text: str) -> Markup:
         """A text as HTML, with a link at each word that no earlier text used."""
-        found: list[tuple[int, int, Word]] = []
-        for word, pattern in self._left.items():
-            match = pattern.search(text)
-            if match and not any(match.start() < e and s < match.end() for s, e, _ in found):
-                found.append((*match.span(), word))
-        parts, end = [], 0
-        for start, stop, word in sorted(found):
+        html = Markup("")
+        end = 0
+        for match in _FIRST_OF.finditer(text):
+            word = _LINKED[(match.lastindex or 1) - 1]
+            if word in self._used:
+                continue
+            self._used.add(word)
             link = Markup('<a class="term" href="#term-{}" title="{}">{}</a>')
-            parts += [Markup.escape(text[end:start])]
-            parts += [link.format(word.anchor, word.plain, text[start:stop])]
-            end = stop
-            del self._left[word]
-        return Markup("").join([*parts, Markup.escape(text[end:])])
+            html += Markup.escape(text[end : match.start()])
+            html += link.format(word.anchor, word.plain, match.group())
+            end = match.end()
+        return html + Markup.escape(text[end:])

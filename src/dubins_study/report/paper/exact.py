@@ -2,29 +2,24 @@
 
 Everything is computed in the vehicle's frame at unit radius, as in `study.closed_form.shortest`,
 but with proven bounds and with the exact headings of the paper (2 pi/3 is not rounded to a double).
-The formulas are not trusted: `report.paper.audit` drives each path and checks that it arrives.
+The formulas are not trusted: each path is driven, and must arrive.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from fractions import Fraction
-from typing import NamedTuple
 
-from flint import arb, fmpq
+from flint import acb, arb, fmpq
+from scipy.optimize import brentq
 
 from dubins_study.report.paper.printed import Problem
 
-WORKING = 90  # digits; 40 are kept, and bisection and cancellation cost a few
-NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
+WORKING = 90  # digits; 40 are kept, and cancellation costs a few
+_NIL = Fraction(1, 10**60)  # a number that is zero in theory counts as zero below this
 _KEPT = 40  # significant digits
-_STEPS = 300  # bisections: each halves the interval, and 90 digits are 299 bits
 Pieces = tuple[arb, arb, arb]
-
-
-class UndecidedError(ArithmeticError):
-    """The two bounds of a number give different answers: it was computed with too few digits."""
 
 
 def ball(value: Fraction | Decimal | int) -> arb:
@@ -36,20 +31,20 @@ def ball(value: Fraction | Decimal | int) -> arb:
 def positive(value: arb) -> bool:
     """Whether a number lies above zero, proven."""
     if value.contains(0):
-        raise UndecidedError(f"the sign of {value.str(5)}")
+        raise ArithmeticError(f"too few digits for the sign of {value.str(5)}")
     return bool(value > 0)
 
 
-def text(value: arb, digits: int = _KEPT) -> str:
-    """A number with significant digits, proven up to a unit of the last."""
-    return str(value.str(digits, radius=False))
+def text(value: arb) -> str:
+    """A number with 40 significant digits, proven up to a unit of the last."""
+    return str(value.str(_KEPT, radius=False))
 
 
 def truncated(value: arb, places: int) -> Decimal:
     """A number that is not negative, cut off after `places` decimals, proven."""
     whole = (value * 10**places).floor().unique_fmpz()
     if whole is None:
-        raise UndecidedError(f"{value.str(20)}, cut off after {places} decimals")
+        raise ArithmeticError(f"too few digits to cut {value.str(20)} off after {places} decimals")
     return Decimal(int(whole)).scaleb(-places)
 
 
@@ -63,90 +58,73 @@ def rounded_twice(value: arb, first: int, places: int) -> Decimal:
     return rounded(value, first).quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
 
 
-def places_of(printed: str) -> int:
-    """Number of decimals of a printed number."""
-    return len(printed.partition(".")[2])
-
-
 def half_unit(places: int) -> arb:
     """Half a unit of the last of `places` decimals."""
     return ball(Fraction(1, 2 * 10**places))
 
 
-class Target(NamedTuple):
-    """The target in the vehicle's frame, in units of the radius."""
-
-    X: arb
-    Y: arb
-
-    @property
-    def mirrored(self) -> Target:
-        return Target(self.X, -self.Y)
-
-    def after_left(self, angle: arb) -> Target:
-        """The target in the vehicle's frame after a left turn by an angle (rad)."""
-        sin, cos = angle.sin_cos()
-        forward = self.X - sin
-        left = self.Y - (1 - cos)
-        return Target(forward * cos + left * sin, left * cos - forward * sin)
+# A point of the plane is the complex number x + iy.
 
 
-def target(problem: Problem, radius: arb) -> Target:
-    """The target in the vehicle's frame, in units of `radius`."""
-    sin, cos = heading(problem).sin_cos()
-    x, y = problem.target
-    return Target((x * cos + y * sin) / radius, (y * cos - x * sin) / radius)
+def direction(angle: arb) -> acb:
+    """The unit vector at an angle (rad)."""
+    return acb(0, angle).exp()
 
 
 def heading(problem: Problem) -> arb:
     return ball(problem.heading) * arb.pi()
 
 
-def left_straight(at: Target) -> tuple[arb, arb]:
-    """LS: angle and straight (docs/derivation.md, eq. 3); none inside the left turning circle."""
-    w = at.Y * (2 - at.Y) - at.X**2  # 1 - |T - C_L|^2
-    if positive(w):
-        raise UndecidedError("no LS: the target lies inside the left turning circle")
-    s = (-w).sqrt()
-    half = arb.atan2(at.Y, at.X + s) if positive(at.X) else arb.atan2(s - at.X, at.Y - 2)
-    if not positive(half):
-        half += arb.pi()
-    return 2 * half, s
+def target(problem: Problem, radius: arb) -> acb:
+    """The target in the vehicle's frame, in units of `radius`; its conjugate is mirrored."""
+    return acb(*problem.target) * direction(-heading(problem)) / radius
+
+
+def after_left(at: acb, angle: arb) -> acb:
+    """A target in the vehicle's frame after a left turn by an angle (rad), at unit radius."""
+    return (at - 1j) * direction(-angle) + 1j
+
+
+def left_straight(at: acb) -> tuple[arb, arb]:
+    """LS to a target outside the left turning circle: angle and straight.
+
+    Seen from the circle's centre, the target lies s along and 1 across the direction of arrival.
+    """
+    straight = (abs(at - 1j) ** 2 - 1).sqrt()
+    turn = (1 + 1j * at).arg() - straight.atan()
+    if not positive(turn):
+        turn += 2 * arb.pi()
+    return turn, straight
 
 
 def pieces(problem: Problem, word: str) -> Pieces:
-    """z1, z2, z3 (length unit) of the paper's LS or RS."""
+    """z1, z2, z3 (length unit) of the paper's LS or RS, which is found to arrive."""
     at = target(problem, arb(problem.radius))
-    unit = left_straight(at if word == "LS" else at.mirrored)
+    unit = left_straight(at if word == "LS" else at.conjugate())
     turn, straight = (value * problem.radius for value in unit)
-    return (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+    z = (turn, arb(0), straight) if word == "LS" else (arb(0), turn, straight)
+    assert miss(problem, z) < ball(_NIL), f"{problem.label}, {word} does not arrive"
+    return z
 
 
-def miss(problem: Problem, z: Pieces) -> arb:
-    """Distance of the target from the end of the path z: the length of (4.10) and (4.11)."""
+def miss(problem: Problem, z: Sequence[arb]) -> arb:
+    """Distance of the target from the end of the path z: the length of (4.10) + i (4.11)."""
     th0 = heading(problem)
-    R = ball(problem.radius)
-    th1 = th0 + z[0] / R
-    th2 = th1 - z[1] / R
-    (s0, c0), (s1, c1), (s2, c2) = (angle.sin_cos() for angle in (th0, th1, th2))
-    x, y = problem.target
-    off_x = x - R * (-s0 + 2 * s1 - s2) - z[2] * c2
-    off_y = y - R * (c0 - 2 * c1 + c2) - z[2] * s2
-    # arb ** 2 is NaN where the ball holds zero
-    return (off_x * off_x + off_y * off_y).nonnegative_part().sqrt()
+    th1 = th0 + z[0] / problem.radius
+    th2 = th1 - z[1] / problem.radius
+    turns = 2 * direction(th1) - direction(th0) - direction(th2)
+    end = -1j * problem.radius * turns + z[2] * direction(th2)
+    return abs(acb(*problem.target) - end)
 
 
-def ipopt_barrier() -> arb:
-    """Ipopt's last barrier parameter with default options, 2.506e-9.
-
-    From mu = 0.1 it takes min(0.2 mu, mu^1.5), which is 0.02 and then four times mu^1.5, until mu
-    is below tol = 1e-8 (Waechter and Biegler 2006, eqs. 7 and 8).
-    """
-    return ball(Fraction(1, 50)) ** ball(Fraction(3, 2) ** 4)
+# Ipopt's last barrier parameter with default options, 2.506e-9: from mu = 0.1 it takes
+# min(0.2 mu, mu^1.5), which is 0.02 and then four times mu^1.5, until mu is below tol = 1e-8
+# (Waechter and Biegler 2006, eqs. 7 and 8).
+IPOPT_BARRIER = 0.02 ** (1.5**4)
 
 
-def biased(problem: Problem, word: str, mu: arb) -> Pieces:
-    """z1, z2, z3 where a log barrier of weight mu stops on model (4.12), near the LS or RS.
+def biased(problem: Problem, word: str) -> Pieces:
+    """z1, z2, z3 where Ipopt's barrier stops on model (4.12), near the LS or RS; to ten digits.
 
     z1 parametrises the model's feasible curve. At unit radius, with the target at (X, Y) after the
     first turn, dz2 = 1 - 2 cos z2 + 2 X / z3 and dz3 = -2 X / z3, so df = 2 (1 - cos z2), and
@@ -154,43 +132,22 @@ def biased(problem: Problem, word: str, mu: arb) -> Pieces:
     Near LS that is z2 = (mu R^2)^(1/3) in length units: the segments are off while f holds to mu's
     order.
     """
-    R = ball(problem.radius)
-    at = target(problem, R)
-    weight = mu / R
-    turn = sum(pieces(problem, word)[:2]) / R
-
-    def excess(z1: arb) -> arb:
-        there = at.after_left(z1)
-        z2, z3 = left_straight(there.mirrored)
-        drift = 2 * there.X / z3
-        slope = 2 * (1 - z2.cos())
-        pull = 1 / z1 + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
-        return slope - weight * pull
-
+    R = problem.radius
+    at = target(problem, arb(R))
+    weight = IPOPT_BARRIER / R
     # R S begins with the turn; in L S the second turn is what the barrier adds behind the first.
-    # At RS the minimum is strict: z1 rises from zero to about mu over the model's slope.
-    if word == "LS":
-        base = turn
-        guess = weight ** ball(Fraction(1, 3))
-    else:
-        base = arb(0)
-        guess = weight / (2 * (1 - turn.cos()))
-    z1 = base + _root(lambda t: excess(base + t), guess / 4, guess * 4)
-    z2, z3 = left_straight(at.after_left(z1).mirrored)
-    return z1 * R, z2 * R, z3 * R
+    base = pieces(problem, word)[0] / R
 
+    def second(first: float) -> tuple[arb, arb]:
+        return left_straight(after_left(at, base + first).conjugate())
 
-def _root(function: Callable[[arb], arb], low: arb, high: arb) -> arb:
-    """The root of a function that is negative at `low` and positive at `high`, by bisection.
+    def excess(first: float) -> float:
+        z2, z3 = second(first)
+        drift = 2 * after_left(at, base + first).real / z3
+        slope = 2 * (1 - z2.cos())
+        pull = 1 / (base + first) + (1 - 2 * z2.cos() + drift) / z2 - drift / z3
+        return float(slope - weight * pull)
 
-    The bisection ends where the function's ball no longer decides its sign.
-    """
-    assert not positive(function(low))
-    assert positive(function(high))
-    for _ in range(_STEPS):
-        middle = ((low + high) / 2).mid()
-        value = function(middle)
-        if value.contains(0):
-            break
-        low, high = (low, middle) if value > 0 else (middle, high)
-    return low.union(high)
+    first = brentq(excess, 1e-12, 0.1, xtol=1e-24)
+    z2, z3 = second(first)
+    return (base + first) * R, z2 * R, z3 * R

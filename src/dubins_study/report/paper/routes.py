@@ -39,20 +39,23 @@ def audit_routes(scenarios: Iterable[Scenario]) -> list[dict[str, Any]]:
     for source, label, printed, expected in PRINTED_ROUTES:
         scenario = routes[label]
         enclosure, path, at = reference_of(scenario)
-        low, high = enclosure.low, enclosure.high
         assert path is not None
-        assert low is not None
-        assert high is not None
-        records.append(
-            {
-                **{"source": source, "label": label, "legs": scenario.legs, "printed": printed},
-                **{"length": path.length, "low": float(low), "high": float(high)},
-                "width": (high - low) / max(high, scenario.radius),
-                **compared(printed, path.length, low, high),
-                "expected": expected,
-                "word": words_of(path, at, scenario.radius),
-            }
-        )
+        assert enclosure.low is not None
+        assert enclosure.high is not None
+        finding = compared(printed, path.length, enclosure.low, enclosure.high)
+        record = {
+            "source": source,
+            "label": label,
+            "legs": scenario.legs,
+            "printed": printed,
+            "length": path.length,
+            "low": float(enclosure.low),
+            "high": float(enclosure.high),
+            **finding,
+            "expected": expected,
+            "word": words_of(path, at, scenario.radius),
+        }
+        records.append(record)
     return records
 
 
@@ -65,7 +68,8 @@ def compared(
     `high`, which ends at the length of a path that was found; `too short` if it lies below, where
     no path is; else `shortest`, up to the interval's width.
     """
-    value, half_unit = Fraction(printed), Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))
+    value = Fraction(printed)
+    half_unit = Fraction(1, 2 * 10 ** len(printed.partition(".")[2]))
     verdict = SHORTEST
     if value - half_unit > high:
         verdict = LONGER

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
-from decimal import Decimal
-from typing import Any
+from collections.abc import Mapping
 
 import pandas as pd
 
@@ -31,8 +29,6 @@ from dubins_study.report.paper.printed import (
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path
 
-_PLACES = 6  # decimals of exact lengths
-_HALF = Decimal("0.005")  # of the last decimal that the paper prints
 _AS_PRINTED = 0.005 + 1e-9  # the small rest: binary fractions instead of decimal ones
 
 
@@ -51,31 +47,22 @@ def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
 def side_by_side(cells: pd.DataFrame) -> pd.DataFrame:
     """Two rows for each printed row of the audit's cells: what is printed, and the exact.
 
-    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, empty
+    Columns label, path, source (`paper` or `exact`), and the text of each of `QUANTITIES`, missing
     if the path does not have it.
     """
-    rows: dict[tuple[str, str, str], dict[str, str]] = {}
-    for cell in cells.to_dict("records"):
-        mark = "" if cell["verdict"] == CORRECT else " ✗"
-        texts = {"paper": cell["printed"] + mark, "exact": _exact_text(cell)}
-        for source, text in texts.items():
-            row = rows.setdefault((cell["label"], cell["path"], source), {})
-            row[cell["quantity"]] = text
-    index = pd.MultiIndex.from_tuples(rows, names=["label", "path", "source"])
-    return pd.DataFrame([*rows.values()], index, columns=[*QUANTITIES]).reset_index()
+    rows = []
+    for (label, path), row in cells.groupby(["label", "path"], sort=False):
+        marked = row["printed"] + row["verdict"].map(lambda text: "" if text == CORRECT else " ✗")
+        exact = row["exact"].map(_exact_text)
+        for source, texts in (("paper", marked), ("exact", exact)):
+            named = {"label": label, "path": path, "source": source}
+            rows.append(named | dict(zip(row["quantity"], texts, strict=True)))
+    return pd.DataFrame(rows, columns=["label", "path", "source", *QUANTITIES])
 
 
-def _exact_text(cell: Mapping[Hashable, Any]) -> str:
-    """The exact length with six decimals; with more if these would round to what is printed wrong.
-
-    Of 1.73499986, six decimals are 1.735000, which looks as if 1.74 were right.
-    """
-    places = _PLACES
-    exact = Decimal(cell["exact"])
-    wrong = cell["verdict"] != CORRECT
-    while wrong and abs(round(exact, places) - Decimal(cell["printed"])) <= _HALF:
-        places += 1
-    return str(round(exact, places))
+def _exact_text(exact: str) -> str:
+    """With seven decimals: of 1.73499986, six are 1.735000, which looks as if 1.74 were right."""
+    return f"{float(exact):.7f}"
 
 
 def answered(cells: pd.DataFrame, paths: Mapping[tuple[str, str], Path]) -> pd.Series[float]:
@@ -138,10 +125,7 @@ def paper_section(results: Results) -> Section | None:
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
         "paper's optimal path is the shorter of LS and RS, its feasible path the longer. The audit "
-        "below says what became of the others. The paper's solve times are 1, 2 and 3 ticks of a "
-        "clock that moves 64 times a second (15.6, 31.2 and 46.9 ms), printed with three decimals: "
-        "each tells that a solve ended within a tick of it, and nothing of which path or solver is "
-        "the faster."
+        "below says what became of the others."
     )
     lead = (
         "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
@@ -152,23 +136,14 @@ def paper_section(results: Results) -> Section | None:
 
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     frame = side_by_side(cells[cells["table"] == number])
-    rows = frame.to_dict("records")
     wrong = frame[list(QUANTITIES)].map(lambda text: "✗" in str(text))
-    frame["row"] = [_row_name(row) if row["source"] == "paper" else "" for row in rows]
     shown = (
-        *columns(kind="text", row="row", source="from"),
+        *columns(kind="text", label="scenario", path="path", source="from"),
         *columns(z1="left turn ζ₁", z2="right turn ζ₂", z3="straight ζ₃", f="total f"),
     )
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
-    return Table(
-        f"paper-{number.replace('.', '-')}", caption, frame, shown, marks(wrong, *QUANTITIES)
-    )
-
-
-def _row_name(row: Mapping[Hashable, Any]) -> str:
-    """Row label: the radius in problem 5, the path name in the other problems."""
-    _, radius, value = str(row["label"]).removeprefix("problem 5, ").partition("R=")
-    return f"R = {value}" if radius else f"{str(row['path']).capitalize()} path"
+    name = f"paper-{number.replace('.', '-')}"
+    return Table(name, caption, frame, shown, marks(wrong, *QUANTITIES))
 
 
 def _scores(frame: pd.DataFrame) -> Table:

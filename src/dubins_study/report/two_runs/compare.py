@@ -2,39 +2,39 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path as FilePath
-
-import numpy as np
-import pandas as pd
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.report.data.results import Folder, load
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table
+from dubins_study.report.elements.content import Section, Table
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
-from dubins_study.report.elements.identity import interval_keys, with_interval, with_interval_texts
-from dubins_study.report.elements.style import (
-    INK,
-    MUTED,
-    VERMILION,
-    WIDE,
-    Style,
-    duration,
-    log_axis,
-    new_figure,
+from dubins_study.report.elements.identity import (
+    interval_column,
+    interval_keys,
+    with_interval,
+    with_interval_texts,
 )
 from dubins_study.report.page.render import Head, write_page
 from dubins_study.report.two_runs.changes import (
     GAP_FLOOR,
     WORSE_GAP,
+    MachineSpeed,
     machine_speed,
     pairs,
     solver_changes,
-    unchanged_solvers,
     unpaired,
+    without_machine,
 )
-from dubins_study.report.two_runs.comparison import Comparison, differences, regressions, unanswered
+from dubins_study.report.two_runs.comparison import (
+    Comparison,
+    differences,
+    regressions,
+    unanswered,
+    verdicts,
+)
 
 SLOWER = 1.1
 
@@ -72,16 +72,19 @@ def compare(
             f"{base} and {new} share no question of one solver; expected two runs of one "
             "experiment, or of experiments that overlap"
         )
-    unchanged = unchanged_solvers(before, after)
-    speed = machine_speed(before, after, paired, unchanged)
-    changes = solver_changes(paired, speed, unchanged)
+    measured = solver_changes(before, after, paired)
+    speed = machine_speed(measured, before, after)
+    changes = without_machine(measured, speed)
+    ratio = math.inf if speed is None else slower
+    worse = regressions(paired, changes, unanswered(after), ratio)
+    changes.insert(1, "verdict", verdicts(changes, worse, ratio))
     comparison = Comparison(
-        changes,
-        regressions(paired, changes, unanswered(after), slower),
-        unpaired(before, after),
-        differences(before.folders[0].manifest, after.folders[0].manifest),
-        speed,
-        slower,
+        solvers=changes,
+        regressions=worse,
+        unpaired=unpaired(before, after, paired),
+        differences=differences(before.folders[0].manifest, after.folders[0].manifest),
+        speed=speed,
+        slower=slower,
     )
     if out is None:
         return comparison
@@ -91,12 +94,7 @@ def compare(
     head = Head("Two runs compared", asked)
 
     def sections() -> list[Section]:
-        return [
-            _regressions(comparison),
-            _solvers(comparison),
-            _times(paired, comparison),
-            _else(comparison),
-        ]
+        return [_regressions(comparison), _solvers(comparison), _else(comparison)]
 
     return replace(comparison, page=write_page(out, sections, folders, head))
 
@@ -128,9 +126,9 @@ def _regressions(comparison: Comparison) -> Section:
     )
     caption = (
         "No longer right (or denied): in every repeat of the base, in none of the new run. Less "
-        f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often, "
-        "slower: the interval of the change lies below 0, of the time ratio above "
-        f"{comparison.slower:g}, and the test agrees. Not answered: cells without a row."
+        f"accurate: a gap {WORSE_GAP:g} times as large, and above {GAP_FLOOR:g}. Right less often: "
+        "by the exact sign test, with Holm's correction. Slower: the time ratio's interval lies "
+        f"above {comparison.slower:g}. Not answered: cells without a row."
     )
     blocks = (Table("regressions", caption, frame, _REGRESSIONS),) if len(frame) else ()
     lead = (
@@ -141,58 +139,39 @@ def _regressions(comparison: Comparison) -> Section:
     return Section("regressions", "What became worse", text, blocks, lead)
 
 
-def _solvers(comparison: Comparison) -> Section:
-    frame = comparison.with_verdicts()
-    frame = with_interval_texts(frame, right_change=_points, time_ratio=digits(3))
-    success = (
+def solvers_table(comparison: Comparison) -> Table:
+    """The table of page and command: a line per solver."""
+    shown = (
         SOLVER,
         Column("verdict", "verdict", kind="text"),
         *columns(count, questions="questions"),
         *columns(share, right_base="right, base", right_new="right, new"),
-        Column("right_change_text", "change, points", kind="cell"),
-        *columns(digits(2), right_p="p"),
-        *columns(count, lost="lost", gained="gained", false_new="new false claims"),
-        *columns(count, denials_lost="no longer denied"),
-    )
-    accuracy = (
-        SOLVER,
-        *columns(digits(2), gap_base="largest gap, base", gap_new="largest gap, new"),
-        *columns(count, gap_worse="less accurate"),
-        *columns(digits(2), gap_p="p of gaps"),
-        *columns(count, timed="timed"),
+        *columns(count, lost="lost", gained="gained", timed="timed"),
         *columns(seconds, time_base="time, base", time_new="time, new"),
-        Column("time_ratio_text", "time ratio", kind="cell"),
-        *columns(digits(2), time_p="p of times"),
+        interval_column("time_ratio", "time, new / base"),
     )
-    bad = marks(frame, "lost", "false_new", "denials_lost", "gap_worse")
-    tables = (
-        Table(
-            "compared",
-            "Questions that both runs were asked and that have a path. The change of the share "
-            "that is right has its 95 % bootstrap interval over scenarios; p is of the exact sign "
-            "test, with Holm's correction over the solvers.",
-            frame,
-            success,
-            bad,
-            interval_keys("right_change"),
-        ),
-        Table(
-            "compared-times",
-            "Questions that are right in both runs: the largest gap, and geometric means of times; "
-            "their ratio is new by base, with its 95 % interval. p: of the sign test of gaps and "
-            "of Wilcoxon's test of times, with Holm's correction.",
-            frame,
-            accuracy,
-            bad,
-            interval_keys("time_ratio"),
-        ),
+    caption = (
+        "Questions that both runs were asked and that have a path; times are geometric means of "
+        "those that are right in both, their ratio has its 95 % interval over scenarios."
     )
-    text = sentences(f"{some(len(frame), 'solver')} in both runs.", _unpaired(comparison))
-    lead = "Read the column verdict first; what is worse is marked."
-    return Section("compared", "Solver by solver", text, tables, lead)
+    frame = with_interval_texts(comparison.solvers, time_ratio=digits(3))
+    numbers = interval_keys("time_ratio")
+    return Table("compared", caption, frame, shown, marks(frame, "lost"), numbers)
 
 
-def _unpaired(comparison: Comparison) -> str:
+def _solvers(comparison: Comparison) -> Section:
+    frame = comparison.solvers
+    text = sentences(
+        f"{some(len(frame), 'solver')} in both runs.",
+        unpaired_text(comparison),
+        speed_text(comparison.speed),
+    )
+    lead = "Read the column verdict first."
+    return Section("compared", "Solver by solver", text, (solvers_table(comparison),), lead)
+
+
+def unpaired_text(comparison: Comparison) -> str:
+    """How many questions only one of the runs was asked."""
     frame = comparison.unpaired
     if frame.empty:
         return "Both were asked the same questions."
@@ -205,68 +184,31 @@ def _unpaired(comparison: Comparison) -> str:
     return f"Not compared: {'; '.join(lines)}."
 
 
-def _points(value: float) -> str:
-    text = digits(3)(100 * value)
-    return f"+{text}" if value > 0 else text
-
-
-def _times(pairs: pd.DataFrame, comparison: Comparison) -> Section:
-    speed = comparison.speed
-    text = (
-        "Nothing says how fast the machines were (no solver of the same code, too few calibration "
-        "probes): the ratios are as measured, and no solver is called slower."
-        if speed is None
-        else "The same work took "
-        f"{with_interval(digits(3), speed.ratio, speed.low, speed.high)} times as long in the new "
-        f"run, by {speed.evidence}. Ratios of solvers whose code changed are divided by that, "
-        "their intervals crosswise; those of the same code are as measured: the machine's doing."
+def speed_text(speed: MachineSpeed | None) -> str:
+    """What the machine did, and what it means for times."""
+    if speed is None:
+        return (
+            "Nothing says how fast the machines were (no solver of the same code, too few "
+            "calibration probes): ratios of times are as measured, and no solver is called slower."
+        )
+    interval = with_interval(digits(3), speed.ratio, speed.low, speed.high)
+    return (
+        f"The same work took {interval} times as long in the new run, by {speed.evidence}; ratios "
+        "of times of solvers whose code changed are divided by that, their intervals crosswise."
     )
-    lead = "Dots above the dashed line took longer than the machine explains."
-    block = times_picture(pairs, comparison)
-    return Section("times", "Times, question by question", text, (block,) if block else (), lead)
 
 
 def _else(comparison: Comparison) -> Section:
     frame = comparison.differences
-    shown = (
-        *columns(kind="text", what="what", base="base", new="new"),
-        *columns(count, solvers="solvers"),
-    )
-    caption = "From the manifests; solvers: how many of those in both runs it is about."
+    shown = columns(kind="text", what="what", base="base", new="new")
+    caption = "From the manifests of the runs."
     blocks = (Table("differences", caption, frame, shown),) if len(frame) else ()
     text = (
         f"{some(len(frame), 'difference')} in the manifests."
         if len(frame)
-        else "The manifests hold the same machine, limits, packages and code."
+        else "The manifests hold the same machine, limits and packages."
     )
+    changed = int((~comparison.solvers["same_code"]).sum())
+    text = sentences(text, f"{some(changed, 'solver')} changed in code, settings or packages.")
     lead = "A difference here may explain a change above."
     return Section("differences", "What else differs", text, blocks, lead)
-
-
-def times_picture(pairs: pd.DataFrame, comparison: Comparison) -> Picture | None:
-    """Every question's time in the new run against the base; None if none was timed in both."""
-    both = pairs[pairs["time_base"].gt(0) & pairs["time_new"].gt(0)]
-    if both.empty:
-        return None
-    slower = comparison.regressions.query("kind == 'slower'")["solver"]
-    caption = (
-        "Each dot is a question of one solver: its time in the new run against the base's. "
-        "Solid: equally long; dashed: what the machine explains. Triangles: a slower solver."
-    )
-    figure = new_figure(WIDE, 4.5)
-    ax = figure.add_subplot()
-    apart = both["solver"].isin(slower)
-    looks = ((~apart, MUTED, "o", 0.35), (apart, VERMILION, "^", 0.7))
-    for flag, colour, marker, alpha in looks:
-        dots: Style = {"c": colour, "marker": marker, "alpha": alpha, "s": 8, "linewidths": 0}
-        drawn = both[flag]
-        ax.scatter(drawn["time_base"], drawn["time_new"], rasterized=True, **dots)
-    times = both[["time_base", "time_new"]].to_numpy()
-    ends = np.array([times.min(), times.max()])
-    machine = 1.0 if comparison.speed is None else comparison.speed.ratio
-    ax.plot(ends, ends, color=INK, linewidth=0.8)
-    ax.plot(ends, ends * machine, color=INK, linewidth=0.8, linestyle="--")
-    ax.set(xscale="log", yscale="log", xlabel="time in the base", ylabel="time in the new run")
-    for axis in (ax.xaxis, ax.yaxis):
-        log_axis(axis, duration)
-    return Picture("times-pairs", caption, figure, "times of questions in two runs")

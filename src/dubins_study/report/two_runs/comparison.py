@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -13,7 +12,7 @@ import pandas as pd
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.formats import digits, seconds, share
 from dubins_study.report.two_runs.changes import (
-    ENDS,
+    TIME_RATIO,
     MachineSpeed,
     less_accurate,
     lost,
@@ -22,8 +21,8 @@ from dubins_study.report.two_runs.changes import (
 from dubins_study.study.rows.manifest import Manifest
 from dubins_study.study.scenario_frame import solve_command
 
-# A change of times, or of the share of right answers, is as sure as the tests of the page.
-ALPHA = 0.05
+ALPHA = 0.05  # a change of the share of right answers is as sure as the tests of the page
+_FEWEST_TIMED = 6  # questions: fewer times, all longer, are no sign at this level
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +30,14 @@ class Comparison:
     """What two runs have in common, and what changed.
 
     Args:
-        solvers: one row per solver; columns of `report.two_runs.changes.solver_changes`.
+        solvers: one row per solver: verdict (what is worse, else what is better), and the columns
+            of `report.two_runs.changes.solver_changes`.
         regressions: what became worse: kind (`no longer right`, `no longer denied`, `false claim`,
             `less accurate`, `right less often`, `slower`, `not answered`), solver, scenario (its
             label, or its target), branch, base and new (as text), and the command that asks the
             question again. The last three kinds are of all questions of a solver: without scenario.
         unpaired: solver, and how many questions only one of the runs was asked.
-        differences: what, base, new: what else the runs differ in.
+        differences: what, base, new: what else the runs differ in, but for the code of solvers.
         speed: of the new run's machine by the base's; None if nothing says it.
         slower: how many times as long counts as slower.
         page: the page that was written; None if none was asked for.
@@ -56,38 +56,27 @@ class Comparison:
         """Whether anything became worse."""
         return not self.regressions.empty
 
-    def with_verdicts(self) -> pd.DataFrame:
-        """`solvers` with a column verdict: what is worse, else what is better."""
-        worse = self.regressions.groupby("solver")["kind"].unique()
-        verdicts = [
-            "worse: " + ", ".join(worse[row["solver"]])
-            if row["solver"] in worse.index
-            else _better(row, self.slower)
-            for _, row in self.solvers.iterrows()
-        ]
-        return self.solvers.assign(verdict=verdicts)
-
 
 def unanswered(results: Results) -> pd.DataFrame:
     """solver, cells (asked), rows (there) where a run is not finished, or lost rows."""
-    known = results.rows["solver"].value_counts()
-    lines = [
-        (spec, entry.cells, int(known.get(spec, 0)))
-        for spec, entry in results.folders[0].manifest.solvers.items()
-        if known.get(spec, 0) < entry.cells
-    ]
-    return pd.DataFrame(lines, columns=["solver", "cells", "rows"])
+    there = pd.concat([results.rows["solver"], results.untaken["solver"]]).value_counts()
+    asked = {spec: entry.cells for spec, entry in results.folders[0].manifest.solvers.items()}
+    frame = pd.DataFrame({"cells": pd.Series(asked, dtype=int), "rows": there})
+    frame = frame.fillna(0).astype(int).rename_axis("solver").reset_index()
+    return frame[frame["rows"] < frame["cells"]]
 
 
 def regressions(
     pairs: pd.DataFrame, changes: pd.DataFrame, unanswered: pd.DataFrame, slower: float
 ) -> pd.DataFrame:
-    """What became worse, in the order of the kinds; of the new run the cells without an answer."""
+    """What became worse, in the order of the kinds; of the new run the cells without an answer.
+
+    `slower` is infinite where the machine's speed is not known: then no solver is called slower.
+    """
     was_lost = lost(pairs)
     # Seen in repeats too: a question that is right in one of three was right in all.
-    less_often = changes["right_change_high"].lt(0) & changes["right_p"].lt(ALPHA)
-    # Where the machine's speed is not known, `time_p` is NaN and no solver is called slower.
-    took_longer = changes["time_ratio_low"].gt(slower) & changes["time_p"].lt(ALPHA)
+    less_often = _surely_changed(changes) & (changes["right_new"] < changes["right_base"])
+    took_longer = _timed(changes) & changes["time_ratio_low"].gt(slower)
     lines = [
         *_questions("no longer right", pairs[was_lost & pairs["answerable"]], "right", _right),
         *_questions("no longer denied", pairs[was_lost & ~pairs["answerable"]], "right", _right),
@@ -98,8 +87,42 @@ def regressions(
         *map(_not_answered, unanswered.to_dict("records")),
     ]
     columns = ["kind", "solver", "scenario", "branch", "base", "new", "command"]
-    empty = dict.fromkeys(columns, "")
-    return pd.DataFrame([{**empty, **line} for line in lines], columns=columns)
+    return pd.DataFrame(lines, columns=columns, dtype=object).fillna("")
+
+
+def _surely_changed(changes: pd.DataFrame) -> pd.Series[bool]:
+    """Whether the share of right answers of each solver is another one."""
+    return changes["right_p"].lt(ALPHA)
+
+
+def _timed(changes: pd.DataFrame) -> pd.Series[bool]:
+    """Whether the times of each solver say something of it: its code changed, on enough questions.
+
+    Times of the same code are the machine's.
+    """
+    return ~changes["same_code"] & changes["timed"].ge(_FEWEST_TIMED)
+
+
+def verdicts(changes: pd.DataFrame, regressions: pd.DataFrame, slower: float) -> list[str]:
+    """What is worse of each solver, else what is better, by the mirror images of the tests."""
+    more_often = _surely_changed(changes) & (changes["right_new"] > changes["right_base"])
+    faster = _timed(changes) & changes["time_ratio_high"].lt(1 / slower)
+    texts = []
+    for row in changes.assign(more_often=more_often, faster=faster).to_dict("records"):
+        worse = regressions.loc[regressions["solver"] == row["solver"], "kind"].unique()
+        better = {
+            f"{row['gained']} more right": row["gained"] > 0,
+            "right more often": row["more_often"],
+            "faster": row["faster"],
+        }
+        applying = [text for text, applies in better.items() if applies]
+        if len(worse):
+            texts.append(f"worse: {', '.join(worse)}")
+        elif applying:
+            texts.append(f"better: {', '.join(applying)}")
+        else:
+            texts.append("same code" if row["same_code"] else "no change")
+    return texts
 
 
 def _right(value: float) -> str:
@@ -145,7 +168,7 @@ def _less_often(row: _Record) -> _Record:
 
 
 def _slower(row: _Record) -> _Record:
-    ratio, low, high = (digits(3)(row[f"time_ratio{end}"]) for end in ENDS)
+    ratio, low, high = (digits(3)(row[key]) for key in TIME_RATIO)
     return {
         "kind": "slower",
         "solver": row["solver"],
@@ -160,57 +183,28 @@ def _not_answered(row: _Record) -> _Record:
     return {"kind": "not answered", "solver": row["solver"], "new": answered}
 
 
-def _better(row: pd.Series, slower: float) -> str:
-    """A solver is faster, and right more often, by the mirror images of what makes it worse."""
-    better = {
-        f"{row['gained']} more right": row["gained"] > 0,
-        "right more often": row["right_change_low"] > 0 and row["right_p"] < ALPHA,
-        "faster": row["time_ratio_high"] < 1 / slower and row["time_p"] < ALPHA,
-    }
-    texts = [text for text, applies in better.items() if applies]
-    if texts:
-        return "better: " + ", ".join(texts)
-    return "same code" if row["same_code"] else "no change"
-
-
-_CODE = "code of solvers, settings or packages"
-
-
 def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
-    """What two manifests do not share: what, base, new (as text), and solvers.
-
-    `solvers` is how many of the solvers in both runs it is about; NaN if it is about the run.
-    """
-    before = _facts(base, new)
-    after = _facts(new, base)
-    lines: Counter[tuple[str, str, str]] = Counter()
-    for what, solver in dict.fromkeys([*before, *after]):
-        old = before.get((what, solver))
-        newer = after.get((what, solver))
-        if old != newer:
-            texts = ("one digest", "another") if what == _CODE else (_text(old), _text(newer))
-            lines[what, *texts] += solver is not None
-    frame = pd.DataFrame([*lines], columns=["what", "base", "new"])
-    solvers = pd.Series([*lines.values()], dtype=float)
-    return frame.assign(solvers=solvers.where(solvers > 0))
+    """What the runs of two manifests do not share: what, base, new (as text)."""
+    before = _facts(base)
+    after = _facts(new)
+    texts = {
+        what: (_text(before.get(what)), _text(after.get(what))) for what in {**before, **after}
+    }
+    lines = [(what, *both) for what, both in texts.items() if both[0] != both[1]]
+    return pd.DataFrame(lines, columns=["what", "base", "new"])
 
 
-def _facts(manifest: Manifest, other: Manifest) -> dict[tuple[str, str | None], object]:
-    """(what, None) -> what a manifest says of its run; (what, solver) -> of a solver in both."""
+def _facts(manifest: Manifest) -> dict[str, object]:
+    """What a manifest says of its run."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
-    jobs = sorted({run.jobs for run in manifest.runs})
-    of_run: dict[str, object] = {name.replace("_", " "): getattr(manifest, name) for name in plain}
-    of_run |= {f"machine: {key}": value for key, value in manifest.machine.items()}
-    of_run |= {f"version of {key}": value for key, value in manifest.versions.items()}
-    of_run |= {"git commit": manifest.git.get("commit"), "jobs": ", ".join(map(str, jobs))}
-    facts: dict[tuple[str, str | None], object] = {(what, None): of_run[what] for what in of_run}
-    for solver, entry in manifest.solvers.items():
-        if solver in other.solvers:
-            packages = entry.packages.items()
-            facts |= {(f"package {name}", solver): version for name, version in packages}
-            facts[f"settings of {solver}", solver] = entry.settings
-            facts[_CODE, solver] = entry.code_digest
-    return facts
+    jobs = sorted({str(run.jobs) for run in manifest.runs})
+    return {
+        **{name.replace("_", " "): getattr(manifest, name) for name in plain},
+        **{f"machine: {key}": value for key, value in manifest.machine.items()},
+        **{f"version of {key}": value for key, value in manifest.versions.items()},
+        "git commit": manifest.git.get("commit"),
+        "jobs": ", ".join(jobs),
+    }
 
 
 def _text(value: object) -> str:
