@@ -235,5 +235,4 @@ def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Any) -> Any:
     if type(node).__name__ != "UnaryFunctionExpression":
         # Pyomo's sums, products and powers are Python's operators
         return node._apply_operation(operands)
-    numbers = all(isinstance(operand, (int, float)) for operand in operands)
-    return getattr(math if numbers else functions, node.name)(*operands)
+    return getattr(functions, node.name)(*operands)
