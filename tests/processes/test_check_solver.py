@@ -136,8 +136,8 @@ FROZEN, METHOD = "@dataclass(frozen=True)", '("penalty", "mine")'
 # what is wrong -> how the solver differs, the status of `loading`, and words of the report
 LOADING = {
     "no default": ({"setting": "n: int"}, "fail", "give each setting a default, such as `n: int"),
-    "no settings": ({"head": ""}, "note", "it is no dataclass write @dataclass"),
-    "no dataclass": ({"head": "", "setting": "n: int = 4"}, "note", "no dataclass: n cannot be"),
+    "no settings": ({"head": ""}, "note", "it is no frozen dataclass write @dataclass"),
+    "no dataclass": ({"head": "", "setting": "n: int = 4"}, "note", "it is no frozen dataclass"),
     "a tuple": ({"setting": "a: tuple = ()"}, "note", "a: its default () is a tuple give each"),
     "nothing": ({"setting": "a: object = None"}, "note", "a: its default None is a NoneType give"),
     "raising": (

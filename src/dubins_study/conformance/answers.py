@@ -16,7 +16,7 @@ import numpy as np
 from dubins_study.asking.attempt import Answer
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.questions import command
-from dubins_study.conformance.report import Finding, Kind, Status
+from dubins_study.conformance.report import Finding, Part, Status
 from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.visits import visits
@@ -27,7 +27,7 @@ from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
 
-_Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
+_Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
 _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
@@ -79,7 +79,7 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
     else:
         said, advice = _OUTCOMES.get(answer.outcome, (f"{answer.outcome}: ", ""))
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
-        observations = [(Kind.OUTCOME, Status.FAIL, said + answer.message, advice)]
+        observations = [(Part.OUTCOME, Status.FAIL, said + answer.message, advice)]
     shown = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
     if seen.question.initial_guess is None and answer.branch not in BRANCHES_WITHOUT_PATH:
         shown = command(answer.solver, seen.question, seen.limit, interview.profile)
@@ -98,10 +98,10 @@ def _of_point(answer: Answer) -> Iterator[_Observed]:
             f"{answer.miss}, dual residual {answer.dual_residual}, gap {answer.duality_gap})"
         )
         advice = "return x, y, z and w with y and z positive where an upper end pushes"
-        yield Kind.CLAIM, Status.FAIL, observed, advice
+        yield Part.CLAIM, Status.FAIL, observed, advice
     elif answer.verdict is not Verdict.OPTIMAL:
         observed = f"its point is judged {answer.verdict} (claim {answer.claim})"
-        yield Kind.LENGTH, Status.NOTE, observed, ""
+        yield Part.LENGTH, Status.NOTE, observed, ""
 
 
 def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
@@ -113,24 +113,24 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
         yield from _without_path(answer)
     elif claim is Claim.INFEASIBLE:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
-        yield Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
+        yield Part.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
     elif answer.verdict is Verdict.MISSES and not (honest and absent):
         reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
         if honest:
             observed = f"it returns a path that misses, and says so ({claim}): {reason}"
-            yield Kind.CONTROLS, Status.NOTE, observed, ""
+            yield Part.CONTROLS, Status.NOTE, observed, ""
         else:
             advice = _advice(interview, answer, path)
-            yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
+            yield Part.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
             observed = f"it claims {claim} of a path that does not arrive"
-            yield Kind.CLAIM, Status.FAIL, observed, advice
+            yield Part.CLAIM, Status.FAIL, observed, advice
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:
     claim = answer.claim
     if claim in _SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
-        yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
+        yield Part.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
         return
     best = reference_of(answer.scenario, answer.branch)
     if answer.verdict is Verdict.NONE_EXISTS or best.path is None:
@@ -145,10 +145,10 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
             "A path exists for every target"
         )
         observed = f"it claims infeasible, that no path exists; {there}"
-        yield Kind.CLAIM, Status.FAIL, observed, advice
+        yield Part.CLAIM, Status.FAIL, observed, advice
     else:
         said = f": {answer.message}" if answer.message else ""
-        yield Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
+        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
@@ -215,19 +215,19 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-            yield Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
         elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
             advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
             observed = f"it declares the guarantee {guarantee!r}, but {how}"
-            yield Kind.CLAIM, Status.FAIL, observed, cause or advice
+            yield Part.CLAIM, Status.FAIL, observed, cause or advice
         else:
-            yield Kind.LENGTH, Status.NOTE, how, cause
+            yield Part.LENGTH, Status.NOTE, how, cause
     if claimed is None or length is None or answer.verdict is Verdict.MISSES:
         return
     if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
         observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
         advice = "claimed_length is a length, not a travel time, in the unit of the scenario"
-        yield Kind.LENGTH, Status.NOTE, observed, advice
+        yield Part.LENGTH, Status.NOTE, observed, advice
 
 
 def _of_bound(answer: Answer) -> Iterator[_Observed]:
@@ -239,7 +239,7 @@ def _of_bound(answer: Answer) -> Iterator[_Observed]:
             "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
             "leave it empty unless the method proves it"
         )
-        yield Kind.BOUND, Status.FAIL, observed, advice
+        yield Part.BOUND, Status.FAIL, observed, advice
 
 
 def united(*found: Iterable[Finding]) -> list[Finding]:

@@ -19,7 +19,7 @@ from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import Outcome, Verdict
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
 # libraries that later questions find loaded.
@@ -152,6 +152,11 @@ class Interview:
         answers = [seen.answer for seen in self.seen if seen.answer.path is not None]
         gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
         return max(gaps, default=None)
+
+    def claimed(self) -> int:
+        """How many answers claim a path, or that there is none."""
+        nothing = (Claim.FAILED, Claim.NONE, Claim.LIMIT)
+        return sum(seen.answer.claim not in nothing for seen in self.seen)
 
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""

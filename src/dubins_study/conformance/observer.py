@@ -9,8 +9,6 @@ import tempfile
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import is_dataclass
-from inspect import get_annotations
 from itertools import dropwhile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -151,22 +149,17 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
 
 
 def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """Settings that a spec cannot set, and what is no setting."""
+    """Settings that a spec cannot set, and settings that may change."""
     kind = type(solver)
     for key, value in settings(solver).items():
         if not isinstance(value, int | float | str):
             problem = f"{key}: its default {value!r:.40} is a {type(value).__name__}"
             advice = "give each setting a default of type int, float, bool or str"
             yield "note", f"a spec cannot set {problem}", advice
-    known = {*dir(Solver), *getattr(kind, "__dataclass_fields__", ())}
-    names = [name for name in get_annotations(kind) if name not in known]
-    if names or not is_dataclass(kind):
-        unset = f": {', '.join(names)} cannot be set" if names else ""
+    parameters = getattr(kind, "__dataclass_params__", None)
+    if parameters is None or not parameters.frozen:
         advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
-        yield "note", f"it is no dataclass{unset}", advice
-    elif not kind.__dataclass_params__.frozen:
-        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
-        yield "note", "its settings can be changed", advice
+        yield "note", "it is no frozen dataclass", advice
 
 
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:
