@@ -173,17 +173,6 @@ def test_a_setting_of_a_solver_that_cannot_be_made_is_refused(tmp_path):
         load("mine.py:Mine[n=3]")
 
 
-def test_a_module_beside_the_file_is_not_found_and_the_refusal_says_so(tmp_path):
-    """A file is loaded alone: what lies beside it by chance stands in for no package."""
-    text = SOLVER.format(head="import beside\n" + FROZEN, method="beside.METHOD", setting="")
-    (tmp_path / "mine.py").write_text(text)
-    (tmp_path / "beside.py").write_text(f"METHOD = {METHOD}")
-    shown = CliRunner().invoke(app, ["check-solver", "mine.py:Mine"])
-
-    assert shown.exit_code == 1
-    assert "does not find beside beside it: make them a package" in " ".join(shown.stdout.split())
-
-
 @pytest.mark.smoke
 def test_a_file_that_exists_is_not_overwritten(tmp_path):
     (tmp_path / "mine.py").write_text("x = 1")
