@@ -16,7 +16,6 @@ from dubins_study.conformance.interview import (
     NotApplicableError,
     Seen,
 )
-from dubins_study.conformance.observer import TEMPORARY
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Question
@@ -185,14 +184,11 @@ def state(interview: Interview) -> Checked:
         found.append(Finding(Status.FAIL, observed, advice, count=count))
     # after any other outcome a solver could not have removed its files
     ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    if files := sorted({file for one in ended for file in one.files}):
-        kept = [file for file in files if not file.startswith(TEMPORARY)]
-        place = "the working directory" if kept else "the folder for temporary files"
-        names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in (kept or files)[:3])
-        observed = f"it leaves files in {place}: {names}"
-        status = Status.FAIL if kept else Status.NOTE
+    files = sorted({file for one in ended for file in one.files})
+    if files:
+        observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
-        found.append(Finding(status, observed, advice, count=len(files)))
+        found.append(Finding(Status.FAIL, observed, advice, count=len(files)))
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"

@@ -195,10 +195,14 @@ class Interview:
         return seen
 
     def _new_files(self) -> tuple[str, ...]:
-        """Files that have appeared in the worker's folder since the last question."""
+        """Files that have appeared in the worker's folder since the last question.
+
+        Those in its folder for temporary files, which is removed with it, are left out.
+        """
         folder = self.source.folder
         if folder is None:
             return ()
         now = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
-        new, self._files = now - self._files, now
-        return tuple(sorted(new))
+        new = [file for file in sorted(now - self._files) if not file.startswith(TEMPORARY)]
+        self._files = now
+        return tuple(new)

@@ -104,12 +104,16 @@ def _entry(name: str) -> Entry:
     )
 
 
+# begins the reason of a solver that does not say whether it is available
+UNKNOWN = "asking whether it is available raised"
+
+
 def unavailable(solver: Solver) -> str | None:
     """Why a solver cannot run here, or None; one whose `unavailable` raises cannot."""
     try:
         return solver.unavailable()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
-        return f"asking whether it is available raised {type(error).__name__}: {error}"
+        return f"{UNKNOWN} {type(error).__name__}: {error}"
 
 
 def reported_versions(solver: Solver) -> dict[str, str]:
