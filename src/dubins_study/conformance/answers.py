@@ -135,10 +135,9 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
     best = reference_of(answer.scenario, answer.branch)
     if answer.verdict is Verdict.NONE_EXISTS or best.path is None:
         return
-    word = kind_of(answer.scenario, answer.branch).words_of(
-        best.path, best.at, answer.scenario.radius
-    )
-    there = f"there is one, {word or 'of length 0'}, of length {best.path.length:.6g}"
+    kind = kind_of(answer.scenario, answer.branch)
+    word = kind.words_of(best.path, best.at, answer.scenario.radius) or "of length 0"
+    there = f"there is one, {word}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
@@ -209,9 +208,8 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
-        word, best = answer.word or "none", answer.reference_word or "none"
-        how = f"its path is {100 * answer.gap:.3g} % longer than the shortest "
-        how += best if word == best else f"one ({word} instead of {best})"
+        how = f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
+        how += f"shortest, {answer.reference_word or 'none'}"
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
@@ -232,9 +230,10 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
 
 def _of_bound(answer: Answer) -> Iterator[_Observed]:
     if answer.false_bound:
-        bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
-        shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
-        observed = f"the lower bound{bound} lies above the shortest length{shortest}"
+        observed = (
+            f"the lower bound {answer.lower_bound} lies above the shortest length, "
+            f"{answer.reference}"
+        )
         advice = (
             "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
             "leave it empty unless the method proves it"

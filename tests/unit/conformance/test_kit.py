@@ -269,7 +269,7 @@ def test_the_papers_claim_is_false_in_the_discs():
     report = checked(Confident)
 
     assert failed(report) == {"discs", "circles"}, report
-    assert "27.4 % longer than the shortest one (RS instead of RL)" in text(report, "discs")
+    assert "its path, RS, is 27.4 % longer than the shortest, RL" in text(report, "discs")
     assert "claim LOCAL unless the method proves" in text(report, "discs")
 
 
