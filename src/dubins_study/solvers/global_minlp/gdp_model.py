@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.minlp_engines.mixed_program import MixedProgram, Row, Written
+from dubins_study.solvers.minlp_engines.mixed_program import Functions, MixedProgram, Row, Written
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
@@ -206,7 +206,9 @@ def translated(model: Any) -> Translated:
     place = {key: n for n, key in enumerate(variables)}
     bounds = [(v.value, v.value) if v.fixed else _limits(v.lb, v.ub) for v in variables.values()]
 
-    def write(x: Sequence[Any], functions: Any) -> Written:
+    def write(x: Sequence[Any], interface: Any) -> Written:
+        functions = Functions(interface)
+
         def expression(node: Any) -> Any:
             return rebuilt(node, lambda variable: x[place[id(variable)]], functions)
 

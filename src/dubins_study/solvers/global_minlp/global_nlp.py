@@ -181,7 +181,8 @@ def _program(case: Case, lifted: bool) -> MixedProgram:
 
     text = algebra_text(posed)
 
-    def write(x: Sequence[Any], functions: Functions) -> Written:
+    def write(x: Sequence[Any], interface: Any) -> Written:
+        functions = Functions(interface)
         # the model's own text, evaluated with the engine's variables x[1], x[2], ...
         names = {"x": [None, *x], "sin": functions.sin, "cos": functions.cos}
         rows = [Row(eval(side, names)) for side in text.equations]

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.mixed_program import (
-    Functions,
     MinlpCall,
     MixedProgram,
     ProvenResult,
@@ -98,7 +97,7 @@ def _model_class() -> type[Any]:
             ]
 
         def evaluate(self, variables: Sequence[Any]) -> Any:
-            written = self.program.write(variables, Functions(maingopy))
+            written = self.program.write(variables, maingopy)
             result = maingopy.EvaluationContainer()
             result.objective = written.objective
             rows = written.rows

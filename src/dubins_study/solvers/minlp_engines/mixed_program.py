@@ -59,13 +59,13 @@ class Written(NamedTuple):
 class MixedProgram:
     """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
 
-    `write` takes the engine's n variables and its functions.
+    `write` takes the engine's n variables, and where its interface keeps `sin`, `cos`, ...
     """
 
     lower: FloatArray
     upper: FloatArray
     binary: BoolArray
-    write: Callable[[Sequence[Any], Functions], Written]
+    write: Callable[[Sequence[Any], Any], Written]
 
     @property
     def variables(self) -> Iterator[tuple[float, float, bool]]:

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from dubins_study.solvers.minlp_engines.mixed_program import (
-    Functions,
     MinlpCall,
     MixedProgram,
     ProvenResult,
@@ -116,7 +115,7 @@ def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
         )
         for lower, upper, binary in program.variables
     ]
-    written = program.write(x, Functions(pyscipopt))
+    written = program.write(x, pyscipopt)
     for row in written.rows:
         for relation in row.relations():
             model.addCons(relation)
