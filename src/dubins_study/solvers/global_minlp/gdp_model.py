@@ -225,7 +225,7 @@ def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
     return -math.inf if lower is None else lower, math.inf if upper is None else upper
 
 
-def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Any) -> Any:
+def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:
     """A Pyomo expression with the counterparts of its variables, `sin`, `cos`, ... elsewhere."""
     if isinstance(node, (int, float)):
         return node
