@@ -25,6 +25,7 @@ from dubins_study.study.kinds.leg import LEG
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, kind_of, reference_of
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 _Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
@@ -254,6 +255,7 @@ def united(*found: Iterable[Finding]) -> list[Finding]:
 # A path fits a guess if it ends within this many radii of the target, and is no more than this
 # share too tight: far more than a solver's tolerance, far less than a guess fits by chance.
 _FIT = 1e-3
+_LOOSE = Tolerances(miss=_FIT, curvature=_FIT)
 _POSITIONS = (
     "are these positions? A path is its controls: a curvature and a length for each arc, from "
     "which the check drives it"
@@ -298,7 +300,8 @@ def cause_of(scenario: Scenario, path: Path) -> str:
         return _POSITIONS
     with np.errstate(all="ignore"):
         for advice, other, *controls in mix_ups(scenario, path):
-            if _fits(other, Path(other.start, *controls)):
+            fixed = Path(other.start, *controls)
+            if judge(other, fixed, tolerances=_LOOSE).verdict is not Verdict.MISSES:
                 return advice
     return ""
 
@@ -330,16 +333,6 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
             "if the method leaves it free"
         )
     return ""
-
-
-def _fits(scenario: Scenario, path: Path) -> bool:
-    """Whether a path is one of a scenario's, but for rounding and a solver's tolerance."""
-    if not drivable(path):
-        return False
-    tightest = float(np.abs(path.curvatures[path.lengths > 0]).max(initial=0.0)) * scenario.radius
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    return tightest <= 1 + _FIT and miss <= _FIT * scenario.radius
 
 
 def length_cause(scenario: Scenario, path: Path) -> str:

@@ -108,8 +108,7 @@ def own_frames(error: BaseException) -> str:
         lambda frame: frame.filename.startswith("<frozen") or frame.filename in _ASKING,
         traceback.extract_tb(error.__traceback__),
     )
-    lines = "".join(traceback.format_list([*frames])).splitlines(keepends=True)
-    text = "".join(line for line in lines if line.strip(" ^~\n"))  # no marks below a line's parts
+    text = "".join(traceback.format_list([*frames]))
     return (text + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
 
 
