@@ -311,15 +311,12 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
     end, radius, allowed = path.end, scenario.radius, _FIT * scenario.radius
     if math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) > allowed:
         return ""
-    alone = [visits(path, [point], radius, allowed).miss for point in scenario.via]
-    skipped = [point for point, miss in zip(scenario.via, alone, strict=True) if miss > allowed]
-    if skipped:
-        x, y = skipped[0]
-        several = f"{len(skipped)} of the {len(scenario.via)} points of question.scenario.via"
-        return (
-            f"it leaves out {several}: it never passes ({x:g}, {y:g}). Leave `via points` out of "
-            "`takes` if the method has none"
-        )
+    for x, y in scenario.via:
+        if visits(path, [(x, y)], radius, allowed).miss > allowed:
+            return (
+                f"it never passes ({x:g}, {y:g}), a point of question.scenario.via. Leave `via "
+                "points` out of `takes` if the method has none"
+            )
     if visits(path, scenario.via, radius, allowed).miss > allowed:
         return (
             "it passes the via points in another order: the order of question.scenario.via is part "
@@ -328,9 +325,8 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
     final = scenario.final_heading
     if final is not None and abs(math.remainder(end.heading - final, 2 * math.pi)) > _FIT:
         return (
-            f"it ends with the heading {end.heading:.4g}; question.scenario.final_heading is "
-            f"{final:.4g} (rad, counter-clockwise from +x). Leave `final heading` out of `takes` "
-            "if the method leaves it free"
+            "question.scenario.final_heading is in rad, counter-clockwise from +x. Leave `final "
+            "heading` out of `takes` if the method leaves it free"
         )
     return ""
 
