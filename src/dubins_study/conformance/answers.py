@@ -16,7 +16,7 @@ import numpy as np
 from dubins_study.asking.attempt import Answer
 from dubins_study.conformance.interview import Interview, Seen
 from dubins_study.conformance.questions import command
-from dubins_study.conformance.report import Finding, Kind, Status
+from dubins_study.conformance.report import Finding, Part, Status
 from dubins_study.solvers.protocol import Guarantee
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.visits import visits
@@ -25,9 +25,10 @@ from dubins_study.study.kinds.leg import LEG
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, kind_of, reference_of
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import Claim, Outcome, Verdict
 
-_Observed = tuple[Kind, Status, str, str]  # what it is about, how bad, what was seen, what to do
+_Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
 _SUCCESS = (Claim.OPTIMAL, Claim.LOCAL, Claim.FEASIBLE)
 # relative: a claimed length that differs by less is rounded
@@ -79,7 +80,7 @@ def problems(interview: Interview, seen: Seen) -> list[Finding]:
     else:
         said, advice = _OUTCOMES.get(answer.outcome, (f"{answer.outcome}: ", ""))
         advice = next((text for part, text in _RAISED.items() if part in answer.message), advice)
-        observations = [(Kind.OUTCOME, Status.FAIL, said + answer.message, advice)]
+        observations = [(Part.OUTCOME, Status.FAIL, said + answer.message, advice)]
     shown = ""  # no option of `solve` hands over a guess, or the label that names a frozen problem
     if seen.question.initial_guess is None and answer.branch not in BRANCHES_WITHOUT_PATH:
         shown = command(answer.solver, seen.question, seen.limit, interview.profile)
@@ -98,10 +99,10 @@ def _of_point(answer: Answer) -> Iterator[_Observed]:
             f"{answer.miss}, dual residual {answer.dual_residual}, gap {answer.duality_gap})"
         )
         advice = "return x, y, z and w with y and z positive where an upper end pushes"
-        yield Kind.CLAIM, Status.FAIL, observed, advice
+        yield Part.CLAIM, Status.FAIL, observed, advice
     elif answer.verdict is not Verdict.OPTIMAL:
         observed = f"its point is judged {answer.verdict} (claim {answer.claim})"
-        yield Kind.LENGTH, Status.NOTE, observed, ""
+        yield Part.LENGTH, Status.NOTE, observed, ""
 
 
 def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
@@ -113,42 +114,41 @@ def _of_path(interview: Interview, answer: Answer) -> Iterator[_Observed]:
         yield from _without_path(answer)
     elif claim is Claim.INFEASIBLE:
         advice = "INFEASIBLE says that no path exists; a path in the answer contradicts it"
-        yield Kind.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
+        yield Part.CLAIM, Status.FAIL, "it claims infeasible and returns a path", advice
     elif answer.verdict is Verdict.MISSES and not (honest and absent):
         reason = miss_reason(answer.scenario, path, answer.branch, tolerances)
         if honest:
             observed = f"it returns a path that misses, and says so ({claim}): {reason}"
-            yield Kind.CONTROLS, Status.NOTE, observed, ""
+            yield Part.CONTROLS, Status.NOTE, observed, ""
         else:
             advice = _advice(interview, answer, path)
-            yield Kind.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
+            yield Part.CONTROLS, Status.FAIL, f"it claims {claim}, but {reason}", advice
             observed = f"it claims {claim} of a path that does not arrive"
-            yield Kind.CLAIM, Status.FAIL, observed, advice
+            yield Part.CLAIM, Status.FAIL, observed, advice
 
 
 def _without_path(answer: Answer) -> Iterator[_Observed]:
     claim = answer.claim
     if claim in _SUCCESS:
         advice = "return the path with the claim; without one, claim FAILED"
-        yield Kind.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
+        yield Part.CLAIM, Status.FAIL, f"it claims {claim} and returns no path", advice
         return
     best = reference_of(answer.scenario, answer.branch)
     if answer.verdict is Verdict.NONE_EXISTS or best.path is None:
         return
-    word = kind_of(answer.scenario, answer.branch).words_of(
-        best.path, best.at, answer.scenario.radius
-    )
-    there = f"there is one, {word or 'of length 0'}, of length {best.path.length:.6g}"
+    kind = kind_of(answer.scenario, answer.branch)
+    word = kind.words_of(best.path, best.at, answer.scenario.radius) or "of length 0"
+    there = f"there is one, {word}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
             "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
             "A path exists for every target"
         )
         observed = f"it claims infeasible, that no path exists; {there}"
-        yield Kind.CLAIM, Status.FAIL, observed, advice
+        yield Part.CLAIM, Status.FAIL, observed, advice
     else:
         said = f": {answer.message}" if answer.message else ""
-        yield Kind.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
+        yield Part.LENGTH, Status.NOTE, f"it finds no path (claim {claim}{said}); {there}", ""
 
 
 def _advice(interview: Interview, answer: Answer, path: Path) -> str:
@@ -209,37 +209,37 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
     if answer.verdict is Verdict.LONGER and answer.claim is not Claim.INFEASIBLE:
         assert answer.gap is not None
         assert answer.path is not None
-        word, best = answer.word or "none", answer.reference_word or "none"
-        how = f"its path is {100 * answer.gap:.3g} % longer than the shortest "
-        how += best if word == best else f"one ({word} instead of {best})"
+        how = f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
+        how += f"shortest, {answer.reference_word or 'none'}"
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
-            yield Kind.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
+            yield Part.CLAIM, Status.FAIL, f"it claims optimal, but {how}", advice
         elif guarantee in (Guarantee.EXACT, Guarantee.GLOBAL) and answer.claim in _SUCCESS:
             advice = "declare another guarantee, or claim LIMIT where the time did not suffice"
             observed = f"it declares the guarantee {guarantee!r}, but {how}"
-            yield Kind.CLAIM, Status.FAIL, observed, cause or advice
+            yield Part.CLAIM, Status.FAIL, observed, cause or advice
         else:
-            yield Kind.LENGTH, Status.NOTE, how, cause
+            yield Part.LENGTH, Status.NOTE, how, cause
     if claimed is None or length is None or answer.verdict is Verdict.MISSES:
         return
     if abs(claimed - length) > _CLAIMED * max(length, answer.scenario.radius):
         observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
         advice = "claimed_length is a length, not a travel time, in the unit of the scenario"
-        yield Kind.LENGTH, Status.NOTE, observed, advice
+        yield Part.LENGTH, Status.NOTE, observed, advice
 
 
 def _of_bound(answer: Answer) -> Iterator[_Observed]:
     if answer.false_bound:
-        bound = "" if answer.lower_bound is None else f" {answer.lower_bound:.10g}"
-        shortest = "" if answer.reference is None else f", {answer.reference:.10g}"
-        observed = f"the lower bound{bound} lies above the shortest length{shortest}"
+        observed = (
+            f"the lower bound {answer.lower_bound} lies above the shortest length, "
+            f"{answer.reference}"
+        )
         advice = (
             "lower_bound must hold for the question itself, not for a grid or a relaxation of it: "
             "leave it empty unless the method proves it"
         )
-        yield Kind.BOUND, Status.FAIL, observed, advice
+        yield Part.BOUND, Status.FAIL, observed, advice
 
 
 def united(*found: Iterable[Finding]) -> list[Finding]:
@@ -255,6 +255,7 @@ def united(*found: Iterable[Finding]) -> list[Finding]:
 # A path fits a guess if it ends within this many radii of the target, and is no more than this
 # share too tight: far more than a solver's tolerance, far less than a guess fits by chance.
 _FIT = 1e-3
+_LOOSE = Tolerances(miss=_FIT, curvature=_FIT)
 _POSITIONS = (
     "are these positions? A path is its controls: a curvature and a length for each arc, from "
     "which the check drives it"
@@ -299,7 +300,8 @@ def cause_of(scenario: Scenario, path: Path) -> str:
         return _POSITIONS
     with np.errstate(all="ignore"):
         for advice, other, *controls in mix_ups(scenario, path):
-            if _fits(other, Path(other.start, *controls)):
+            fixed = Path(other.start, *controls)
+            if judge(other, fixed, tolerances=_LOOSE).verdict is not Verdict.MISSES:
                 return advice
     return ""
 
@@ -309,15 +311,12 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
     end, radius, allowed = path.end, scenario.radius, _FIT * scenario.radius
     if math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) > allowed:
         return ""
-    alone = [visits(path, [point], radius, allowed).miss for point in scenario.via]
-    skipped = [point for point, miss in zip(scenario.via, alone, strict=True) if miss > allowed]
-    if skipped:
-        x, y = skipped[0]
-        several = f"{len(skipped)} of the {len(scenario.via)} points of question.scenario.via"
-        return (
-            f"it leaves out {several}: it never passes ({x:g}, {y:g}). Leave `via points` out of "
-            "`takes` if the method has none"
-        )
+    for x, y in scenario.via:
+        if visits(path, [(x, y)], radius, allowed).miss > allowed:
+            return (
+                f"it never passes ({x:g}, {y:g}), a point of question.scenario.via. Leave `via "
+                "points` out of `takes` if the method has none"
+            )
     if visits(path, scenario.via, radius, allowed).miss > allowed:
         return (
             "it passes the via points in another order: the order of question.scenario.via is part "
@@ -326,21 +325,10 @@ def visit_cause(scenario: Scenario, path: Path) -> str:
     final = scenario.final_heading
     if final is not None and abs(math.remainder(end.heading - final, 2 * math.pi)) > _FIT:
         return (
-            f"it ends with the heading {end.heading:.4g}; question.scenario.final_heading is "
-            f"{final:.4g} (rad, counter-clockwise from +x). Leave `final heading` out of `takes` "
-            "if the method leaves it free"
+            "question.scenario.final_heading is in rad, counter-clockwise from +x. Leave `final "
+            "heading` out of `takes` if the method leaves it free"
         )
     return ""
-
-
-def _fits(scenario: Scenario, path: Path) -> bool:
-    """Whether a path is one of a scenario's, but for rounding and a solver's tolerance."""
-    if not drivable(path):
-        return False
-    tightest = float(np.abs(path.curvatures[path.lengths > 0]).max(initial=0.0)) * scenario.radius
-    end = path.end
-    miss = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
-    return tightest <= 1 + _FIT and miss <= _FIT * scenario.radius
 
 
 def length_cause(scenario: Scenario, path: Path) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
 
+from dubins_study.asking.attempt import Answer
 from dubins_study.conformance import questions
 from dubins_study.conformance.interview import (
     GRACE_S,
@@ -16,7 +16,6 @@ from dubins_study.conformance.interview import (
     NotApplicableError,
     Seen,
 )
-from dubins_study.conformance.observer import TEMPORARY
 from dubins_study.conformance.report import Finding, Status
 from dubins_study.experiments.isolation.pool import GRACE_S as RUN_GRACE_S
 from dubins_study.solvers.protocol import Question
@@ -90,7 +89,7 @@ def limits(interview: Interview) -> Checked:
     return [Finding(status, observed, advice, question.scenario.label, shown)], ""
 
 
-# relative: answers that differ by less differ in rounding only
+# share of the length: poses that differ by less differ in rounding only
 _ROUNDING = 1e-12
 # share of a limit that an engine uses which is cut off: it looks at the clock between its steps
 _WHOLE_LIMIT = 0.9
@@ -105,21 +104,31 @@ def determinism(interview: Interview) -> Checked:
     second = [interview.ask(question, again=True) for question in known]
     interview.source.restart()
     third = [interview.ask(question, again=True) for question in known]
-    pairs = [
-        (one, again, when)
-        for seen, when in ((second, "after other questions"), (third, "in a new process"))
-        for one, again in zip(first, seen, strict=True)
-        if not (_is_cut(one) or _is_cut(again))
-    ]
-    if not pairs:
+    advice = (
+        "draw random numbers from a generator of the solver's own, seeded in build or solve "
+        "by a setting and question.repeat, and keep nothing between questions"
+    )
+    compared = 0
+    found = []
+    for seen, when in ((second, "after other questions"), (third, "in a new process")):
+        for one, again in zip(first, seen, strict=True):
+            if _is_cut(one) or _is_cut(again):
+                continue
+            compared += 1
+            if not _is_same(one.answer, again.answer):
+                observed = (
+                    f"asked again {when}, its answer differs by more than rounding: "
+                    f"{_told(again.answer)}; the first time {_told(one.answer)}"
+                )
+                where = one.question.scenario.label
+                found.append(Finding(Status.FAIL, observed, advice, where))
+    if not compared:
         raise NotApplicableError("its answers took the whole time limit; raise --time-limit")
-    found = [_changed(*pair) for pair in pairs if _difference(*pair[:2])]
-    worst = sorted(found, key=lambda one: one.status is not Status.FAIL)[:1]
-    if not worst and all(one.answer.path is None for one, *_ in pairs):
+    if not found and all(one.answer.path is None for one in first):
         raise NotApplicableError("it returned no path")
-    cut = 2 * len(known) - len(pairs)
+    cut = 2 * len(known) - compared
     left_out = f"; of {cut} more pairs one took the whole time limit" if cut else ""
-    return worst, f"{len(pairs)} pairs of answers the same{left_out}"
+    return found[:1], f"{compared} pairs of answers the same{left_out}"
 
 
 def _is_cut(seen: Seen) -> bool:
@@ -127,37 +136,21 @@ def _is_cut(seen: Seen) -> bool:
     return (seen.answer.wall_s or seen.seconds) > _WHOLE_LIMIT * seen.limit
 
 
-def _changed(first: Seen, again: Seen, when: str) -> Finding:
-    """What tells the answers to one question apart."""
-    difference = _difference(first, again)
-    observed = f"asked again {when}, its answer differs by {difference:.2g} of the length"
-    if difference == math.inf:
-        said = [
-            f"{seen.answer.outcome}, {seen.answer.claim}, {seen.answer.word or 'no path'}"
-            for seen in (again, first)
-        ]
-        observed = f"asked again {when}, it answers {said[0]}; the first time {said[1]}"
-    advice = (
-        "draw random numbers from a generator of the solver's own, seeded in build or solve "
-        "by a setting and question.repeat, and keep nothing between questions"
-    )
-    status = Status.NOTE if difference <= _ROUNDING else Status.FAIL
-    return Finding(status, observed, advice, first.question.scenario.label)
+def _told(answer: Answer) -> str:
+    return f"{answer.outcome}, {answer.claim}, {answer.word or 'no word'}, length {answer.length}"
 
 
-def _difference(first: Seen, second: Seen) -> float:
-    """How far two answers differ (share of the length); infinite if not only in numbers."""
-    one, other = first.answer, second.answer
+def _is_same(one: Answer, other: Answer) -> bool:
+    """Whether two answers differ in rounding only."""
     if (one.outcome, one.claim) != (other.outcome, other.claim):
-        return math.inf
+        return False
     if one.path is None or other.path is None:
-        return 0.0 if one.path is other.path else math.inf
+        return one.path is other.path
     if one.path.lengths.shape != other.path.lengths.shape:
-        return math.inf
+        return False
+    allowed = _ROUNDING * one.path.length
     with np.errstate(all="ignore"):
-        poses = np.nan_to_num(one.path.poses)
-        apart = np.abs(poses - np.nan_to_num(other.path.poses)).max()
-        return float(np.nan_to_num(apart / max(one.path.length, 1e-300)))
+        return np.allclose(one.path.poses, other.path.poses, rtol=0, atol=allowed, equal_nan=True)
 
 
 # state -> what to do instead of changing it
@@ -191,14 +184,11 @@ def state(interview: Interview) -> Checked:
         found.append(Finding(Status.FAIL, observed, advice, count=count))
     # after any other outcome a solver could not have removed its files
     ended = [one for one in seen if one.answer.outcome in (Outcome.RETURNED, Outcome.RAISED)]
-    if files := sorted({file for one in ended for file in one.files}):
-        kept = [file for file in files if not file.startswith(TEMPORARY)]
-        place = "the working directory" if kept else "the folder for temporary files"
-        names = ", ".join(file.removeprefix(f"{TEMPORARY}/") for file in (kept or files)[:3])
-        observed = f"it leaves files in {place}: {names}"
-        status = Status.FAIL if kept else Status.NOTE
+    files = sorted({file for one in ended for file in one.files})
+    if files:
+        observed = f"it leaves files in the working directory: {', '.join(files[:3])}"
         advice = "write into a tempfile.TemporaryDirectory()"
-        found.append(Finding(status, observed, advice, count=len(files)))
+        found.append(Finding(Status.FAIL, observed, advice, count=len(files)))
     outputs = [one.observed.output for one in seen if not one.observed.loaded]
     if loud := list(filter(None, outputs)):
         advice = "switch the output of the library off, or leave print out"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import replace
@@ -24,7 +23,7 @@ from dubins_study.conformance.interview import (
     Worker,
 )
 from dubins_study.conformance.observer import Observer
-from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Kind, Status
+from dubins_study.conformance.report import CheckResult, ConformanceReport, Finding, Part, Status
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import registered_name
@@ -38,7 +37,7 @@ from dubins_study.study.values import did_you_mean, short
 from dubins_study.study.words import Outcome
 
 TOTAL_TIME_LIMIT_S = 600.0  # for all questions
-_ALL = (Kind.CONTROLS, Kind.CLAIM, Kind.BOUND, Kind.LENGTH)
+_ALL = (Part.CONTROLS, Part.CLAIM, Part.BOUND, Part.LENGTH)
 
 
 class ConformanceError(DubinsStudyError, ValueError):
@@ -47,7 +46,7 @@ class ConformanceError(DubinsStudyError, ValueError):
 
 def _asked(
     scenarios: Mapping[str, Scenario],
-    kinds: tuple[Kind, ...] = _ALL,
+    parts: tuple[Part, ...] = _ALL,
     pathless: bool = False,
 ) -> Callable[[Interview], Checked]:
     """A check that asks for the best path of scenarios, and reports problems of some kinds.
@@ -67,29 +66,26 @@ def _asked(
         if not interview.answers(branch):
             raise NotApplicableError("the solver does not answer `best`")
         if not asked:
-            raise NotApplicableError(_not_taken(interview, scenarios))
+            raise NotApplicableError(_takes_only(interview))
         answers = [interview.ask(Question(scenario, branch)) for scenario in asked.values()]
-        found = _wrong(interview, answers, kinds)
-        if Kind.CONTROLS in kinds and not found and all(one.answer.path is None for one in answers):
+        found = _wrong(interview, answers, parts)
+        if Part.CONTROLS in parts and not found and all(one.answer.path is None for one in answers):
             raise NotApplicableError("it returned no path")
         return found, f"{len(asked)} questions"
 
     return run
 
 
-def _not_taken(interview: Interview, scenarios: Mapping[str, Scenario]) -> str:
-    """What a solver would have to take to be asked about any of some scenarios."""
-    takes = interview.declared["takes"]
-    missing = [[need for need in each.needs if need not in takes] for each in scenarios.values()]
-    named = " and ".join(f"`{need}`" for need in min(missing, key=len))
-    return f"the solver does not take {named}"
+def _takes_only(interview: Interview) -> str:
+    """Why a solver is asked none of a check's questions."""
+    return f"the solver takes only {', '.join(interview.declared['takes'])}"
 
 
 def _wrong(
-    interview: Interview, answers: Iterable[Seen], kinds: tuple[Kind, ...] = _ALL
+    interview: Interview, answers: Iterable[Seen], parts: tuple[Part, ...] = _ALL
 ) -> list[Finding]:
     """What is wrong with answers. Those that are none are added to every check that has asked."""
-    return [found for seen in answers for found in problems(interview, seen) if found.kind in kinds]
+    return [found for seen in answers for found in problems(interview, seen) if found.kind in parts]
 
 
 def _branches(interview: Interview) -> Checked:
@@ -110,7 +106,7 @@ def _warm(interview: Interview) -> Checked:
     if not (interview.declared["warm"] and interview.answers("best")):
         raise NotApplicableError("the solver takes no initial guess")
     if not interview.taken(questions.GENERAL):
-        raise NotApplicableError(_not_taken(interview, questions.GENERAL))
+        raise NotApplicableError(_takes_only(interview))
     scenario = questions.REFERENCE
     start, radius = scenario.start, scenario.radius
     guesses = {
@@ -134,11 +130,11 @@ _CHECKS: dict[str, tuple[str, Callable[[Interview], Checked]]] = {
     ),
     "controls": (
         "paths start at the start, keep the radius and arrive",
-        _asked(questions.GENERAL, (Kind.CONTROLS,)),
+        _asked(questions.GENERAL, (Part.CONTROLS,)),
     ),
     "claims": (
         "claims of optimality, of a lower bound, of no path; paths that are longer",
-        _asked(questions.GENERAL, (Kind.CLAIM, Kind.LENGTH, Kind.BOUND), pathless=True),
+        _asked(questions.GENERAL, (Part.CLAIM, Part.LENGTH, Part.BOUND), pathless=True),
     ),
     "axis": ("targets straight ahead, straight behind, at the start", _asked(questions.AXIS)),
     "discs": ("targets within a turning disc, where RL or LR is shortest", _asked(questions.DISCS)),
@@ -213,8 +209,15 @@ def check_solver(
             checked.append(result)
             if progress is not None:
                 progress(len(checked), len(names))
-    seconds, counts = monotonic() - began, interview.counts()
-    return ConformanceReport(spec, tuple(checked), counts, seconds, interview.worst_gap())
+    seconds = monotonic() - began
+    return ConformanceReport(
+        solver=spec,
+        results=tuple(checked),
+        answers=interview.counts(),
+        seconds=seconds,
+        worst_gap=interview.worst_gap(),
+        claimed=interview.claimed(),
+    )
 
 
 def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
@@ -240,7 +243,7 @@ def _results(interview: Interview, names: list[str]) -> Iterator[CheckResult]:
             for seen in interview.seen[before:]
             if seen.answer.outcome is not Outcome.TIMEOUT or seen.limit == interview.limit
         ]
-        silent = _wrong(interview, new, (Kind.OUTCOME,))
+        silent = _wrong(interview, new, (Part.OUTCOME,))
         shown = questions.check_command(interview.spec, name, interview.limit, interview.profile)
         listed = [replace(one, command=one.command or shown) for one in united(findings, silent)]
         listed.sort(key=lambda one: one.status is not Status.FAIL)
@@ -277,10 +280,4 @@ def _spec_of(kind: Any) -> str:
     name = registered_name(kind)
     if name is not None:
         return name
-    file, title = getsourcefile(kind), kind.__name__
-    if file is None or getattr(sys.modules[kind.__module__], title, None) is not kind:
-        raise ConformanceError(
-            f"solver is the class {title}, which is not at the top of a file; "
-            "expected one that `file.py:Class` names"
-        )
-    return f"{file}:{title}"
+    return f"{getsourcefile(kind)}:{kind.__name__}"

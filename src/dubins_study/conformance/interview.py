@@ -19,7 +19,7 @@ from dubins_study.solvers.protocol import Method, Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import PROFILES
-from dubins_study.study.words import Outcome, Verdict
+from dubins_study.study.words import Claim, Outcome, Verdict
 
 # Seconds that a plug-in may take to load, and its first question beyond the limit: it loads the
 # libraries that later questions find loaded.
@@ -153,6 +153,11 @@ class Interview:
         gaps = [one.gap or 0.0 for one in answers if one.verdict is Verdict.LONGER]
         return max(gaps, default=None)
 
+    def claimed(self) -> int:
+        """How many answers claim a path, or that there is none."""
+        nothing = (Claim.FAILED, Claim.NONE, Claim.LIMIT)
+        return sum(seen.answer.claim not in nothing for seen in self.seen)
+
     def answers(self, branch: str) -> bool:
         """Whether the solver says that it answers a branch."""
         return branch in self.declared["branches"]
@@ -190,10 +195,14 @@ class Interview:
         return seen
 
     def _new_files(self) -> tuple[str, ...]:
-        """Files that have appeared in the worker's folder since the last question."""
+        """Files that have appeared in the worker's folder since the last question.
+
+        Those in its folder for temporary files, which is removed with it, are left out.
+        """
         folder = self.source.folder
         if folder is None:
             return ()
         now = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
-        new, self._files = now - self._files, now
-        return tuple(sorted(new))
+        new = [file for file in sorted(now - self._files) if not file.startswith(TEMPORARY)]
+        self._files = now
+        return tuple(new)

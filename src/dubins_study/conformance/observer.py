@@ -9,8 +9,6 @@ import tempfile
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import is_dataclass
-from inspect import get_annotations
 from itertools import dropwhile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -22,7 +20,14 @@ from dubins_study.experiments.isolation.messages import Channel, decode_question
 from dubins_study.experiments.isolation.process_state import ProcessState, bound_process, seed
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.solvers.protocol import NOT_STATED, Guarantee, Question, Solver
-from dubins_study.solvers.registry import SolverError, load, settings, stated_method, unavailable
+from dubins_study.solvers.registry import (
+    UNKNOWN,
+    SolverError,
+    load,
+    settings,
+    stated_method,
+    unavailable,
+)
 from dubins_study.study.kinds.table import EVERY_BRANCH
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
@@ -103,8 +108,7 @@ def own_frames(error: BaseException) -> str:
         lambda frame: frame.filename.startswith("<frozen") or frame.filename in _ASKING,
         traceback.extract_tb(error.__traceback__),
     )
-    lines = "".join(traceback.format_list([*frames])).splitlines(keepends=True)
-    text = "".join(line for line in lines if line.strip(" ^~\n"))  # no marks below a line's parts
+    text = "".join(traceback.format_list([*frames]))
     return (text + exception_text(error))[-_MAX_TRACEBACK_CHARS:]
 
 
@@ -137,12 +141,9 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
     if kind.guarantee not in set(Guarantee):
         yield "fail", f"guarantee is {kind.guarantee!r}", f"expected one of: {', '.join(Guarantee)}"
     if (reason := unavailable(solver)) is not None:
-        status, advice = "note", ""
-        try:
-            solver.unavailable()
-        except Exception:
-            status = "fail"
-            advice = "unavailable() does not raise: it returns the reason as a text, or None"
+        raised = reason.startswith(UNKNOWN)
+        status = "fail" if raised else "note"
+        advice = "unavailable() does not raise: it returns a text, or None" if raised else ""
         yield status, f"it cannot run here: {reason}", advice
     formulation, engine = stated_method(solver)[:2]
     if (formulation, engine) == NOT_STATED[:2]:
@@ -151,22 +152,17 @@ def _wrong_declaration(solver: Solver) -> Iterator[tuple[str, str, str]]:
 
 
 def _wrong_settings(solver: Solver) -> Iterator[tuple[str, str, str]]:
-    """Settings that a spec cannot set, and what is no setting."""
+    """Settings that a spec cannot set, and settings that may change."""
     kind = type(solver)
     for key, value in settings(solver).items():
         if not isinstance(value, int | float | str):
             problem = f"{key}: its default {value!r:.40} is a {type(value).__name__}"
             advice = "give each setting a default of type int, float, bool or str"
             yield "note", f"a spec cannot set {problem}", advice
-    known = {*dir(Solver), *getattr(kind, "__dataclass_fields__", ())}
-    names = [name for name in get_annotations(kind) if name not in known]
-    if names or not is_dataclass(kind):
-        unset = f": {', '.join(names)} cannot be set" if names else ""
+    parameters = getattr(kind, "__dataclass_params__", None)
+    if parameters is None or not parameters.frozen:
         advice = "write @dataclass(frozen=True) above its class: its fields are then its settings"
-        yield "note", f"it is no dataclass{unset}", advice
-    elif not kind.__dataclass_params__.frozen:
-        advice = "write @dataclass(frozen=True): the same settings then stay the same solver"
-        yield "note", "its settings can be changed", advice
+        yield "note", "it is no frozen dataclass", advice
 
 
 def serve(channel: Channel, spec: str, profile: str, folder: str) -> None:

@@ -6,6 +6,7 @@ says what a solver mixes up.
 
 from __future__ import annotations
 
+import cmath
 import math
 import shlex
 from collections.abc import Mapping
@@ -45,9 +46,9 @@ REFERENCE = GENERAL["all at once"]
 
 def placed(X: float, Y: float, label: str = "") -> Scenario:
     """The reference with its target X radii ahead of the start and Y radii to the left."""
-    s, cos, sin = REFERENCE, math.cos(REFERENCE.heading), math.sin(REFERENCE.heading)
-    x, y = s.x + s.radius * (X * cos - Y * sin), s.y + s.radius * (X * sin + Y * cos)
-    return replace(s, target_x=x, target_y=y, label=label)
+    s = REFERENCE
+    target = complex(s.x, s.y) + s.radius * complex(X, Y) * cmath.rect(1, s.heading)
+    return replace(s, target_x=target.real, target_y=target.imag, label=label)
 
 
 # The reference with its target a little farther.
@@ -64,23 +65,28 @@ DISCS = labelled(
 )
 
 
-def _circles() -> dict[str, Scenario]:
-    on = {
+def _near_circle(angle: float, distance: float) -> Scenario:
+    """A target at an arc angle (rad) of the left circle, `distance` radii outside it."""
+    target = complex(0, 1) + cmath.rect(1 + distance, angle - math.pi / 2)
+    return Scenario(target_x=target.real, target_y=target.imag)
+
+
+_FRONT, _REAR = 1.0, 4.5  # arc angles (rad) of the left circle
+CIRCLES = labelled(
+    {
         "on the left circle, (R, R)": Scenario(target_x=1, target_y=1),
         "on the left circle, (0, 2R)": Scenario(target_x=0, target_y=2),
         "on the right circle, (-R, -R)": Scenario(target_x=-1, target_y=-1),
+        "0.01 R outside the left circle's front": _near_circle(_FRONT, 1e-2),
+        "0.0001 R outside the left circle's front": _near_circle(_FRONT, 1e-4),
+        "0.01 R inside the left circle's front": _near_circle(_FRONT, -1e-2),
+        "0.0001 R inside the left circle's front": _near_circle(_FRONT, -1e-4),
+        "0.01 R outside the left circle's rear": _near_circle(_REAR, 1e-2),
+        "0.0001 R outside the left circle's rear": _near_circle(_REAR, 1e-4),
+        "0.01 R inside the left circle's rear": _near_circle(_REAR, -1e-2),
+        "0.0001 R inside the left circle's rear": _near_circle(_REAR, -1e-4),
     }
-    for angle, part in ((1.0, "front"), (4.5, "rear")):
-        for distance in (1e-2, 1e-4, -1e-2, -1e-4):
-            side = "outside" if distance > 0 else "inside"
-            name, reach = f"{abs(distance):g} R {side} the left circle's {part}", 1 + distance
-            # the point at an arc angle (rad) of the circle, `distance` radii outside it
-            x, y = reach * math.sin(angle), 1 - reach * math.cos(angle)
-            on[name] = Scenario(target_x=x, target_y=y)
-    return on
-
-
-CIRCLES = labelled(_circles())
+)
 AXIS = labelled(
     {
         "straight ahead": Scenario(target_x=5, target_y=0),
@@ -91,14 +97,21 @@ AXIS = labelled(
 )
 
 
-def changed(angle: float = 0.0, dx: float = 0.0, dy: float = 0.0, scale: float = 1.0) -> Scenario:
+def changed(turn: float = 0.0, shift: complex = 0j, scale: float = 1.0) -> Scenario:
     """The reference with start and target turned about the origin (rad), moved and scaled."""
-    s, cos, sin = REFERENCE, math.cos(angle), math.sin(angle)
-    (x, y), (u, v) = (
-        (scale * (x * cos - y * sin + dx), scale * (x * sin + y * cos + dy))
-        for x, y in ((s.x, s.y), (s.target_x, s.target_y))
+    s = REFERENCE
+    turned = cmath.rect(1, turn)
+    start = scale * (complex(s.x, s.y) * turned + shift)
+    target = scale * (complex(s.target_x, s.target_y) * turned + shift)
+    return replace(
+        s,
+        x=start.real,
+        y=start.imag,
+        heading=s.heading + turn,
+        target_x=target.real,
+        target_y=target.imag,
+        radius=scale * s.radius,
     )
-    return Scenario(x, y, s.heading + angle, u, v, s.radius * scale, s.speed)
 
 
 # changes that leave the length of the shortest path as it is
@@ -107,8 +120,8 @@ SYMMETRIES = labelled(
         "in a mirror": replace(
             REFERENCE, y=-REFERENCE.y, heading=-REFERENCE.heading, target_y=-REFERENCE.target_y
         ),
-        "moved by (100, -50)": changed(dx=100, dy=-50),
-        "turned by 2 rad": changed(angle=2.0),
+        "moved by (100, -50)": changed(shift=100 - 50j),
+        "turned by 2 rad": changed(turn=2.0),
         "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
         "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
         "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),

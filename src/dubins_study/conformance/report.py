@@ -27,8 +27,8 @@ class Status(StrEnum):
     FAIL = "fail"
 
 
-class Kind(StrEnum):
-    """Which part of an answer a finding is about."""
+class Part(StrEnum):
+    """The part of an answer that a finding is about."""
 
     OUTCOME = "outcome"
     CONTROLS = "controls"
@@ -59,7 +59,7 @@ class Finding:
     command: str = ""
     traceback: str = ""
     count: int = 1
-    kind: Kind | None = None
+    kind: Part | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +103,7 @@ class ConformanceReport:
             crashed or hung.
         seconds: how long that took.
         worst_gap: of the paths that are longer than the shortest, the largest gap; None without.
+        claimed: how many of its answers claim a path, or that there is none.
     """
 
     solver: str
@@ -110,6 +111,7 @@ class ConformanceReport:
     answers: dict[str, int]
     seconds: float
     worst_gap: float | None = None
+    claimed: int = 0
 
     @property
     def passed(self) -> bool:
@@ -144,6 +146,7 @@ class ConformanceReport:
             "counts": {status: len(self.with_status(status)) for status in reversed(Status)},
             "answers": self.answers,
             "worst_gap": self.worst_gap,
+            "claimed": self.claimed,
             "seconds": round(self.seconds, 3),
             "checks": checks,
         }
@@ -214,21 +217,21 @@ def _wrapped(text: str, width: int, hanging: str = "") -> str:
     )
 
 
-def _verdict(report: ConformanceReport) -> tuple[str, str]:
+def _verdict(report: ConformanceReport) -> Iterator[str]:
     """Whether the report passed and how many checks ended how; and so the answers."""
-    counts = ", ".join(
-        f"{len(results)} {name}"
+    counts = [
+        f"{len(report.with_status(status))} {name}"
         for status, (_, name) in _STATUS_TEXTS.items()
-        if (results := report.with_status(status))
-    )
-    ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
-    asked, longer = f"{sum(report.answers.values())} questions", ""
+        if report.with_status(status)
+    ]
+    total = sum(report.answers.values())
+    longer = ""
     if report.worst_gap is not None:
-        shares = (
-            f"{report.answers[Verdict.LONGER]} of {asked}, worst {100 * report.worst_gap:.3g} %"
-        )
-        longer = f"; paths longer than the shortest on {shares}"
-    return (
-        f"{'passed' if report.passed else 'FAILED'}: {counts}{longer}",
-        f"{asked} in {report.seconds:.1f} s" + (f": {ended}" if ended else ""),
-    )
+        worst = f"{100 * report.worst_gap:.3g} %"
+        number = report.answers[Verdict.LONGER]
+        longer = f"; paths longer than the shortest on {number} of {total} questions, worst {worst}"
+    yield f"{'passed' if report.passed else 'FAILED'}: {', '.join(counts)}{longer}"
+    ended = ", ".join(f"{count} {name}" for name, count in report.answers.items() if count)
+    yield f"{total} questions in {report.seconds:.1f} s" + (f": {ended}" if ended else "")
+    if total and not report.claimed:
+        yield "It claims nothing of any answer: no check can find a claim of its false."

@@ -20,8 +20,9 @@ from dubins_study.study.scenario import Scenario
 from dubins_study.study.values import did_you_mean
 
 MODELS = ("paper", "disjunctive")
-FORMATS = ("nl", "mod", "gams")
-ORDERS = ("LRS", "RLS")
+FORMATS = {"paper": ("nl", "mod", "gams"), "disjunctive": ("nl", "gams")}
+# the disjunctive model has both orders in it
+ORDERS = {"paper": ("LRS", "RLS"), "disjunctive": ("LRS",)}
 
 
 class ExportError(DubinsStudyError, ValueError):
@@ -35,18 +36,9 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
     straight; `disjunctive` the choice among LS, RS, LR and RL in z[1], z[2], z[3] (left, right,
     straight), cosines, sines and a binary a word. `nl` has no names: its first line tells them.
     """
-    for name, value, choices in (
-        ("model", model, MODELS),
-        ("format", format, FORMATS),
-        ("order", order, ORDERS),
-    ):
-        if value not in choices:
-            near = did_you_mean(value, choices)
-            raise ExportError(f"{name} is {value!r}; {near}expected one of: {', '.join(choices)}")
-    if model == "disjunctive" and format == "mod":
-        raise ExportError("format is 'mod'; expected nl or gams for the disjunctive model")
-    if model == "disjunctive" and order != "LRS":
-        raise ExportError(f"order is {order!r}; the disjunctive model has both orders in it")
+    _check("model", model, MODELS)
+    _check("format", format, FORMATS[model])
+    _check("order", order, ORDERS[model])
     if not scenario.one_free_leg:
         raise ExportError("the scenario has via points or a final heading; expected neither")
     if format == "mod":
@@ -56,6 +48,12 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
     else:
         program, title = _disjunctive(scenario), "disjunctive model, unit radius, vehicle's frame"
     return _nl(program, title) if format == "nl" else _gams(program, title)
+
+
+def _check(name: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        near = did_you_mean(value, choices)
+        raise ExportError(f"{name} is {value!r}; {near}expected one of: {', '.join(choices)}")
 
 
 def _guess(scenario: Scenario, order: str) -> tuple[float, ...]:

@@ -237,8 +237,7 @@ class FrameSolution:
                 values[name] = real_array(name, values[name], (n,))
         if not isinstance(self.claim, Claim):
             codes = np.asarray(self.claim)
-            known = codes.dtype.kind in "iu" and codes.min(initial=0) >= 0
-            if not known or codes.max(initial=0) >= len(CLAIMS):
+            if codes.dtype.kind not in "iu" or not ((codes >= 0) & (codes < len(CLAIMS))).all():
                 raise TypeError("claim is neither a Claim nor indices into CLAIMS")
             if codes.shape != (n,):
                 raise TypeError(f"claim has shape {codes.shape}; expected {(n,)}")
@@ -247,11 +246,8 @@ class FrameSolution:
             raise TypeError(f"native_status is {short(self.native_status)}; expected a text")
         if isinstance(self.message, str):
             return
-        if len(self.message) != n:
-            raise TypeError(f"there are {len(self.message)} messages; expected 1 or {n}")
-        for row, message in enumerate(self.message):
-            if not isinstance(message, str):
-                raise TypeError(f"row {row}: message is {short(message)}; expected a text")
+        if len(self.message) != n or not all(isinstance(each, str) for each in self.message):
+            raise TypeError(f"message is {short(self.message)}; expected a text, or {n} texts")
 
 
 class Solver:

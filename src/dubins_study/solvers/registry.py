@@ -104,12 +104,16 @@ def _entry(name: str) -> Entry:
     )
 
 
+# begins the reason of a solver that does not say whether it is available
+UNKNOWN = "asking whether it is available raised"
+
+
 def unavailable(solver: Solver) -> str | None:
     """Why a solver cannot run here, or None; one whose `unavailable` raises cannot."""
     try:
         return solver.unavailable()
     except (Exception, SystemExit) as error:  # a plug-in may fail in any way; it is a reason
-        return f"asking whether it is available raised {type(error).__name__}: {error}"
+        return f"{UNKNOWN} {type(error).__name__}: {error}"
 
 
 def reported_versions(solver: Solver) -> dict[str, str]:
@@ -203,14 +207,6 @@ def _kind(name: str) -> type[Solver]:
     return _checked(name, kind)
 
 
-def _told(error: BaseException) -> str:
-    """An exception in a line; of a syntax error the file, the line and the caret below it."""
-    if not isinstance(error, SyntaxError):
-        return repr(error)
-    place = format_exception_only(error)[:-1]
-    return f"SyntaxError: {error.msg}\n{''.join(place).rstrip()}"
-
-
 @cache
 def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
     file, class_name = plugin
@@ -228,28 +224,13 @@ def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
-        hint = _hint_of_a_neighbour(path, error)
-        raise SolverError(f"solver {name!r}: {file} fails: {_told(error)}{hint}") from error
+        said = "".join(format_exception_only(error)).strip()  # of a syntax error several lines
+        raise SolverError(f"solver {name!r}: {file} fails: {said}") from error
     if not hasattr(module, class_name):
         solvers = [key for key, value in vars(module).items() if _is_solver(value)]
-        has = f"it has: {', '.join(solvers)}" if solvers else "no class of it extends Solver"
-        near = did_you_mean(class_name, vars(module))
-        raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}; {near}{has}")
+        has = ", ".join(solvers) or "no class that extends Solver"
+        raise SolverError(f"solver {name!r}: {file} has no class {class_name!r}; it has: {has}")
     return _checked(name, getattr(module, class_name))
-
-
-def _hint_of_a_neighbour(path: FilePath, error: BaseException) -> str:
-    """What to do if a plug-in's file imports one that lies beside it; empty if it does not."""
-    missing = (getattr(error, "name", None) or "").partition(".")[0]
-    beside = missing and (
-        path.with_name(f"{missing}.py").is_file() or (path.parent / missing).is_dir()
-    )
-    if not (isinstance(error, ModuleNotFoundError) and beside):
-        return ""
-    return (
-        f"; a solver's file is loaded alone, so that it does not find {missing} beside it: make "
-        "them a package and install it"
-    )
 
 
 def _is_solver(value: object) -> TypeGuard[type[Solver]]:
@@ -257,28 +238,38 @@ def _is_solver(value: object) -> TypeGuard[type[Solver]]:
     return isinstance(value, type) and issubclass(value, Solver) and value is not Solver
 
 
+def _are_texts(value: Any) -> bool:
+    return isinstance(value, tuple) and all(isinstance(text, str) for text in value)
+
+
+def _are_needs(value: Any) -> bool:
+    return isinstance(value, frozenset) and value <= set(NEEDS)
+
+
+def _are_profiles(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(each, dict) for each in value.values())
+
+
+# attribute of a class -> whether its value is one, and what is expected
+_DECLARED = {
+    "branches": (_are_texts, "texts, a tuple"),
+    "packages": (_are_texts, "texts, a tuple"),
+    "takes": (_are_needs, f"a frozenset of: {', '.join(NEEDS)}"),
+    "profiles": (_are_profiles, "a dict of dicts"),
+}
+
+
 def _checked(name: str, kind: Any) -> type[Solver]:
     """The class, if it extends `Solver` as its docstring says."""
-    if not _is_solver(kind):
+    if not _is_solver(kind) or not kind.name or kind.solve is Solver.solve:
         raise SolverError(
-            f"solver {name!r} does not extend dubins_study.Solver; expected a frozen dataclass "
-            "class Name(Solver) with a name and solve(question, limit)"
+            f"solver {name!r} is no solver; expected a frozen dataclass class Name(Solver) that "
+            "extends dubins_study.Solver, with a name and solve(question, limit)"
         )
-    for attribute, given in (("name", kind.name), ("solve", kind.solve is not Solver.solve)):
-        if not given:
-            raise SolverError(
-                f"solver {name!r} has no {attribute!r}; expected a name and solve(question, limit)"
-            )
-    for attribute, texts in (("branches", kind.branches), ("packages", kind.packages)):
-        if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
-            raise SolverError(f"solver {name!r}: {attribute} is {texts!r}; expected texts, a tuple")
-    takes: Any = kind.takes
-    if not isinstance(takes, frozenset) or not takes <= set(NEEDS):
-        known = ", ".join(NEEDS)
-        raise SolverError(f"solver {name!r}: takes is {takes!r}; expected a frozenset of: {known}")
-    profiles = kind.profiles
-    if not isinstance(profiles, dict) or not all(isinstance(p, dict) for p in profiles.values()):
-        raise SolverError(f"solver {name!r}: profiles is {profiles!r}; expected a dict of dicts")
+    for attribute, (holds, expected) in _DECLARED.items():
+        value = getattr(kind, attribute)
+        if not holds(value):
+            raise SolverError(f"solver {name!r}: {attribute} is {value!r}; expected {expected}")
     return kind
 
 

@@ -269,7 +269,7 @@ def test_the_papers_claim_is_false_in_the_discs():
     report = checked(Confident)
 
     assert failed(report) == {"discs", "circles"}, report
-    assert "27.4 % longer than the shortest one (RS instead of RL)" in text(report, "discs")
+    assert "its path, RS, is 27.4 % longer than the shortest, RL" in text(report, "discs")
     assert "claim LOCAL unless the method proves" in text(report, "discs")
 
 
@@ -429,8 +429,8 @@ def test_the_spec_of_a_class():
     class Hidden(Right):
         pass
 
-    with pytest.raises(ConformanceError, match="not at the top of a file"):
-        check_solver(Hidden)
+    with pytest.raises(SolverError, match="has no class 'Hidden'"):
+        check_solver(Hidden, isolated=False)
     assert check_solver(Analytic, checks=["loading"], isolated=False).solver == "analytic"
 
 
@@ -521,6 +521,9 @@ def test_a_solver_without_a_path_passes_no_check_of_paths():
     assert report["controls"].summary == "it returned no path"
     assert report["symmetries"].status is Status.NOTE
     assert {one.name for one in report.with_status(Status.PASS)} == {"outcome", "loading"}, report
+    assert "It claims nothing of any answer" in str(report)
+    assert report.to_dict()["claimed"] == 0
+    assert "claims nothing" not in str(checked(Right, ["claims"]))
 
 
 @pytest.mark.parametrize("kind", [Raising, Confident, Misled, Bounding])
@@ -579,8 +582,8 @@ def test_only_what_a_solver_takes_is_asked():
     assert report.passed, report
     assert sum(report.answers.values()) == report.answers["optimal"] == len(OF_KIND["pose"]) + 9
     assert report["poses"].summary == f"{len(OF_KIND['pose'])} questions"
-    assert report["controls"].summary == "the solver does not take `free final heading`"
-    assert report["routes"].summary == "the solver does not take `via points`"
+    assert report["controls"].summary == "the solver takes only final heading"
+    assert report["routes"].summary == "the solver takes only final heading"
     assert report["limits"].status is report["determinism"].status is Status.PASS
 
 

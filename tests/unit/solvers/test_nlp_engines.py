@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
-from dubins_study.solvers.nlp_engines.expressions import rebuilt
+from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.one_leg.model import SUBPROBLEMS, Case, case_of
 from dubins_study.solvers.paper_nlp.case_program import program, solve
@@ -200,19 +200,6 @@ def every_operation(p=(0.7, 1.3)):
     return Program(Expressions(x, q, f, g), np.array(p), np.full(3, 0.1), np.full(3, 5.0))
 
 
-@given(st.lists(st.floats(0.1, 5.0), min_size=3, max_size=3))
-def test_with_numbers_the_walk_is_casadis_evaluation(x):
-    """The same operations in the same order; libm's functions may differ in the last digit."""
-    posed = every_operation()
-    functions = posed.expressions.functions(posed.p)
-
-    objective, equations = rebuilt(posed, x)
-
-    assert objective == pytest.approx(functions.objective(np.array(x)), rel=1e-14, abs=1e-14)
-    # sums of a few terms, the largest of them 5^5
-    assert equations == pytest.approx(functions.equations(np.array(x)), rel=1e-13, abs=1e-14)
-
-
 @pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
 def test_the_objective_has_its_weight_in_the_hessian(weight):
     """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
@@ -230,26 +217,9 @@ def test_the_objective_has_its_weight_in_the_hessian(weight):
     np.testing.assert_allclose(lower, np.tril(bend), atol=1e-6)
 
 
-def test_parameters_become_constants():
-    """Another value of the parameters gives other equations, from the same expressions."""
-    sides = [rebuilt(every_operation(p), [0.4, 1.1, 2.3])[1][0] for p in ((0.7, 1.3), (0.0, 0.0))]
-
-    turn = math.sin(0.4 - 1.1) * 0.7 - math.cos(0.4) * math.sin(1.3)
-    assert sides == pytest.approx([turn, 0.0], abs=1e-15)
-
-
 def test_an_operation_that_is_not_known_is_named():
-    """Neither by the walk, nor by the interface whose functions are taken."""
     x, bound = casadi.SX.sym("x"), np.ones(1)
-    steps, waves = (
-        Program(Expressions(x, casadi.SX.sym("p", 0), f, x), np.zeros(0), -bound, bound)
-        for f in (casadi.floor(x), casadi.sin(x))
-    )
-
-    class Algebra:
-        """An interface without sines, and its variable."""
+    expressions = Expressions(x, casadi.SX.sym("p", 0), casadi.floor(x), x)
 
     with pytest.raises(KeyError, match="OP_FLOOR"):
-        rebuilt(steps, [0.5])
-    with pytest.raises(AttributeError, match="'Algebra' object has no attribute 'sin'"):
-        rebuilt(waves, [Algebra()], Algebra())
+        algebra_text(Program(expressions, np.zeros(0), -bound, bound))

@@ -271,10 +271,12 @@ def test_text_means_what_the_expressions_mean(monkeypatch):
     """Python reads the text too; two values of the parameters, long expressions cut in pieces."""
     x, p = casadi.SX.sym("x", 3), casadi.SX.sym("p", 2)
     f = casadi.sin(x[0]) ** 2 - x[1] / p[0] + casadi.sqrt(x[2]) * casadi.exp(-x[0])
+    f += x[2] ** 1.5 + casadi.log(x[2]) + 1 / x[0] + x[0] ** x[2] + 2 * casadi.tan(p[0])
+    f += casadi.atan(x[1]) - casadi.asin(0.1 * x[2]) * casadi.acos(x[0])
     g = casadi.vertcat(p[1] - x[0] * casadi.cos(x[1] - x[2]), (x[0] - 2) ** 3 - 1e-7 * x[2])
     bound = np.full(3, math.inf)
     point = np.array([0.3, -1.7, 2.5])
-    scope = {name: getattr(math, name) for name in ("sin", "cos", "sqrt", "exp", "log")}
+    scope = dict(vars(math))
     scope["x"] = dict(enumerate(point.tolist(), 1))
 
     for longest in (10, 10_000):

@@ -12,7 +12,15 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix, diags_array, eye_array, hstack, triu, vstack
+from scipy.sparse import (
+    block_array,
+    coo_matrix,
+    csc_matrix,
+    diags_array,
+    eye_array,
+    triu,
+    vstack,
+)
 
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
@@ -80,7 +88,7 @@ def conic(problem: Problem) -> Conic:
         y[lower] -= parts[2]
         return Point(x, y, parts[3] - parts[4], parts[5])
 
-    P = csc_matrix(diags_array(problem.p))
+    P = _quadratic(problem)
     b = np.concatenate((*ends, problem.d))
     return Conic(P, csc_matrix(vstack(A)), b, sizes[0], sum(sizes[1:5]), back)
 
@@ -90,6 +98,10 @@ def _set(settings: Any, options: dict[str, Any]) -> Any:
     for name, value in options.items():
         setattr(settings, name, value)
     return settings
+
+
+def _quadratic(problem: Problem) -> Any:
+    return csc_matrix(diags_array(problem.p))
 
 
 def _boxed(problem: Problem) -> tuple[Any, FloatArray, FloatArray]:
@@ -120,8 +132,9 @@ def piqp(problem: Problem) -> Prepared:
     import piqp as library
 
     equal, rows = problem.equal, ~problem.equal
-    matrices = diags_array(problem.p), problem.A[equal], problem.A[rows]
-    P, A, G = (csc_matrix(each) for each in matrices)
+    P = _quadratic(problem)
+    A = csc_matrix(problem.A[equal])
+    G = csc_matrix(problem.A[rows])
 
     def solve(options: dict[str, Any]) -> Ended:
         solver = library.SparseSolver()
@@ -155,7 +168,7 @@ def clarabel(problem: Problem) -> Prepared:
 def osqp(problem: Problem) -> Prepared:
     import osqp as library
 
-    P, box = csc_matrix(diags_array(problem.p)), _boxed(problem)
+    P, box = _quadratic(problem), _boxed(problem)
 
     def solve(options: dict[str, Any]) -> Ended:
         solver = library.OSQP()
@@ -190,7 +203,7 @@ def highs(problem: Problem) -> Prepared:
     lp.row_lower_, lp.row_upper_ = problem.l, problem.u
     lp.a_matrix_.format_ = library.MatrixFormat.kColwise
     lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = A.indptr, A.indices, A.data
-    P = csc_matrix(diags_array(problem.p))
+    P = _quadratic(problem)
     hessian.dim_, hessian.format_ = problem.q.size, library.HessianFormat.kTriangular
     hessian.start_, hessian.index_, hessian.value_ = P.indptr, P.indices, P.data
 
@@ -215,7 +228,7 @@ def proxqp(problem: Problem) -> Prepared:
     from proxsuite import proxqp as library
 
     equal, n = problem.equal, problem.q.size
-    P, A = csc_matrix(diags_array(problem.p)), csc_matrix(problem.A[equal])
+    P, A = _quadratic(problem), csc_matrix(problem.A[equal])
     C = csc_matrix(vstack((problem.A[~equal], eye_array(n))))
     low = np.concatenate((problem.l[~equal], problem.lb))
     high = np.concatenate((problem.u[~equal], problem.ub))
@@ -253,19 +266,22 @@ def ecos(problem: Problem) -> Prepared:
     """The quadratic term becomes a cone: sum p x^2 <= 2 v, with v in its place in the objective."""
     import ecos as library
 
-    form, n, some = conic(problem), problem.q.size, np.flatnonzero(problem.p)
+    form = conic(problem)
+    zeros = form.zeros
+    some = np.flatnonzero(problem.p)
     scaled = coo_matrix(
-        (-2 * np.sqrt(problem.p[some]), (np.arange(some.size), some)), shape=(some.size, n)
+        (-2 * np.sqrt(problem.p[some]), (np.arange(some.size), some)),
+        shape=(some.size, problem.q.size),
     )
-    v = coo_matrix(([-2.0, -2.0], ([0, 1], [0, 0])), shape=(2 + some.size, 1))
-    quadratic = hstack((vstack((coo_matrix((2, n)), scaled)), v))
-    column = coo_matrix((form.A.shape[0], 1))
-    rows = csc_matrix(vstack((hstack((form.A, column)), quadratic)))
+    of_v = np.full((2, 1), -2.0)
+    rows = csc_matrix(block_array([[form.A, None], [None, of_v], [scaled, None]]))
     ends = np.concatenate((form.b, [1.0, -1.0], np.zeros(some.size)))
     sizes = [*problem.cones.tolist(), 2 + some.size]
-    dims, zeros = {"l": form.positive, "q": sizes, "e": 0}, form.zeros
+    dims = {"l": form.positive, "q": sizes, "e": 0}
     equations = (csc_matrix(rows[:zeros]), ends[:zeros]) if zeros else (None, None)
-    G, h, cost = csc_matrix(rows[zeros:]), ends[zeros:], np.append(problem.q, 1.0)
+    G = csc_matrix(rows[zeros:])
+    h = ends[zeros:]
+    cost = np.append(problem.q, 1.0)
 
     def solve(options: dict[str, Any]) -> Ended:
         result = library.solve(cost, G, h, dims, *equations, verbose=False, **options)
@@ -299,24 +315,21 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
     """The problem stated in cvxpy, as a function that compiles and solves it."""
     import cvxpy as cp
 
-    x, equal = cp.Variable(problem.q.size), problem.equal
-    upper, lower = ~equal & np.isfinite(problem.u), ~equal & np.isfinite(problem.l)
-    A, inside = problem.A, problem.C @ x + problem.d
+    form = conic(problem)
+    x = cp.Variable(problem.q.size)
+    flat = form.zeros + form.positive
     rows = [
-        A[equal] @ x == problem.u[equal],
-        A[upper] @ x <= problem.u[upper],
-        A[lower] @ x >= problem.l[lower],
-        x <= problem.ub,
-        x >= problem.lb,
+        form.A[: form.zeros] @ x == form.b[: form.zeros],
+        form.A[form.zeros : flat] @ x <= form.b[form.zeros : flat],
     ]
-    firsts = (np.cumsum(problem.cones) - problem.cones).tolist()
-    cones = [
-        cp.SOC(inside[first], inside[first + 1 : first + size])
-        for first, size in zip(firsts, problem.cones.tolist(), strict=True)
-    ]
-    P = cp.psd_wrap(csc_matrix(diags_array(problem.p)))
-    stated = cp.Problem(cp.Minimize(cp.quad_form(x, P) / 2 + problem.q @ x), [*rows, *cones])
-    back = conic(problem).back  # its rows are those of cvxpy's
+    inside = problem.C @ x + problem.d
+    cones = []
+    first = 0
+    for size in problem.cones.tolist():
+        cones.append(cp.SOC(inside[first], inside[first + 1 : first + size]))
+        first += size
+    length = cp.quad_form(x, cp.psd_wrap(form.P)) / 2 + problem.q @ x
+    stated = cp.Problem(cp.Minimize(length), [*rows, *cones])
 
     def solve(options: dict[str, Any]) -> Ended:
         """As `stated.solve`, which does not tell the engine's own status."""
@@ -333,7 +346,7 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
             return Ended(result)
         duals = [row.dual_value for row in rows]
         duals += [part for cone in cones for part in cone.dual_value]
-        point = back(x.value, np.concatenate([np.ravel(part) for part in duals]))
+        point = form.back(x.value, np.concatenate([np.ravel(part) for part in duals]))
         return Ended(result, point, stated.solver_stats.num_iters)
 
     return solve

@@ -153,6 +153,8 @@ class Disjunctive(EngineSolver):
             feastol *= _LOOSER
             runs.append(self._run(model, feastol, until - perf_counter()))
         solution = self._answer(model, runs[-1], feastol)
+        if not (np.hypot(*model.course.steps.T) <= _PROVABLE).all():
+            solution = _unproven(solution)
         return replace(
             solution,
             efforts=summed(run.effort for run in runs),
@@ -172,11 +174,10 @@ class Disjunctive(EngineSolver):
         scenario = model.question.scenario
         # Node bounds come from linear programs solved to the tolerance, not exactly.
         bound = max(0.0, run.bound - feastol * (1 + abs(run.bound)))
-        provable = _provable(model.course)
         known = Solution(
             # only `_claim` makes the claim that a path is optimal
             Claim.FEASIBLE if run.claim is Claim.OPTIMAL else run.claim,
-            lower_bound=bound * scenario.radius if provable else None,
+            lower_bound=bound * scenario.radius,
             iterations=run.result.iterations,
             native_status=run.result.status,
             message=run.result.message,
@@ -185,7 +186,7 @@ class Disjunctive(EngineSolver):
             return _without_a_path(model, known)
         words, met = _met(model, run.point)
         stopped = run.claim is Claim.LIMIT
-        claim, message = self._claim(model.course, stopped, feastol, bound, met)
+        claim, message = self._claim(stopped, feastol, bound, met)
         return replace(
             known,
             claim=claim,
@@ -194,9 +195,7 @@ class Disjunctive(EngineSolver):
             message=f"{words}: {message}",
         )
 
-    def _claim(
-        self, course: Course, stopped: bool, feastol: float, bound: float, met: Met
-    ) -> tuple[Claim, str]:
+    def _claim(self, stopped: bool, feastol: float, bound: float, met: Met) -> tuple[Claim, str]:
         """The claim for a polished path, and why; the engine's is for its own point only."""
         if not met.meets:
             close = met.miss <= _SLACK * feastol
@@ -204,15 +203,20 @@ class Disjunctive(EngineSolver):
             return (Claim.FEASIBLE, message) if close else (Claim.FAILED, message)
         gap = (met.length - bound) / max(met.length, 1.0)
         message = f"within {gap:.1e} of the bound"
-        if gap <= self.gap and not _provable(course):
-            return Claim.FEASIBLE, f"{message}, which proves nothing beyond {_PROVABLE:g} radii"
         if gap <= self.gap:
             return Claim.OPTIMAL, message
         return (Claim.LIMIT if stopped else Claim.FEASIBLE), message
 
 
-def _provable(course: Course) -> bool:
-    return bool((np.hypot(*course.steps.T) <= _PROVABLE).all())
+def _unproven(solution: Solution) -> Solution:
+    """A solution to a question whose points are too far apart for the engine's tolerances."""
+    weaker = {Claim.OPTIMAL: Claim.FEASIBLE, Claim.INFEASIBLE: Claim.FAILED}
+    return replace(
+        solution,
+        claim=weaker.get(solution.claim, solution.claim),
+        lower_bound=None,
+        message=f"{solution.message}, which proves nothing beyond {_PROVABLE:g} radii",
+    )
 
 
 def _point(model: PosedDisjunction, x: FloatArray) -> Point:
@@ -258,10 +262,6 @@ def _without_a_path(model: PosedDisjunction, known: Solution) -> Solution:
     question = model.question
     if known.claim is not Claim.INFEASIBLE:
         return known
-    if not _provable(model.course):
-        # the engine's tolerances are wider than what tells the words apart
-        message = f"infeasible, which proves nothing beyond {_PROVABLE:g} radii"
-        return replace(known, claim=Claim.FAILED, lower_bound=None, message=message)
     if question.branch == "best":
         # Some word reaches every target, so the engine has cut it off.
         return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.course import Course
-from dubins_study.solvers.minlp_engines.mixed_program import MixedProgram, Row, Written
+from dubins_study.solvers.minlp_engines.mixed_program import Functions, MixedProgram, Row, Written
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
@@ -206,7 +206,9 @@ def translated(model: Any) -> Translated:
     place = {key: n for n, key in enumerate(variables)}
     bounds = [(v.value, v.value) if v.fixed else _limits(v.lb, v.ub) for v in variables.values()]
 
-    def write(x: Sequence[Any], functions: Any) -> Written:
+    def write(x: Sequence[Any], interface: Any) -> Written:
+        functions = Functions(interface)
+
         def expression(node: Any) -> Any:
             return rebuilt(node, lambda variable: x[place[id(variable)]], functions)
 
@@ -223,7 +225,7 @@ def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:
     return -math.inf if lower is None else lower, math.inf if upper is None else upper
 
 
-def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Any) -> Any:
+def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Functions) -> Any:
     """A Pyomo expression with the counterparts of its variables, `sin`, `cos`, ... elsewhere."""
     if isinstance(node, (int, float)):
         return node
@@ -235,5 +237,4 @@ def rebuilt(node: Any, variable: Callable[[Any], Any], functions: Any) -> Any:
     if type(node).__name__ != "UnaryFunctionExpression":
         # Pyomo's sums, products and powers are Python's operators
         return node._apply_operation(operands)
-    numbers = all(isinstance(operand, (int, float)) for operand in operands)
-    return getattr(math if numbers else functions, node.name)(*operands)
+    return getattr(functions, node.name)(*operands)

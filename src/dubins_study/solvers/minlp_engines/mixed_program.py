@@ -18,6 +18,20 @@ from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.words import Claim
 
 
+class Functions:
+    """The functions of an engine's interface, under the names of `math`; numbers are computed."""
+
+    def __init__(self, interface: Any) -> None:
+        self._interface = interface
+
+    def __getattr__(self, name: str) -> Callable[[Any], Any]:
+        def function(x: Any) -> Any:
+            place = math if isinstance(x, (int, float)) else self._interface
+            return getattr(place, name)(x)
+
+        return function
+
+
 class Row(NamedTuple):
     """lower <= body <= upper, in an engine's expressions; bounds may be equal, or infinite."""
 
@@ -45,8 +59,7 @@ class Written(NamedTuple):
 class MixedProgram:
     """min f(x) subject to rows and bounds of x, shape (n,), maybe infinite; some x are binary.
 
-    `write` takes the engine's n variables, and where it keeps `sin`, `cos`, ...; functions of
-    numbers are computed.
+    `write` takes the engine's n variables, and where its interface keeps `sin`, `cos`, ...
     """
 
     lower: FloatArray
