@@ -1,11 +1,7 @@
-"""Targets next to a turning circle: the ladder toward it, and the warning of shorter paths."""
+"""Targets next to a turning circle: the ladder toward it."""
 
 import math
 
-import pytest
-
-from dubins_study.report.statistics.methods import compared
-from dubins_study.report.topics.caution import shorter_paths
 from dubins_study.report.topics.ladder import SIDES, down_to, ladder, ladder_section, rungs
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
@@ -90,22 +86,3 @@ def test_the_section_says_what_the_rows_say(load_rows):
     assert "a full turn: 1 answer by a miss of at most 1.0e−8 R." in text
     assert "Of all 24 claims 0 are false." in text
     assert "no solver trades a miss for the short path" in level
-
-
-def test_a_path_that_stops_on_the_circle_is_named(load_rows):
-    """One radian of the circle misses by less than arriving allows, and is right; the path to the
-    target turns right first, is several radii long, and needs no warning."""
-    inside = target(1.0, -9e-7)
-    shortest_paths = [row(where, "slsqp") for where in (inside, Scenario(target_x=4, target_y=1))]
-    stopped = row(inside, "slsqp", along(inside, 1.0))
-    caution, none = (
-        shorter_paths(compared(load_rows(name, rows)))
-        for name, rows in (("some", [stopped, shortest_paths[1]]), ("none", shortest_paths))
-    )
-    times = float(caution.sentence.split(" times shorter")[0].split()[-1])
-
-    assert stopped["verdict"] == "optimal"
-    assert caution.estimate.value == 1
-    assert "1 right answer at 1 scenario next to" in caution.sentence
-    assert times == pytest.approx(shortest_path(inside).length, rel=0.05)  # two digits are shown
-    assert none is None

@@ -101,12 +101,9 @@ class Evidence:
     @cached_property
     def rates(self) -> pd.DataFrame:
         """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
-        return self.shares(self.compared.answerable["right"])
-
-    def shares(self, holds: pd.Series[bool]) -> pd.DataFrame:
-        """Share of repeats of which something holds, as `rates`."""
         rows = self.compared.answerable
-        return holds.astype(float).groupby([rows["question"], rows["solver"]]).mean().unstack()
+        right = rows["right"].astype(float)
+        return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
@@ -183,15 +180,12 @@ class Evidence:
         frame = bootstrap_of_both(self.compared.by_scenario(known), engines, of)
         return estimate_of(frame, len(known))
 
-    def share_of(self, rates: pd.Series[float], of: int = 1) -> Estimate | None:
-        """The mean of rates in per cent, with Wilson's interval for as many trials as questions.
-
-        If it is the most extreme of several, the interval is that of all at once.
-        """
+    def share_of(self, rates: pd.Series[float]) -> Estimate | None:
+        """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None
-        return chosen_share(float(known.mean()), len(known), of)
+        return chosen_share(float(known.mean()), len(known), 1)
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
         """Median time of a solver over that of another, where both are right.
