@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import bdtr, ndtr
+from scipy.special import bdtr
 
 from dubins_study.study.arrays import FloatArray
 
@@ -254,10 +254,6 @@ def _quantiles(statistics: FloatArray, q: float, rounding: np.ufunc) -> FloatArr
 # Two ratios of costs are tied if their logarithms agree to this many decimals: far finer than any
 # timer, and coarser than the rounding of logarithms.
 _TIE_DECIMALS = 12
-# Up to this many pairs the signed rank test is exact, as in scipy, but with ties as well: there
-# scipy writes out all sign patterns, a tenth of a second for 13 pairs. 2^50 patterns are counted
-# exactly.
-_EXACT_PAIRS = 50
 
 
 class PairedTest(NamedTuple):
@@ -293,11 +289,11 @@ def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
 
     Ranks the sizes of the logarithms and compares the rank sums of wins and losses, so that a
     tenfold win weighs more than a win by a tenth; a failure has the largest rank. Ties of costs are
-    left out, ties of ranks share their mean. Exact up to 50 pairs, above that normal with the
-    variance corrected for ties, as in `scipy.stats` (Wilcoxon 1945, "Individual comparisons by
-    ranking methods", Biometrics Bull. 1; recommended for two methods on many data sets by Demsar
-    2006, J. Mach. Learn. Res. 7, sec. 3.1.3). It assumes that without a difference the logarithms
-    are symmetric about 0; the sign test does not.
+    left out, ties of ranks share their mean. Exact for few pairs and else normal, as
+    `scipy.stats.wilcoxon` decides (Wilcoxon 1945, "Individual comparisons by ranking methods",
+    Biometrics Bull. 1; recommended for two methods on many data sets by Demsar 2006, J. Mach.
+    Learn. Res. 7, sec. 3.1.3). It assumes that without a difference the logarithms are symmetric
+    about 0; the sign test does not.
     """
     mine, rival = _known(costs, rival_costs)
     decided = mine != rival
@@ -307,9 +303,12 @@ def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
     largest = (finite.max() if finite.size else 0.0) + 1.0
     logs = np.clip(logs, -largest, largest)
     logs = logs[logs != 0]
-    ranks = np.asarray(pd.Series(np.abs(logs)).rank(), dtype=np.float64)  # ties share their mean
-    p = _exact_p(ranks, logs > 0) if logs.size <= _EXACT_PAIRS else _normal_p(ranks, logs > 0)
-    return PairedTest(*_counts(mine, rival), p)
+    if not logs.size:
+        return PairedTest(*_counts(mine, rival), 1.0)
+    # it takes a second to load
+    from scipy.stats import wilcoxon
+
+    return PairedTest(*_counts(mine, rival), float(wilcoxon(logs).pvalue))
 
 
 def _known(costs: ArrayLike, rival_costs: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -323,33 +322,6 @@ def _counts(mine: FloatArray, rival: FloatArray) -> tuple[int, int, int, int]:
     """Pairs, wins, losses, ties."""
     wins, losses = int(np.sum(mine < rival)), int(np.sum(mine > rival))
     return mine.size, wins, losses, mine.size - wins - losses
-
-
-def _exact_p(ranks: FloatArray, positive: np.ndarray) -> float:
-    """The share of sign patterns whose rank sum is as far from its mean, on either side.
-
-    Patterns are counted by their sum of doubled ranks, which are whole numbers with ties too:
-    adding a rank to the patterns so far shifts their counts by it.
-    """
-    doubled = np.rint(2 * ranks).astype(np.intp)
-    total, reached = int(doubled.sum()), int(doubled[positive].sum())
-    patterns = np.zeros(total + 1)
-    patterns[0] = 1.0
-    for rank in doubled:
-        patterns[rank:] = patterns[rank:] + patterns[:-rank]
-    tail = patterns[: min(reached, total - reached) + 1].sum() / 2.0**ranks.size
-    return min(1.0, 2 * float(tail))
-
-
-def _normal_p(ranks: FloatArray, positive: np.ndarray) -> float:
-    """The same share for many pairs, whose rank sum is nearly normal.
-
-    With random signs the sum of the positive ranks has the mean sum(r) / 2 and the variance
-    sum(r^2) / 4; ties are in the ranks already. It is `scipy.stats.wilcoxon` in two lines: to
-    import scipy.stats takes longer than all tests of a report.
-    """
-    off = ranks[positive].sum() - ranks.sum() / 2
-    return 2 * float(ndtr(-abs(off) / np.sqrt((ranks**2).sum() / 4)))
 
 
 def holm(p_values: ArrayLike) -> FloatArray:
