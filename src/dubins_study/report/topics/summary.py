@@ -81,18 +81,6 @@ def best_solvers(results: Results) -> tuple[str, ...]:
     return (*own(summary["solver"]), EXACT, *best_of_formulations(summary))
 
 
-def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
-    """A table of `summary`, with columns before it; columns without any count are left out."""
-    rare = [
-        key
-        for key in ("none exists", PRESOLVED, LATE, UNDECIDED, "not_returned")
-        if not frame[key].any()
-    ]
-    shown = [column for column in _COLUMNS if column.key not in rare]
-    bad = marks(frame, "misses", "none", "false_claims", "not_returned")
-    return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS, dense=True)
-
-
 def summary_section(results: Results) -> Section | None:
     """Verdicts and times where a path exists, solver by solver."""
     attempts = results.attempts
@@ -132,7 +120,14 @@ def summary_section(results: Results) -> Section | None:
         "and judged against the closed form, or the proven bounds of a route.",
     )
     lead = "Look up how one solver did: right, wrong, silent, and in what time."
-    table = summary_table("summary", caption, frame, ())
+    rare = [
+        key
+        for key in ("none exists", PRESOLVED, LATE, UNDECIDED, "not_returned")
+        if not frame[key].any()
+    ]
+    shown = tuple(column for column in _COLUMNS if column.key not in rare)
+    bad = marks(frame, "misses", "none", "false_claims", "not_returned")
+    table = Table("summary", caption, frame, shown, bad, _NUMBERS, dense=True)
     return Section("summary", "Summary", text, (table,), lead)
 
 
