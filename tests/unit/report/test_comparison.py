@@ -13,8 +13,9 @@ from dubins_study.report.topics.comparison import (
     mean_ranks,
     times,
 )
-from dubins_study.report.topics.cost import cost_section, presolve_pairs, shares, split
+from dubins_study.report.topics.cost import cost_section, shares, split
 from dubins_study.report.topics.failures import failures
+from dubins_study.report.topics.findings import presolve_pairs
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario

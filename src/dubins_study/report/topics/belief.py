@@ -23,7 +23,8 @@ from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
 from dubins_study.report.statistics.methods import Compared, compared, once
-from dubins_study.study.scenario_frame import number_text, solve_command
+from dubins_study.report.topics.failures import plainest
+from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Outcome
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
@@ -103,17 +104,12 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     bound); of the example its scenario, lengths, tolerance and command.
     """
     false = rows[rows["proof"].notna()]
-    order = false.assign(
-        # few characters of a round number
-        digits=false[[*SCENARIO]].map(lambda value: len(number_text(value))).sum(axis=1),
-        distance=np.hypot(false["target_x"] - false["x"], false["target_y"] - false["y"])
-        / false["radius"],
-        place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
-    ).sort_values(["place", "digits", "distance"], kind="stable")
-    groups = order.groupby(["solver", "proof"], sort=False)
+    order = plainest(false, ["solver", "proof"])
+    order = order.sort_values("proof", key=lambda proof: proof.map(PROOFS.index), kind="stable")
+    groups = false.groupby(["solver", "proof"])
     kept = [*SCENARIO, *(name for name in ROUTE if name in order), "branch", "profile"]
     kept += ["lower_bound", "length", "reference_high", "tolerance"]
-    frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
+    frame = order[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
     frame = frame.join(counts, on=["solver", "proof"])
@@ -213,11 +209,11 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        "False claims by name, each with its plainest example: the one with the roundest numbers, "
-        "then the nearest target. Above the shortest length by its tolerance: relative to it by at "
-        "most ten times the feasibility that the engine was asked for, which counts as true to its "
-        "tolerance. Lengths in the scenario's unit; the shortest length is the upper end of its "
-        "proven bounds. The command repeats the example."
+        "False claims by name, each with the example of the nearest target. Above the shortest "
+        "length by its tolerance: relative to it by at most ten times the feasibility that the "
+        "engine was asked for, which counts as true to its tolerance. Lengths in the scenario's "
+        "unit; the shortest length is the upper end of its proven bounds. The command repeats the "
+        "example."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, own
+from dubins_study.report.data.attempts import EXACT, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
@@ -20,7 +20,6 @@ from dubins_study.report.elements.identity import (
     best_first,
     interval_column,
     method_table,
-    with_interval,
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import MOST_NAMED, share_curves
@@ -218,7 +217,6 @@ def comparison_section(results: Results) -> Section | None:
     text = sentences(
         f"{count(len(shared))} questions with a path, put to {count(len(shared.columns))} methods; "
         "failures stay in every denominator. The closed form is left out.",
-        _first(ranked),
         f"{count(unranked)} of {count(len(ranked))} methods have no rank: it changes with the "
         "shift or with the penalty for failures."
         if unranked
@@ -233,19 +231,6 @@ def comparison_section(results: Results) -> Section | None:
         "(high at the right)."
     )
     return Section("comparison", "Comparison of methods", text, tuple(blocks), lead)
-
-
-def _first(ranked: pd.DataFrame) -> str:
-    """The method with the least mean; empty of too few questions."""
-    first = ranked.to_dict("records")[0]
-    if first["questions"] < ENOUGH_TO_CHOOSE:
-        return ""
-    mean = with_interval(seconds, first["mean"], first["mean_low"], first["mean_high"])
-    right = with_interval(share, first["right"], first["right_low"], first["right_high"])
-    return (
-        f"The least mean time over {count(first['questions'])} questions has {first['name']}: "
-        f"{mean}, right on {right} of them."
-    )
 
 
 TOPIC = Topic("the comparison of methods", comparison_section, BENCHMARK)

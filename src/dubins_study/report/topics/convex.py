@@ -6,7 +6,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
@@ -18,12 +17,11 @@ from dubins_study.report.elements.style import (
     HALF,
     WIDE,
     Style,
-    duration,
-    log_axis,
     new_figure,
     power,
 )
 from dubins_study.report.statistics.metrics import parse_spec, success
+from dubins_study.report.topics.routes import size_axes
 
 _OWN = "own"
 _METHOD = ["engine", "interface"]
@@ -142,14 +140,7 @@ def plot_times(
             some_ = each[each["right"] == right]
             ax.plot(some_["rates"], some_["wall_s"], **style | {"linestyle": "none"}, mfc=filled)
         lines[engine] = Line2D([], [], label=engine, **style)
-    ax.set_xscale("log")
-    if (sizes["wall_s"] > 0).any():
-        ax.set_yscale("log")
-        log_axis(ax.yaxis, duration)
-    ax.set_xticks(sorted(sizes["rates"].unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda rates, _: f"{rates:g}")
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.tick_params(labelsize=7)
+    size_axes(ax, sizes["rates"], sizes["wall_s"])
     return lines
 
 

@@ -18,7 +18,6 @@ from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.costs import KINDS, split
 from dubins_study.report.statistics.methods import Compared, compared
-from dubins_study.report.statistics.metrics import parse_spec
 
 # The figure: from dark to light with hatches, so that neighbours differ in grey print.
 MARKS = (
@@ -48,30 +47,13 @@ def shares(compared: Compared, parts: pd.DataFrame) -> pd.DataFrame:
     return compared.methods.join(kinds.assign(total=means["total"]), how="inner")
 
 
-def presolve_pairs(methods: pd.DataFrame) -> list[tuple[str, str]]:
-    """(without, with): solvers that differ in the setting `presolve` alone."""
-    alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
-    for spec in methods.index:
-        name, settings = parse_spec(spec)
-        value = settings.pop("presolve", "").lower()
-        alike.setdefault((name, frozenset(settings.items())), {})[value] = spec
-    # a spec that does not name the setting has the other value
-    return [
-        (specs.get("false", specs.get("", "")), specs.get("true", specs.get("", "")))
-        for specs in alike.values()
-        if len(specs) > 1
-    ]
-
-
 def cost_section(results: Results) -> Section | None:
     """What evaluations and seconds go to, against one run of the engine."""
     attempts = compared(results)
     if attempts is None:
         return None
     tables = {amount: shares(attempts, parts) for amount, parts in split(attempts).items()}
-    blocks = tuple(
-        _picture(attempts, table, amount) for amount, table in tables.items() if len(table)
-    )
+    blocks = tuple(_picture(table, amount) for amount, table in tables.items() if len(table))
     if not blocks:
         return None
     text = (
@@ -83,9 +65,9 @@ def cost_section(results: Results) -> Section | None:
     return Section("cost", "Cost where it arises", text, blocks, lead)
 
 
-def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
+def _picture(table: pd.DataFrame, amount: str) -> Picture:
     """The `shares` of the kinds as bars, the mean total beside each."""
-    shown = _bars(table, attempts)
+    shown = _bars(table)
     show, label = {
         "evaluations": (_RATIO, "share of evaluations, right answers"),
         "seconds": (seconds, "share of the time, right answers"),
@@ -101,13 +83,12 @@ def _picture(attempts: Compared, table: pd.DataFrame, amount: str) -> Picture:
     return panels_picture(f"cost-{amount}", caption, stacked_shares, alt, noted, MARKS, label)
 
 
-def _bars(table: pd.DataFrame, attempts: Compared) -> pd.DataFrame:
-    """The methods with more than one run: those with and without the presolve, then the cheapest.
+def _bars(table: pd.DataFrame) -> pd.DataFrame:
+    """The cheapest methods with more than one run; if all have a single run, the cheapest.
 
-    If all have a single run, the cheapest; of each formulation as many as a panel may have.
+    Of each formulation as many as a panel may have.
     """
-    paired = {solver for pair in presolve_pairs(attempts.engines) for solver in pair}
-    order = table.assign(single=~table.index.isin(list(paired))).sort_values(["single", "total"])
+    order = table.sort_values("total")
     several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
     chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
     return table[table.index.isin([*own(table.index), *chosen.index])]

@@ -49,7 +49,7 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
     return pd.Series(kinds, attempts.index)
 
 
-def _plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The first by `_EXAMPLE` of each group of attempts: cold if there is a cold one."""
     warm = attempts["initial_guess"].ne("cold")
     dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
@@ -68,7 +68,7 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     said = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
     failed = failed.assign(message=said.map({text: gist(text) for text in said.unique()}))
     sums = failed.groupby(_SAID, dropna=False).size().rename("attempts").reset_index()
-    joined = sums.merge(_plainest(failed, _SAID), on=_SAID, how="left")
+    joined = sums.merge(plainest(failed, _SAID), on=_SAID, how="left")
     joined["stopped"] = joined["outcome"].isin(STOPPED)
     order = ["stopped", "attempts", *_SAID]
     return joined.sort_values(order, ascending=[False, False] + [True] * len(_SAID))

@@ -16,8 +16,8 @@ from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
 from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
+from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.comparison import evaluations
-from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
     POINTS,
@@ -135,6 +135,21 @@ def _in_pairs(evidence: Evidence, pairs: list[Pair], points: Estimate, sentence:
         )
     asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
     return Finding(sentence, points, POINTS, f"{asked}, in pairs", MATRIX)
+
+
+def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
+    """(without, with): solvers that differ in the setting `presolve` alone."""
+    alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
+    for spec in methods.index:
+        name, settings = parse_spec(spec)
+        value = settings.pop("presolve", "").lower()
+        alike.setdefault((name, frozenset(settings.items())), {})[value] = spec
+    # a spec that does not name the setting has the other value
+    return [
+        (specs.get("false", specs.get("", "")), specs.get("true", specs.get("", "")))
+        for specs in alike.values()
+        if len(specs) > 1
+    ]
 
 
 def presolve(evidence: Evidence) -> Finding | None:

@@ -241,15 +241,20 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
         lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
+    size_axes(ax, cells["legs"], cells["wall_s"])
+    return lines
+
+
+def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
+    """Logarithmic axes of times (s) over sizes, with a tick at every size."""
     ax.set_xscale("log")
-    if (cells["wall_s"] > 0).any():
+    if (times > 0).any():
         ax.set_yscale("log")
         log_axis(ax.yaxis, duration)
-    ax.set_xticks(sorted(cells["legs"].unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda legs, _: f"{legs:g}")
+    ax.set_xticks(sorted(sizes.unique()), minor=False)
+    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}")
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(labelsize=7)
-    return lines
 
 
 _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
