@@ -57,13 +57,10 @@ def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
     Indexed by solver.
     """
-    means = dict.fromkeys(table.columns, np.nan)
-    for solver in table.columns:
-        costs = table[solver].dropna().to_numpy(dtype=np.float64)
-        if costs.size:
-            with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
-                means[solver] = float(np.exp(np.mean(np.log(costs + shift))) - shift)
-    return pd.Series(means, table.columns.rename("solver"), dtype=np.float64)
+    with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
+        logs = np.log(table.astype(np.float64) + shift)
+    means: pd.Series[float] = np.exp(logs.mean()) - shift
+    return means.rename_axis("solver")
 
 
 def chosen_shift(values: ArrayLike) -> float:

@@ -7,7 +7,6 @@ Wilcoxon's signed rank test, and Holm's correction for many of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -179,45 +178,27 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
 
 def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
     """The first line of statistics (1 + resamples, columns), and the ends of the others."""
-    frame = pd.DataFrame(index=names)
-    frame["estimate"] = statistics[0]
-    frame["low"] = _quantiles(statistics[1:], _tail(of), np.floor)
-    frame["high"] = _quantiles(statistics[1:], 1 - _tail(of), np.ceil)
-    return frame
+    frame = pd.DataFrame(statistics, columns=names)
+    drawn = frame.iloc[1:]
+    # values that occur: no interpolation towards infinity
+    low = drawn.quantile(_tail(of), interpolation="lower")
+    high = drawn.quantile(1 - _tail(of), interpolation="higher")
+    return pd.DataFrame({"estimate": frame.iloc[0], "low": low, "high": high})
 
 
-@lru_cache(maxsize=8)
 def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray:
     """How often each resample holds each scenario: whole numbers, shape (resamples, scenarios)."""
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
     counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
-    shared = counts.astype(np.float64)
-    shared.flags.writeable = False  # the cache hands it to every caller
-    return shared
+    return counts.astype(np.float64)
 
 
 def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Medians of columns, each value as often as its weight says: a `Statistic`.
-
-    The mean of the two middle values of each ordered multiset. It counts in the values sorted once,
-    instead of sorting every resample.
-    """
-    counts = weights.astype(np.int32)
-    result = np.full((len(weights), values.shape[1]), np.nan)
-    for place, column in enumerate(values.T):
-        order = np.argsort(column, kind="stable")[: np.count_nonzero(~np.isnan(column))]
-        if not order.size:
-            continue
-        reached = np.cumsum(counts[:, order], axis=1, dtype=np.int32)
-        size = reached[:, -1:]
-        middles = []
-        for middle in ((size - 1) // 2, size // 2):  # one place if the size is odd
-            passed = np.count_nonzero(reached <= middle, axis=1)
-            middles.append(column[order][np.minimum(passed, order.size - 1)])
-        result[:, place] = np.where(size[:, 0] > 0, middles[0] / 2 + middles[1] / 2, np.nan)
-    return result
+    """Medians of columns, each value as often as its weight says: a `Statistic`."""
+    resamples = (np.repeat(values, counts, axis=0) for counts in weights.astype(int))
+    return np.array([pd.DataFrame(each).median() for each in resamples])
 
 
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
@@ -240,15 +221,6 @@ def geometric_means(shift: float) -> Statistic:
         return result
 
     return means
-
-
-def _quantiles(statistics: FloatArray, q: float, rounding: np.ufunc) -> FloatArray:
-    """A quantile of each column that occurs in it: no interpolation towards infinity."""
-    ordered = np.sort(statistics, axis=0)  # NaN last
-    last = np.count_nonzero(~np.isnan(ordered), axis=0) - 1
-    places = np.clip(rounding(q * last), 0, None).astype(np.intp)
-    quantiles: FloatArray = np.take_along_axis(ordered, places[np.newaxis], axis=0)[0]
-    return quantiles
 
 
 # Two ratios of costs are tied if their logarithms agree to this many decimals: far finer than any

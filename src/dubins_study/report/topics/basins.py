@@ -181,6 +181,7 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
 def _found(table: pd.DataFrame) -> str:
     """How often the optimum is reached, and what the check refutes, over all solvers."""
     found = told(table)
+    most = table["turns"].fillna(0).max()
     refuted = "No solver said anything that the check refutes."
     if found["refuted"]:
         numbers = table["end"].value_counts()
@@ -189,8 +190,7 @@ def _found(table: pd.DataFrame) -> str:
     return sentences(
         f"The shortest path is found from {share(found['optimal'])} of the initial guesses; "
         f"{share(found['turned'])} of all attempts end in a minimum with full turns in it, with up "
-        f"to {count(table['turns'].max())} of them: nothing in the model says that these are "
-        "useless.",
+        f"to {count(most)} of them: nothing in the model says that these are useless.",
         refuted,
     )
 

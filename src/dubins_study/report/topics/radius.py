@@ -128,15 +128,15 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
         style: Style = {"ha": "center", "fontsize": 8, "color": MUTED}
         above = ax.get_xaxis_transform()
         ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", transform=above, **style)
-    # a logarithmic scale shows the jump and lengths that grow with the radius
     ax.set(xscale="log", xlim=(first, last), xlabel="turning radius R", ylabel="length")
-    ax.set_yscale("log")
     foot = known["length"].min()
     top = max(known["length"].max(), wrong["length"].max(skipna=True))
     if foot > 0:
+        # shows the jump and lengths that grow with the radius
+        ax.set_yscale("log")
+        plain_log_axis(ax.yaxis)
         ax.set_ylim(0.75 * foot, top * (top / foot) ** 0.15 * 1.2)
     plain_log_axis(ax.xaxis)
-    plain_log_axis(ax.yaxis)
 
 
 def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
