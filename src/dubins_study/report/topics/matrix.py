@@ -144,8 +144,8 @@ DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, 
 _DARK = 0.5
 
 
-def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
-    """Shares of right answers in percent, engines by formulations.
+def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
+    """Shares of right answers in percent, engines by formulations, in letters of a size (pt).
 
     A star follows the share of a method that was asked fewer questions than others; a pair without
     rows has the number of its reason.
@@ -166,12 +166,12 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
         if cell["filled"]:
             text = f"{percent(cell['right_share'], 0)}{'*' if cell['few'] else ''}"
             ink = MAP_PAPER if cell["right_share"] > _DARK else ON_MAP
-        style: Style = {"ha": "center", "va": "center", "fontsize": 6.5, "color": ink}
+        style: Style = {"ha": "center", "va": "center", "fontsize": size, "color": ink}
         # the layout need not measure what lies inside the axes
         ax.text(place % across, place // across, text, in_layout=False, **style)
     ax.set_yticks(range(lines), engines["engine"], color=INK, fontsize=7)
     # Aslant, since a name is wider than its column.
-    aslant: Style = {"rotation": 30, "ha": "left", "rotation_mode": "anchor", "fontsize": 7}
+    aslant: Style = {"rotation": 40, "ha": "left", "rotation_mode": "anchor", "fontsize": size}
     ax.set_xticks(range(across), names, color=INK, **aslant)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
@@ -237,7 +237,7 @@ def _picture(cells: pd.DataFrame) -> Picture:
 
 def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
     figure = new_figure(HALF if narrow else WIDE, height)
-    plot_matrix(figure.add_subplot(), cells)
+    plot_matrix(figure.add_subplot(), cells, 4.8 if narrow else 6.5)
     return figure
 
 
