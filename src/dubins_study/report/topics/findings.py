@@ -14,7 +14,6 @@ from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.comparison import evaluations
@@ -170,7 +169,7 @@ def presolve(evidence: Evidence) -> Finding | None:
     )
     parts = []
     for solver in ratios:
-        each = evidence.estimate(ratios[solver], medians)
+        each = evidence.median(ratios[solver])
         if each is not None:
             parts.append(f"{each.text()} with {evidence.name(str(solver))}")
     return Finding(

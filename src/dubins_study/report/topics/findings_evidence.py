@@ -12,7 +12,6 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
-    Statistic,
     bootstrap_of_both,
     medians,
     wilson_interval,
@@ -160,12 +159,12 @@ class Evidence:
         both = first.merge(second, on=same)
         return list(zip(both["solver_x"], both["solver_y"], strict=True))
 
-    def estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
-        """A statistic over questions; None if fewer than `ENOUGH` have a value."""
+    def median(self, values: pd.Series[float]) -> Estimate | None:
+        """The median over questions; None if fewer than `ENOUGH` have a value."""
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        return estimate_of(self.compared.bootstrap(known, statistic, "value"), len(known))
+        return estimate_of(self.compared.bootstrap(known, medians, "value"), len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table, questions by solvers, with an interval over scenarios and engines.

@@ -57,7 +57,8 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     inside = group["region"].str.endswith("disc").eq(True)
     optimal = group["verdict"] == "optimal"
     longer = group["verdict"] == "longer"
-    short = profits_from_its_miss(group)
+    # shorter than any path to the target itself
+    short = group["length"] < (1 - SHORTER) * group["reference_low"].fillna(0.0)
     basin = group["wrong_basin"].astype(bool)
     kinds = [optimal & ~short, longer & ~basin, optimal & short, longer]
     finding = np.select(kinds, FINDINGS[:4], default=FINDINGS[4])
@@ -74,23 +75,13 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def profits_from_its_miss(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each answer is shorter than any path to the target itself."""
-    return rows["length"] < (1 - SHORTER) * rows["reference_low"].fillna(0.0)
-
-
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver, side and rung, from the attempts that `rungs` returns.
 
-    Columns solver, side, rung, attempts, finding (the worst one), false_claims.
+    Columns solver, side, rung, finding (the worst one), false_claim (of any).
     """
     groups = attempts.groupby(["solver", "side", "rung"], sort=False)
-    frame = groups.agg(
-        attempts=("finding", "size"),
-        finding=("finding", "max"),
-        false_claims=("false_claim", "sum"),
-    )
-    return frame.reset_index()
+    return groups[["finding", "false_claim"]].max().reset_index()
 
 
 def ladder_section(results: Results) -> Section | None:
@@ -133,7 +124,7 @@ def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
     panels = {side: rows for side, rows in placed.groupby("side") if len(rows)}
 
     def dress(ax: Axes, rows: pd.DataFrame) -> None:
-        false = rows[rows["false_claims"] > 0]
+        false = rows[rows["false_claim"]]
         ax.plot(false["x"], false["y"], "o", color=VERMILION, markersize=7, markerfacecolor="none")
         mark_limit(ax, -math.log10(ARRIVES))
         ax.set_xticks(range(3, 13, 3), [power(10.0**-rung) for rung in range(3, 13, 3)])
