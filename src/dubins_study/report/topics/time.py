@@ -1,4 +1,4 @@
-"""Time: medians and quartiles of building, of solving and of the whole."""
+"""Time: quartiles of the whole of an attempt, and of building and solving apart."""
 
 from __future__ import annotations
 
@@ -18,10 +18,7 @@ from dubins_study.report.elements.formats import count, seconds
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, Mark, quartile_lines
-from dubins_study.report.statistics.methods import (
-    MOST_METHODS,
-    drawn_methods,
-)
+from dubins_study.report.statistics.methods import drawn_methods
 from dubins_study.report.topics.summary import best_solvers, solver_summary
 
 TIMES = (
@@ -31,8 +28,6 @@ TIMES = (
     *columns(seconds, solve_s_q1="solve 25 %", solve_s="solve median", solve_s_q3="75 %"),
     *columns(seconds, wall_s_q1="whole 25 %", wall_s="whole median", wall_s_q3="75 %"),
 )
-PARTS = (Mark("solve_s", "solving"), Mark("build_s", "building the model", filled=False))
-WHOLE = (Mark("wall_s"),)
 _QUARTILES = ((0.25, "_q1"), (0.5, ""), (0.75, "_q3"))
 
 
@@ -55,8 +50,6 @@ def time_section(results: Results) -> Section | None:
     frame = in_page_order(solver_times(results.attempts), results)
     if frame.empty:
         return None
-    palette = Palette.of_page(results)
-    several = len(frame) > MOST_METHODS
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
     caption = (
         "Times of cold attempts at questions that have a path, failures included: quartiles and "
@@ -64,7 +57,7 @@ def time_section(results: Results) -> Section | None:
     )
     table = Table("times", caption, frame, TIMES)
     blocks: tuple[Picture | Table, ...] = (
-        _quartiles(drawn_methods(timed) if several else frame, palette, several),
+        _quartiles(drawn_methods(timed), Palette.of_page(results)),
         *best_first(table, frame["solver"], best_solvers(results)),
     )
     jobs, threads = (
@@ -80,21 +73,12 @@ def time_section(results: Results) -> Section | None:
     return Section("time", "Time", text, blocks, lead)
 
 
-def _quartiles(table: pd.DataFrame, palette: Palette, several: bool) -> Picture:
-    """Building and solving apart; of several methods their sum, in a panel per formulation."""
-    label = "time of one attempt"
-    if several:
-        caption = (
-            "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
-            f"{DRAWN_TEXT}"
-        )
-        marks: tuple[Mark, ...] = WHOLE
-    else:
-        caption = "Time of one cold attempt: median (mark) and quartiles (bar)."
-        named = table.assign(name=table["solver"].map(palette.label))
-        table, marks = named, PARTS
-    alt, data = "Median times and quartiles, one line per method", (table, marks, palette, label)
-    return panels_picture("times", caption, quartile_lines, alt, *data, panels=several)
+def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
+    """The whole of an attempt, in a panel per formulation."""
+    caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
+    alt = "Median times and quartiles, one line per method"
+    data = (table, (Mark("wall_s"),), palette, "time of one attempt")
+    return panels_picture("times", caption, quartile_lines, alt, *data, panels=True)
 
 
 TOPIC = Topic("time", time_section, General.COMPARED)
