@@ -105,40 +105,31 @@ def failures_section(results: Results | None) -> Section:
     if failed:
         messages = failures(attempts).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages)))
-    lead = _lead(len(attempts), lost, failed, int(kinds["no return"]))
-    text = sentences(_text(kinds, asked, failed) if failed or lost.any() else "", untaken)
+    lead = "Nothing failed."
+    if failed or lost.any():
+        lead = "See what was said of failures; the command beside it repeats one of them."
+    text = sentences(_lost_text(lost, len(attempts)), _failed_text(kinds, asked), untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
-def _lead(total: int, outcomes: pd.Series[int], failed: int, silent: int) -> str:
-    """What to see: how many attempts did not return, and why; how many others failed."""
-    lost = int(outcomes.sum())
-    others = f"what solvers said in {some(failed - silent, 'other failure' if lost else 'failure')}"
-    if lost:
-        parts = [f"{count(n)} {str(name).replace('_', ' ')}" for name, n in outcomes.items() if n]
-        why = ", ".join(parts)
-        return (
-            f"See which solvers returned no answer in {count(lost)} of {some(total, 'attempt')} "
-            f"({why}){f', and {others}' if failed > silent else ''}."
-        )
-    every = "the only attempt" if total == 1 else f"each of the {count(total)} attempts"
-    if failed:
-        return f"See {others}; {every} returned."
-    return f"Nothing failed: {every} returned, and the check accepts every path that was asked for."
+def _lost_text(lost: pd.Series[int], total: int) -> str:
+    """How many attempts did not return, and why; empty if all did."""
+    if not lost.any():
+        return ""
+    parts = [f"{count(n)} {str(name).replace('_', ' ')}" for name, n in lost.items() if n]
+    return f"{count(lost.sum())} of {some(total, 'attempt')} did not return ({', '.join(parts)})."
 
 
-def _text(kinds: pd.Series[int], asked: int, failed: int) -> str:
+def _failed_text(kinds: pd.Series[int], asked: int) -> str:
+    """How many attempts at questions with a path failed, by kind; empty if none did."""
+    failed = kinds.sum()
+    if not failed:
+        return ""
     parts = [f"{count(n)} {_KIND_TEXT[str(kind)]}" for kind, n in kinds.items() if n]
-    return sentences(
+    return (
         f"Of {some(asked, 'attempt')} at questions that have a path, {count(failed)} failed "
-        f"({share(failed / asked)}): {', '.join(parts)}."
-        if failed
-        else f"No attempt at a question that has a path failed ({count(asked)} attempts).",
-        "The sections above count each of them in their shares. A longer path is often the local "
-        "optimum that a local solver promises; the section on success says how much longer."
-        if kinds["longer"]
-        else "",
-        "An attempt that found none where no path exists has not failed.",
+        f"({share(failed / asked)}): {', '.join(parts)}. An attempt that found none where no path "
+        "exists has not failed."
     )
 
 
