@@ -19,7 +19,7 @@ from dubins_study.report.statistics import metrics
 from dubins_study.report.topics.certificates import proofs
 from dubins_study.report.topics.existence import existence
 from dubins_study.report.topics.failures import failures, gist
-from dubins_study.report.topics.success import gap_quantiles, gap_shares
+from dubins_study.report.topics.success import gap_shares
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.topics.time import solver_times
 from dubins_study.study.closed_form.shortest import REGIONS
@@ -81,7 +81,6 @@ def tables(counted):
         "summary": solver_summary(counted),
         "existence": existence(counted),
         "failures": failures(counted),
-        "gap quantiles": gap_quantiles(counted),
         "times": solver_times(counted),
         "proofs": proofs(counted),
         "gap shares": gap_shares(counted),
@@ -143,14 +142,10 @@ def numbers_are_those_of(found, rows):
         timed = own if (own["outcome"] == "returned").any() else own.iloc[:0]
         assert line["wall_s"] == pytest.approx(timed["wall_s"].median(), nan_ok=True)
         assert all(line[v] == (own["verdict"] == v).sum() for v in VERDICTS)
-    for line in gap_quantiles(found).to_dict("records"):
-        own = rows[rows["solver"] == line["solver"]]
-        own = own if line["region"] == "all" else own[own["region"] == line["region"]]
-        gaps = np.sort(own["gap"].fillna(np.inf).clip(lower=0))
-        assert line["attempts"] == len(gaps)
-        assert line["arrived"] == pytest.approx(np.isfinite(gaps).mean())
-        for percent in (50, 90, 100):  # of values that occur, without interpolation
-            assert line[f"q{percent}"] == gaps[-(-percent * len(gaps) // 100) - 1]
+    for solver, shares in gap_shares(found).items():
+        gaps = rows.loc[rows["solver"] == solver, "gap"].fillna(np.inf).clip(lower=0)
+        for gap in (1e-10, 1e-4, 10.0):
+            assert shares.loc[gap] == pytest.approx((gaps <= gap * (1 + 1e-12)).mean())
     for line in solver_times(found).to_dict("records"):
         own = rows[(rows["solver"] == line["solver"]) & (rows["initial_guess"] == "cold")]
         expected = own["solve_s"].quantile([0.25, 0.5, 0.75]).tolist()
@@ -266,10 +261,10 @@ def test_a_crash_counts_where_an_answer_exists(tmp_path):
     lost |= {"verdict": "none", "outcome": "crashed"}
     place = dict(zip(NUMBERS, (0.0, 0.0, 0.0, 0.5, 0.8, 1.0, 1.0), strict=True))
     rows = frame(solver=["a", "b"], branch=["LS", "RS"], **(place | lost))
-    table = gap_quantiles(attempts_of(tmp_path, rows)).set_index(["solver", "region"])
+    shares = gap_shares(attempts_of(tmp_path, rows))
 
-    assert list(table.index) == [("b", "all")]
-    assert table.loc[("b", "all"), "q50"] == math.inf
+    assert list(shares.columns) == ["b"]
+    assert (shares["b"] == 0).all()
 
 
 def test_closed_form_comes_first_and_variants_after_their_solver():

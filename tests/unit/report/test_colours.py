@@ -11,6 +11,8 @@ from dubins_study.report import page
 from dubins_study.report.elements import style
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import ENGINE_HUES, HUES, INK, VARIABLES, css_values
+from dubins_study.report.topics import basins, ladder, plane
+from dubins_study.report.topics.routes import GAPS
 from dubins_study.study.scenario import Scenario
 from tests.unit.report.results_folder import attempt
 
@@ -38,6 +40,7 @@ SIGHTS = {
 LEAST_DISTANCE = {"trichromacy": 0.1, "protanopia": 0.07, "deuteranopia": 0.07}
 LEAST_CONTRAST = 3.0  # WCAG 2.2, 1.4.11
 MODES = ("light", "dark")
+GREY = np.array([0.2126, 0.7152, 0.0722])  # luminance of linear light
 
 
 def paper_of(mode):
@@ -56,9 +59,7 @@ def linear(colour):
 
 def contrast(first, second):
     """The contrast ratio of WCAG 2.2."""
-    light, dark = sorted(
-        (linear(c) @ [0.2126, 0.7152, 0.0722] + 0.05 for c in (first, second)), reverse=True
-    )
+    light, dark = sorted((linear(c) @ GREY + 0.05 for c in (first, second)), reverse=True)
     return light / dark
 
 
@@ -105,6 +106,14 @@ def test_engines_differ_for_every_reader(sight, mode):
     distances = [np.linalg.norm(a - b) for a, b in combinations(seen, 2)]
 
     assert min(distances) >= LEAST_DISTANCE[sight]
+
+
+@pytest.mark.parametrize("marks", [plane.WORDS, plane.ANSWERS, ladder.MARKS, basins.MARKS, GAPS])
+def test_kinds_of_a_map_differ_in_grey_print(marks):
+    """By their marker, or by a twentieth of the range from black to white, as it is seen."""
+    for one, other in combinations(marks, 2):
+        greys = [oklab(np.full(3, linear(mark.colour) @ GREY))[0] for mark in (one, other)]
+        assert one.marker != other.marker or abs(greys[0] - greys[1]) > 0.05, (one.key, other.key)
 
 
 def test_every_colour_of_a_figure_has_one_variable():

@@ -3,19 +3,19 @@
 from functools import partial
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dubins_study.report.statistics.costs import KINDS
 from dubins_study.report.statistics.methods import compared, methods_of
 from dubins_study.report.topics.comparison import (
     comparison_section,
+    formulation_tests,
     mean_ranks,
-    shared_tests,
     times,
 )
-from dubins_study.report.topics.cost import cost_section, factors, presolve_pairs, shares, split
+from dubins_study.report.topics.cost import cost_section, shares, split
 from dubins_study.report.topics.failures import failures
+from dubins_study.report.topics.findings import presolve_pairs
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
@@ -69,16 +69,15 @@ def test_costs_leave_out_the_closed_form_and_who_met_too_few(asked):
 
 
 def test_means_ranks_and_shares(asked):
-    """By hand: half the questions at the limit of 2 s, PAR-2 with twice that."""
+    """By hand: half the questions at the limit of 2 s."""
     made = compared(asked(answers()))
-    ranked, shift, common = mean_ranks(made)
+    ranked, shift = mean_ranks(made)
     joint = ranked.loc["ipopt[model=joint]"]
     joint_times = [4e-3 * (1 + n / 100) for n in range(0, 12, 2)]
 
     assert list(ranked.index) == ["slsqp", "ipopt", "ipopt[model=joint]"]
     assert ranked["rank"].tolist() == [1, 2, 3]
-    assert (joint["questions"], joint["right"], common) == (12, 0.5, 12)
-    assert joint["par2"] == pytest.approx((sum(joint_times) + 6 * 4.0) / 12)
+    assert (joint["questions"], joint["right"]) == (12, 0.5)
     logs = np.log(np.array([*joint_times, *[2.0] * 6]) + shift)
     assert joint["mean"] == pytest.approx(np.exp(logs.mean()) - shift)
     assert joint["mean_low"] < joint["mean"] < joint["mean_high"]
@@ -103,17 +102,14 @@ def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
     assert failures(results.attempts)["attempts"].sum() == lost
 
 
-def test_paired_tests_share_a_formulation_or_an_engine(asked):
+def test_paired_tests_share_a_formulation(asked):
     """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
     made = compared(asked(answers()))
-    tests = shared_tests(times(made), mean_ranks(made)[0])
-    (engine,) = tests["formulation"].to_dict("records")
-    (formulation,) = tests["engine"].to_dict("records")
+    (test,) = formulation_tests(times(made), mean_ranks(made)[0]).to_dict("records")
 
-    assert (engine["shared"], engine["solver"], engine["rival"]) == (WORD, "slsqp", "ipopt")
-    assert (engine["wins"], engine["losses"]) == (12, 0)
-    assert engine["p_holm"] == pytest.approx(2 / 2**12)
-    assert (formulation["shared"], formulation["rival"]) == ("Ipopt", "ipopt[model=joint]")
+    assert (test["formulation"], test["solver"], test["rival"]) == (WORD, "slsqp", "ipopt")
+    assert (test["wins"], test["losses"]) == (12, 0)
+    assert test["p_holm"] == pytest.approx(2 / 2**12)
 
 
 def test_methods_are_named_by_the_settings_that_differ(asked):
@@ -139,7 +135,7 @@ def test_the_section_and_what_has_none(asked):
         answer(s, solver, 1e-3, right=False) for s in QUESTIONS for solver in ("slsqp", "ipopt")
     ]
 
-    assert len(section.blocks) == 5  # profiles of two costs, ranks, tests by either
+    assert len(section.blocks) == 3  # profiles, ranks, tests
     assert "12 questions with a path, put to 3 methods" in section.text
     assert comparison_section(single) is None
     assert comparison_section(asked(failed, "failed")) is not None
@@ -194,7 +190,7 @@ def test_every_evaluation_and_second_has_one_kind(attempts):
     }
 
     for amount, expected in numbers.items():
-        frame = parts.amount(amount)
+        frame = parts[amount].drop(columns="solver")
         assert list(frame.columns) == [*KINDS, "total"]
         assert frame.iloc[0].tolist() == pytest.approx(expected)
         summed = frame.drop(columns="total").sum(axis=1)
@@ -216,26 +212,22 @@ def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(attempts):
         evaluations=64,
     )
     made = attempts([joint])
-    line = split(made).evaluations.iloc[0]
+    line = split(made)["evaluations"].iloc[0]
 
     assert (line["winning run"], line["restarts"], line["losing words"]) == (20, 0, 44)
     assert line["words without a path"] == 0
 
 
-def test_factors_and_shares(load_rows):
-    """205 / 10 evaluations and 0.23 / 0.01 s everywhere; the presolve's twin is known."""
+def test_shares(load_rows):
+    """150 of 205 evaluations everywhere; the presolve's twin is known."""
     results = load_rows(
         "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
     )
     made = compared(results)
-    parts = split(made)
     names = [block.name for block in cost_section(results).blocks]
-    line = factors(made, parts).loc["ipopt"]
-    part = shares(made, parts, "evaluations").loc["ipopt"]
+    part = shares(made, split(made)["evaluations"]).loc["ipopt"]
 
-    assert names == ["cost-evaluations", "cost-seconds", "cost"]
-    assert (line["questions"], line["evaluations"], line["seconds"]) == (4, 20.5, pytest.approx(23))
-    assert line["evaluations_low"] == line["evaluations_high"] == 20.5
+    assert names == ["cost-evaluations", "cost-seconds"]
     assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
     assert part["words without a path"] == pytest.approx(150 / 205)
 
@@ -253,7 +245,6 @@ def test_wrong_answers_and_engines_that_do_not_count(attempts):
     made = attempts([uncounted, wrong])
     parts = split(made)
 
-    assert parts.evaluations["total"].isna().all()
-    assert parts.seconds["total"].tolist() == [0.23]
-    assert shares(made, parts, "evaluations").empty
-    assert pd.isna(factors(made, parts).loc["ipopt", "evaluations"])
+    assert parts["evaluations"]["total"].isna().all()
+    assert parts["seconds"]["total"].tolist() == [0.23]
+    assert shares(made, parts["evaluations"]).empty

@@ -13,7 +13,6 @@ from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import success
 from dubins_study.report.topics.existence import existence, existence_section
 from dubins_study.report.topics.failures import failures, failures_section
-from dubins_study.report.topics.success import gap_quantiles
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.report.two_runs.changes import pairs
 from dubins_study.study.scenario import Scenario
@@ -59,12 +58,12 @@ def folder(results):
 
 
 def test_messages_that_differ_in_numbers_are_one(folder):
-    """The most frequent first; the example is the first repeat, then the nearest target."""
+    """Stopped ones first; the example is the first repeat, then the nearest target."""
     table = failures(load([folder]).attempts)
     lines = table.set_index(["solver", "outcome", "verdict"])
 
     assert table["attempts"].sum() == 6
-    assert table["attempts"].is_monotonic_decreasing
+    assert table["attempts"].tolist() == [2, 1, 2, 1]
     stopped = lines.loc[("a", "timeout", "none")]
     assert (stopped["message"], stopped["attempts"]) == ("stopped after # s; the limit is # s", 2)
     assert (stopped["target_x"], stopped["target_y"]) == (2, 2.5)
@@ -77,8 +76,7 @@ def test_the_section_counts_and_its_commands_repeat_a_failure(folder, tmp_path):
     table = next(block for block in section.blocks if block.name == "failures")
     line = table.frame.set_index("outcome").loc["timeout"]
 
-    assert "3 of 12 attempts (2 timeout, 1 out of memory)" in section.lead
-    assert "3 other failures" in section.lead
+    assert "3 of 12 attempts did not return (2 timeout, 1 out of memory)." in section.text
     assert "Of 12 attempts at questions that have a path, 6 failed (50.0 %)" in section.text
     command = "dubins-study solve --time-limit 1.5 --solver a -- 2 2.5"
     assert shlex.split(line["command"]) == shlex.split(command)
@@ -95,8 +93,7 @@ def test_without_failures_a_sentence(load_rows):
     for section in (good, none, failures_section(None)):
         assert not section.blocks
         assert not section.text
-    assert good.lead.startswith("Nothing failed: each of the 2 attempts returned")
-    assert none.lead.startswith("Nothing failed: the only attempt returned")
+    assert good.lead == none.lead == "Nothing failed."
     assert "No attempt was recorded" in failures_section(None).lead
 
 
@@ -154,7 +151,6 @@ def test_a_question_that_a_solver_does_not_take_is_no_failure(load_rows, results
         assert (line["attempts"], line["questions"], line["right"]) == (4, 4, 3)
         assert (line["not_returned"], line["right_share"]) == (1, 0.75)
         assert failures(found.attempts)["attempts"].sum() == 1
-        assert gap_quantiles(found.attempts)["attempts"].max() == 4
         assert success(found.rows).mean() == compared(found).rows["right"].mean() == 0.75
         assert existence(found.attempts).empty
     assert "3 more questions" not in failures_section(fewer).text

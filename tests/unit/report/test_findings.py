@@ -18,7 +18,7 @@ from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.methods import Compared, compared, methods_of
 from dubins_study.report.topics import findings as found
 from dubins_study.report.topics.caution import proved_routes
-from dubins_study.report.topics.findings import FINDINGS, findings, findings_section
+from dubins_study.report.topics.findings import FINDINGS, findings_section
 from dubins_study.report.topics.findings_evidence import ENOUGH, Evidence, Finding, chosen_share
 from dubins_study.report.topics.findings_routes import exponent
 from dubins_study.report.topics.routes import TITLE
@@ -86,21 +86,6 @@ SCIP = {"solver": "disjunctive", "engine": "SCIP", "formulation": "disjunction",
 PROOF = {"claim": "optimal", "lower_bound": 4.0}
 
 
-def lying(q: int) -> Row:
-    """A bound above the optimum on every fifth question."""
-    return {"false_bound": q % 5 == 0, "lower_bound": 5.0}
-
-
-def infeasible(n: int, effect: bool) -> list[Row]:
-    """Every question is called infeasible; with the effect three in four have a path."""
-    changes = {"claim": "infeasible", "right": False, "verdict": "none", "gap": float("nan")}
-    paths = [effect and q % 4 != 0 for q in range(n)]
-    return [
-        row(q, "ipopt", answerable=there, false_claim=there, **changes)
-        for q, there in enumerate(paths)
-    ]
-
-
 def routes(
     n: int,
     effect: bool,
@@ -130,16 +115,6 @@ CASES = [
         found.words_against_joint,
         of_two(IPOPT, BOTH_ORDERS, half_wrong),
         ("Pose one problem a word", "50.0 ("),
-        50.0,
-    ),
-    Case(
-        found.coarse_transcription,
-        of_two(
-            IPOPT,
-            {"solver": "turn-rate-qp", "formulation": "turn rates", "engine": "PIQP"},
-            lambda q: {"right": q % 2 == 0, "verdict": "optimal" if q % 2 == 0 else "longer"},
-        ),
-        ("PIQP (bearing) on turn rates", "50.0 % ("),
         50.0,
     ),
     Case(
@@ -185,13 +160,6 @@ CASES = [
         ("SCIP on disjunction takes 50.0 (50.0 to 50.0) times", "right on 100 % ("),
         50.0,
     ),
-    Case(
-        found.false_proof,
-        of_two(IPOPT, SCIP | PROOF, lying),
-        ("SCIP on disjunction", "20.0 % (", "its bound lies above the shortest length"),
-        20.0,
-    ),
-    Case(found.infeasible_claims, infeasible, ("calls infeasible, 73.3 % (",), 100 * 22 / 30),
 ]
 NAMES = [case.find.__name__ for case in CASES]
 
@@ -274,13 +242,6 @@ def test_a_share_of_proved_routes_is_said_to_be_of_those_that_close(width, said)
     rows[2]["reference_low"] -= 4.0 * width
 
     assert (proved_routes(evidence(rows).compared) is not None) is said
-
-
-def test_who_is_asked_only_what_has_a_path_has_no_share_of_false_denials():
-    """Each of its denials is false, whatever it knows of infeasibility."""
-    rows = [one for one in infeasible(MANY, True) if one["answerable"]]
-
-    assert found.infeasible_claims(evidence(rows)) is None
 
 
 @pytest.mark.parametrize(
@@ -383,7 +344,7 @@ def test_the_section_has_five_sentences_first(load_rows):
     made = compared(loaded)
 
     assert made is not None
-    every = findings(Evidence(made))
+    every = [finding for find in FINDINGS if (finding := find(Evidence(made)))]
     assert section is not None
     assert section.blocks[0].frame["sentence"].tolist() == [f.sentence for f in every][:5]
     topics = [topic for topic in TOPICS if topic.about in ("benchmark", General.BENCHMARKED)]

@@ -1,12 +1,8 @@
-"""Targets next to a turning circle: the ladder toward it, and the warning of shorter paths."""
+"""Targets next to a turning circle: the ladder toward it."""
 
 import math
 
-import pytest
-
-from dubins_study.report.statistics.methods import compared
-from dubins_study.report.topics.caution import shorter_paths
-from dubins_study.report.topics.ladder import SIDES, down_to, ladder, ladder_section, rungs
+from dubins_study.report.topics.ladder import SIDES, ladder, ladder_section, rungs
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
@@ -52,12 +48,8 @@ def test_a_short_path_is_told_from_a_right_one(load_rows):
     attempts = rungs(load_rows("ladder", rows()).rows)
     assert (attempts.groupby("side").size()[list(SIDES)] == 6).all()
     short = attempts[attempts["finding"] == "by its miss"]
-    found = down_to(ladder(attempts)).set_index("solver")
 
     assert short[["solver", "side", "rung"]].to_numpy().tolist() == [["ipopt", "front, inside", -8]]
-    assert found.loc["ipopt", list(SIDES)].tolist() == [1e-4, 0, 0, 0]
-    assert found.loc["collocation", list(SIDES)].tolist() == [0, 0, 0, 0]
-    assert found["by_miss"].to_dict() == {"ipopt": 1, "collocation": 0}
 
 
 def test_findings_and_the_worst_of_a_rung(load_rows):
@@ -77,7 +69,6 @@ def test_findings_and_the_worst_of_a_rung(load_rows):
     assert "Of all 4 claims 2 are false." in ladder_section(loaded).text
     assert attempts["finding"].tolist() == ["coarse", "wrong basin", "no path", "right"]
     assert table["finding"].tolist() == ["wrong basin", "no path", "right"]
-    assert down_to(table)["front, inside"].isna().all()
 
 
 def test_the_section_says_what_the_rows_say(load_rows):
@@ -90,22 +81,3 @@ def test_the_section_says_what_the_rows_say(load_rows):
     assert "a full turn: 1 answer by a miss of at most 1.0e−8 R." in text
     assert "Of all 24 claims 0 are false." in text
     assert "no solver trades a miss for the short path" in level
-
-
-def test_a_path_that_stops_on_the_circle_is_named(load_rows):
-    """One radian of the circle misses by less than arriving allows, and is right; the path to the
-    target turns right first, is several radii long, and needs no warning."""
-    inside = target(1.0, -9e-7)
-    shortest_paths = [row(where, "slsqp") for where in (inside, Scenario(target_x=4, target_y=1))]
-    stopped = row(inside, "slsqp", along(inside, 1.0))
-    caution, none = (
-        shorter_paths(compared(load_rows(name, rows)))
-        for name, rows in (("some", [stopped, shortest_paths[1]]), ("none", shortest_paths))
-    )
-    times = float(caution.sentence.split(" times shorter")[0].split()[-1])
-
-    assert stopped["verdict"] == "optimal"
-    assert caution.estimate.value == 1
-    assert "1 right answer at 1 scenario next to" in caution.sentence
-    assert times == pytest.approx(shortest_path(inside).length, rel=0.05)  # two digits are shown
-    assert none is None

@@ -311,32 +311,18 @@ def section(load_rows):
     return written
 
 
-def test_a_noisy_run_says_so_in_words(section):
-    """A machine that varied by 30 % (between two speeds) is named; a quiet one is not."""
+def test_a_noisy_run_is_marked(section):
+    """A machine that varied by 30 % (between two speeds); a quiet one is not."""
     written = section(entry("quiet", STEADY), entry("loud", NOISY))
 
     # the 5th and 95th percentile are the two speeds, the median lies between them
     varied = 0.3 / np.median([1, 1.3])
-    assert f"Run loud of paper varied by {100 * varied:.1f} %" in written.text
-    assert "Run quiet" not in written.text
     (table,) = written.blocks
     rows = table.frame.set_index("run")
     assert rows["spread"].to_dict() == pytest.approx({"quiet": 0.002, "loud": varied}, rel=0.01)
     assert rows.loc["loud", "where"] == "Z80, Linux x86_64, 2 of 4 cores; governor performance"
     assert rows.loc["loud", "load"] == "0.25 to 1.50"
     assert table.marks == {(1, "spread"): "bad"}
-
-
-@pytest.mark.parametrize(
-    ("probes", "sentence"),
-    [
-        (STEADY, "No run varied by more than 5.0 %"),
-        (NOISY[:4], "No run here was long enough to tell."),
-    ],
-    ids=["quiet", "short"],
-)
-def test_a_run_that_is_not_known_to_be_noisy(section, probes, sentence):
-    assert sentence in section(entry(probes=probes)).text
 
 
 def test_a_run_without_an_end_is_running_or_killed(section):

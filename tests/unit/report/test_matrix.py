@@ -1,5 +1,6 @@
 """Formulation by engine: filled cells, reasons, the best guess, and shares by stratum."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -107,18 +108,22 @@ def benchmark(load_rows):
 
 
 def test_the_section_shows_every_pair_and_every_reason(benchmark):
-    """The cell has share, interval and time; the reason stands below under its number.
+    """The cell has the share; the reason stands below under its number.
 
     A row counts whatever the manifest says; a pair that could be asked and has no row says so.
     """
     section = matrix_section(benchmark)
     tables = {block.name: block for block in section.blocks if hasattr(block, "columns")}
-    lines = tables["matrix"].frame.set_index("engine")
+    (ax,) = section.blocks[0].figure.axes
+    engines = [label.get_text() for label in ax.get_yticklabels()]
+    names = [label.get_text() for label in ax.get_xticklabels()]
+    texts = [text.get_text() for text in ax.texts if not text.get_in_layout()]
+    lines = pd.DataFrame(np.reshape(texts, (len(engines), len(names))), engines, names)
 
-    assert lines.loc["a", WORDS] == "87.5 %\n52.9–97.8\n2.10 ms"
-    assert lines.loc["b", WORDS].startswith("0 %\n0–32.4\n")
-    assert lines.loc["mine", JOINT].startswith("100 %\n")
-    assert tables["matrix"].frame["engine"].tolist() == ["a", "b", "SCIP", "mine"]
+    assert engines == ["a", "b", "SCIP", "mine"]
+    assert lines.loc["a", WORDS] == "88"
+    assert lines.loc["b", WORDS] == "0"
+    assert lines.loc["mine", JOINT] == "100*"
     reasons = tables["matrix-reasons"].frame["reason"]
     for engine, formulation, reason in (
         *(("a", JOINT, "because"), ("b", JOINT, "no row"), ("SCIP", WORDS, "no row")),

@@ -166,7 +166,7 @@ def test_two_experiments_of_one_topic_have_a_section_each(results, tmp_path):
 
     assert [key for key in section_ids(page) if "basins" in key] == ["basins-one", "basins-two"]
     for name in ("one", "two"):
-        assert (page.parent / "tables" / f"basins-{name}.csv").is_file()
+        assert [*(page.parent / "figures").glob(f"basins-1-*-{name}.svg")]
 
 
 @pytest.mark.slow

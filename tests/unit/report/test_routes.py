@@ -45,8 +45,7 @@ def test_numbers_by_hand(load_rows):
     results = load_rows("routes", rows())
     cells = by_legs(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
-    picture, table = section.blocks
-    lines = table.frame.set_index("solver")
+    (picture,) = section.blocks
     three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
 
     assert (three["successes"], three["trials"], three["undecided"]) == (1, 2, 1)
@@ -59,9 +58,6 @@ def test_numbers_by_hand(load_rows):
     assert "closes 1 of its 2 attempts" in section.text
     written = {text.get_text() for ax in picture.figure.axes for text in ax.texts}
     assert {"1/2?", "1/2", "3/3", "1/1?"} <= written
-    assert lines.loc["a", ["undecided", "false_claim"]].tolist() == [1, 1]
-    assert lines.loc["a", "right_0_text"].startswith("50.0 % of 4")
-    assert lines.loc["b", "right_0_text"] == "–"
 
 
 def test_a_repeat_is_a_part_of_a_route(load_rows):

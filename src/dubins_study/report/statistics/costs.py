@@ -10,21 +10,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
 from dubins_study.report.statistics.methods import Compared
-from dubins_study.study.arrays import FloatArray
 from dubins_study.study.kinds.table import kind_of
-from dubins_study.study.scenario import COLUMNS, Scenario
+from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.scenario_frame import scenario_of
-from dubins_study.study.words import BRANCHES
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)
 PENALTIES = (1.0, 2.0, 10.0)
+_POINTS = 120  # of a profile
 
 
 def cost_table(rows: pd.DataFrame, cost: str, question: Sequence[str]) -> pd.DataFrame:
@@ -48,12 +47,6 @@ def shared_questions(table: pd.DataFrame) -> pd.DataFrame:
     return table[table.notna().all(axis=1)].astype(np.float64)
 
 
-def solved_by_all(table: pd.DataFrame) -> pd.DataFrame:
-    """The questions that every solver answered correctly."""
-    costs = shared_questions(table)
-    return pd.DataFrame(costs[np.isfinite(costs.to_numpy()).all(axis=1)])
-
-
 def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
     """exp(mean(log(t + shift))) - shift of each column, in the unit of the table.
 
@@ -64,13 +57,10 @@ def shifted_geometric_means(table: pd.DataFrame, shift: float) -> pd.Series:
     An infinite cost (a failure) gives infinity, NaN (not asked) is left out, no values give NaN.
     Indexed by solver.
     """
-    means = dict.fromkeys(table.columns, np.nan)
-    for solver in table.columns:
-        costs = table[solver].dropna().to_numpy(dtype=np.float64)
-        if costs.size:
-            with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
-                means[solver] = float(np.exp(np.mean(np.log(costs + shift))) - shift)
-    return pd.Series(means, table.columns.rename("solver"), dtype=np.float64)
+    with np.errstate(divide="ignore"):  # the mean with a cost of 0 and shift 0 is 0
+        logs = np.log(table.astype(np.float64) + shift)
+    means: pd.Series[float] = np.exp(logs.mean()) - shift
+    return means.rename_axis("solver")
 
 
 def chosen_shift(values: ArrayLike) -> float:
@@ -87,12 +77,8 @@ def chosen_shift(values: ArrayLike) -> float:
 def penalised(table: pd.DataFrame, limit: float, factor: float = 1.0) -> pd.DataFrame:
     """Costs in which a failure counts as `factor` times the limit.
 
-    A cost above the limit is one, too. With the factor 1 a failure is
-    penalised at the limit; the arithmetic mean of the result with the factor k is PAR-k (Hutter,
-    Hoos, Leyton-Brown and Stuetzle 2009, "ParamILS", J. Artif. Intell. Res. 36; PAR-2 ranks
-    the solvers of the SAT competitions).
-
-    The limit of an attempt is in the unit of the table. NaN stays NaN.
+    A cost above the limit is one, too. The limit of an attempt is in the unit of the table. NaN
+    stays NaN.
     """
     return pd.DataFrame(table.mask(table > limit, factor * limit))
 
@@ -122,46 +108,23 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     return frame.assign(rank_tenth=tenth, rank_tenfold=tenfold)
 
 
-def performance_ratios(table: pd.DataFrame) -> pd.DataFrame:
-    """Cost divided by that of the cheapest right answer: r_ps = t_ps / min over s of t_ps.
+def performance_profile(table: pd.DataFrame) -> pd.DataFrame:
+    """rho_s(tau): the share of questions that a solver answers within tau times the least cost.
 
-    Infinite where this solver failed, and for all solvers where all failed. Beside a cheapest cost
-    of 0 any other cost is infinite; clip evaluations at 1 to prevent that. (Dolan and More 2002,
-    "Benchmarking optimization software with performance profiles", Math. Program. 91, sec. 2.)
-    The rows are the questions put to every solver.
+    Indexed by tau, from 1 to the largest ratio. rho_s(1) is how often it is the cheapest, the limit
+    for large tau how often it is right at all (Dolan and More 2002, "Benchmarking optimization
+    software with performance profiles", Math. Program. 91, sec. 2). Adding a solver may change the
+    order of the others: only the best curve may be read as "best" (Gould and Scott 2016, "A note on
+    performance profiles for benchmarking software", ACM Trans. Math. Softw. 43, article 15). Costs
+    are above 0, and of the questions put to every solver.
     """
     costs = shared_questions(table)
-    least = costs.min(axis=1)
-    ratios = costs.div(least, axis=0)
-    return ratios.mask(costs.eq(least, axis=0) & np.isfinite(costs), 1.0).fillna(np.inf)
-
-
-def performance_profile(table: pd.DataFrame, factors: ArrayLike) -> pd.DataFrame:
-    """rho_s(tau): the share of questions that a solver answers within tau times the cheapest cost.
-
-    rho_s(1) is how often it is the cheapest, the limit for large tau how often it is right at all
-    (Dolan and More 2002, sec. 2). Adding a solver may change the order of the others: only the
-    best curve may be read as "best" (Gould and Scott 2016, "A note on performance profiles for
-    benchmarking software", ACM Trans. Math. Softw. 43, article 15). Indexed by factor, tau >= 1.
-    """
-    return shares_within(performance_ratios(table), factors)
-
-
-def shares_within(table: pd.DataFrame, points: ArrayLike) -> pd.DataFrame:
-    """The share of questions that each solver answers within each cost.
-
-    Of a cost table of function evaluations it is the data profile of More and Wild 2009
-    ("Benchmarking derivative-free optimization algorithms", SIAM J. Optim. 20, sec. 2) in plain
-    evaluations, without their division by the number of unknowns. A curve does not depend on the
-    other solvers. Indexed by the points, which are in the unit of the table; shares of the
-    questions put to every solver.
-    """
-    costs, index = shared_questions(table), pd.Index(np.asarray(points, np.float64))
-    reachable = np.minimum(index, np.finfo(np.float64).max)  # a failure is not reached within inf
-    ordered = np.sort(costs.to_numpy(), axis=0)
-    shares = [np.searchsorted(column, reachable, "right") for column in ordered.T]
-    counts = np.array(shares, dtype=np.float64).reshape(len(costs.columns), len(index)).T
-    return pd.DataFrame(counts / len(costs) if len(costs) else np.nan, index, costs.columns)
+    ratios = costs.div(costs.min(axis=1), axis=0).fillna(np.inf)  # where all failed
+    values = ratios.to_numpy()
+    largest = np.max(values[np.isfinite(values)], initial=2.0)
+    factors = pd.Index(np.geomspace(1.0, largest, _POINTS), name="factor")
+    within = [(values <= factor).mean(axis=0) for factor in factors]
+    return pd.DataFrame(within, factors, costs.columns)
 
 
 # What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
@@ -171,43 +134,26 @@ KINDS = ("winning run", "restarts", "losing words", "words without a path", "bui
 AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
 _RELATIVE_ROUNDING = 1e-9
 _READ = [
-    *("solver", "question", "scenario", "stratum", "word", "evaluations", "build_s", "wall_s"),
+    *("solver", "scenario", "word", "evaluations", "build_s", "wall_s"),
     *("subproblems", "subproblem_evaluations", "subproblem_s"),
     *("best_run_evaluations", "best_run_s", *COLUMNS),
 ]
 
 
-class Split(NamedTuple):
-    """Right answers at questions with a path, and what each cost; three frames of one index.
+def split(compared: Compared) -> dict[str, pd.DataFrame]:
+    """What the right answers at questions with a path cost, in each of `AMOUNTS`.
 
-    `answers` has the columns solver, question and stratum, and a row per attempt; the others have
-    the columns `KINDS` and total (of the whole attempt), NaN where the engine does not count.
+    A row per attempt; answers whose winning run is not known are left out. Columns solver, `KINDS`
+    and total (of the whole attempt); NaN where the engine does not count.
     """
-
-    answers: pd.DataFrame
-    evaluations: pd.DataFrame
-    seconds: pd.DataFrame
-
-    def amount(self, name: str) -> pd.DataFrame:
-        """The evaluations or the seconds."""
-        return self.evaluations if name == "evaluations" else self.seconds
-
-    def medians(self, values: pd.Series[float]) -> pd.DataFrame:
-        """A value of each answer as a table: questions by solvers, the median over repeats."""
-        return values.groupby([self.answers["question"], self.answers["solver"]]).median().unstack()
-
-
-def split(compared: Compared) -> Split:
-    """What the right answers cost; answers whose winning run is not known are left out."""
     rows = compared.answerable
     rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
     lines = _lines(rows)
     kinds = _kinds(lines, rows)
-    return Split(
-        rows[["solver", "question", "stratum"]],
-        _parts(rows, lines, kinds, "evaluations"),
-        _parts(rows, lines, kinds, "seconds"),
-    )
+    return {
+        amount: _parts(rows, lines, kinds, amount).assign(solver=rows["solver"])
+        for amount in AMOUNTS
+    }
 
 
 def _parts(
@@ -252,20 +198,19 @@ def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
     """The kind of each line; the winner's line is `restarts`, its best run included."""
     if lines.empty:
         return pd.Series("", lines.index)
-    attempts = rows[["word", "best_run_s", "scenario", *COLUMNS]].loc[lines["row"]]
-    place, pairs = pd.factorize(
-        pd.MultiIndex.from_arrays([attempts["word"].fillna("").to_numpy(), lines["subproblem"]])
-    )
-    misfit = np.array([not _contains(*pair) for pair in pairs])[place]
-    best = attempts["best_run_s"].to_numpy()
-    # The engine's time on the winner is at least that of its best run.
-    too_short = lines["seconds"].to_numpy() < best * (1 - _RELATIVE_ROUNDING)
+    attempts = rows.loc[lines["row"]].set_axis(lines.index)
+    words = zip(attempts["word"].fillna(""), lines["subproblem"], strict=True)
     order = pd.DataFrame(
-        {"row": lines["row"], "too_short": too_short, "misfit": misfit, "s": lines["seconds"]}
+        {
+            "row": lines["row"],
+            # the engine's time on the winner is at least that of its best run
+            "too_short": lines["seconds"] < attempts["best_run_s"] * (1 - _RELATIVE_ROUNDING),
+            "misfit": [not _contains(*pair) for pair in words],
+            "s": lines["seconds"],
+        }
     ).sort_values(["row", "too_short", "misfit", "s"], kind="stable")
-    winner = np.zeros(len(lines), dtype=bool)
-    winner[order.index[~order["row"].duplicated()]] = True
-    exists = _exists(attempts, lines["subproblem"].to_numpy())
+    winner = ~order["row"].duplicated().sort_index()
+    exists = _exists(attempts.assign(subproblem=lines["subproblem"]))
     names = np.where(winner, "restarts", np.where(exists, "losing words", KINDS[3]))
     return pd.Series(names, lines.index)
 
@@ -276,24 +221,16 @@ def _contains(word: str, subproblem: str) -> bool:
     return all(letter in letters for letter in word)
 
 
-def _has_path(scenario: Scenario, word: str) -> bool:
-    kind = kind_of(scenario)
-    return word not in kind.branches or kind.exists(scenario, word)
-
-
-def _exists(attempts: pd.DataFrame, subproblems: FloatArray) -> FloatArray:
+def _exists(lines: pd.DataFrame) -> list[bool]:
     """Whether each subproblem has a path; true of all that are no words, such as the joint model.
 
     The closed form decides, once for each scenario and word.
     """
-    pairs = pd.MultiIndex.from_arrays([attempts["scenario"].to_numpy(), subproblems])
-    place = pairs.factorize()[0]
-    _, first = np.unique(place, return_index=True)
-    columns: list[dict[Any, Any]] = attempts[list(COLUMNS)].iloc[first].to_dict("records")
-    words = subproblems[first]
-    known = [
-        word not in BRANCHES[1:] or _has_path(scenario_of(line), word)
-        for line, word in zip(columns, words, strict=True)
-    ]
-    every: FloatArray = np.array(known)[place]
-    return every
+    known: dict[tuple[Any, Any], bool] = {}
+    for line in lines.drop_duplicates(["scenario", "subproblem"]).to_dict("records"):
+        scenario = scenario_of(line)
+        kind = kind_of(scenario)
+        word = line["subproblem"]
+        exists = word not in kind.branches or kind.exists(scenario, word)
+        known[line["scenario"], word] = exists
+    return [known[pair] for pair in zip(lines["scenario"], lines["subproblem"], strict=True)]

@@ -7,14 +7,13 @@ Wilcoxon's signed rank test, and Holm's correction for many of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import bdtr, ndtr
+from scipy.special import bdtr
 
 from dubins_study.study.arrays import FloatArray
 
@@ -179,45 +178,27 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
 
 def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:
     """The first line of statistics (1 + resamples, columns), and the ends of the others."""
-    frame = pd.DataFrame(index=names)
-    frame["estimate"] = statistics[0]
-    frame["low"] = _quantiles(statistics[1:], _tail(of), np.floor)
-    frame["high"] = _quantiles(statistics[1:], 1 - _tail(of), np.ceil)
-    return frame
+    frame = pd.DataFrame(statistics, columns=names)
+    drawn = frame.iloc[1:]
+    # values that occur: no interpolation towards infinity
+    low = drawn.quantile(_tail(of), interpolation="lower")
+    high = drawn.quantile(1 - _tail(of), interpolation="higher")
+    return pd.DataFrame({"estimate": frame.iloc[0], "low": low, "high": high})
 
 
-@lru_cache(maxsize=8)
 def scenario_counts(scenarios: int, resamples: int, seed: int = 0) -> FloatArray:
     """How often each resample holds each scenario: whole numbers, shape (resamples, scenarios)."""
     if not scenarios:
         return np.zeros((resamples, 0))
     equal = np.full(scenarios, 1 / scenarios)
     counts = np.random.default_rng(seed).multinomial(scenarios, equal, resamples)
-    shared = counts.astype(np.float64)
-    shared.flags.writeable = False  # the cache hands it to every caller
-    return shared
+    return counts.astype(np.float64)
 
 
 def medians(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Medians of columns, each value as often as its weight says: a `Statistic`.
-
-    The mean of the two middle values of each ordered multiset. It counts in the values sorted once,
-    instead of sorting every resample.
-    """
-    counts = weights.astype(np.int32)
-    result = np.full((len(weights), values.shape[1]), np.nan)
-    for place, column in enumerate(values.T):
-        order = np.argsort(column, kind="stable")[: np.count_nonzero(~np.isnan(column))]
-        if not order.size:
-            continue
-        reached = np.cumsum(counts[:, order], axis=1, dtype=np.int32)
-        size = reached[:, -1:]
-        middles = []
-        for middle in ((size - 1) // 2, size // 2):  # one place if the size is odd
-            passed = np.count_nonzero(reached <= middle, axis=1)
-            middles.append(column[order][np.minimum(passed, order.size - 1)])
-        result[:, place] = np.where(size[:, 0] > 0, middles[0] / 2 + middles[1] / 2, np.nan)
-    return result
+    """Medians of columns, each value as often as its weight says: a `Statistic`."""
+    resamples = (np.repeat(values, counts, axis=0) for counts in weights.astype(int))
+    return np.array([pd.DataFrame(each).median() for each in resamples])
 
 
 def averages(values: FloatArray, weights: FloatArray) -> FloatArray:
@@ -242,22 +223,9 @@ def geometric_means(shift: float) -> Statistic:
     return means
 
 
-def _quantiles(statistics: FloatArray, q: float, rounding: np.ufunc) -> FloatArray:
-    """A quantile of each column that occurs in it: no interpolation towards infinity."""
-    ordered = np.sort(statistics, axis=0)  # NaN last
-    last = np.count_nonzero(~np.isnan(ordered), axis=0) - 1
-    places = np.clip(rounding(q * last), 0, None).astype(np.intp)
-    quantiles: FloatArray = np.take_along_axis(ordered, places[np.newaxis], axis=0)[0]
-    return quantiles
-
-
 # Two ratios of costs are tied if their logarithms agree to this many decimals: far finer than any
 # timer, and coarser than the rounding of logarithms.
 _TIE_DECIMALS = 12
-# Up to this many pairs the signed rank test is exact, as in scipy, but with ties as well: there
-# scipy writes out all sign patterns, a tenth of a second for 13 pairs. 2^50 patterns are counted
-# exactly.
-_EXACT_PAIRS = 50
 
 
 class PairedTest(NamedTuple):
@@ -293,11 +261,11 @@ def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
 
     Ranks the sizes of the logarithms and compares the rank sums of wins and losses, so that a
     tenfold win weighs more than a win by a tenth; a failure has the largest rank. Ties of costs are
-    left out, ties of ranks share their mean. Exact up to 50 pairs, above that normal with the
-    variance corrected for ties, as in `scipy.stats` (Wilcoxon 1945, "Individual comparisons by
-    ranking methods", Biometrics Bull. 1; recommended for two methods on many data sets by Demsar
-    2006, J. Mach. Learn. Res. 7, sec. 3.1.3). It assumes that without a difference the logarithms
-    are symmetric about 0; the sign test does not.
+    left out, ties of ranks share their mean. Exact for few pairs and else normal, as
+    `scipy.stats.wilcoxon` decides (Wilcoxon 1945, "Individual comparisons by ranking methods",
+    Biometrics Bull. 1; recommended for two methods on many data sets by Demsar 2006, J. Mach.
+    Learn. Res. 7, sec. 3.1.3). It assumes that without a difference the logarithms are symmetric
+    about 0; the sign test does not.
     """
     mine, rival = _known(costs, rival_costs)
     decided = mine != rival
@@ -307,9 +275,12 @@ def wilcoxon_test(costs: ArrayLike, rival_costs: ArrayLike) -> PairedTest:
     largest = (finite.max() if finite.size else 0.0) + 1.0
     logs = np.clip(logs, -largest, largest)
     logs = logs[logs != 0]
-    ranks = np.asarray(pd.Series(np.abs(logs)).rank(), dtype=np.float64)  # ties share their mean
-    p = _exact_p(ranks, logs > 0) if logs.size <= _EXACT_PAIRS else _normal_p(ranks, logs > 0)
-    return PairedTest(*_counts(mine, rival), p)
+    if not logs.size:
+        return PairedTest(*_counts(mine, rival), 1.0)
+    # it takes a second to load
+    from scipy.stats import wilcoxon
+
+    return PairedTest(*_counts(mine, rival), float(wilcoxon(logs).pvalue))
 
 
 def _known(costs: ArrayLike, rival_costs: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -323,33 +294,6 @@ def _counts(mine: FloatArray, rival: FloatArray) -> tuple[int, int, int, int]:
     """Pairs, wins, losses, ties."""
     wins, losses = int(np.sum(mine < rival)), int(np.sum(mine > rival))
     return mine.size, wins, losses, mine.size - wins - losses
-
-
-def _exact_p(ranks: FloatArray, positive: np.ndarray) -> float:
-    """The share of sign patterns whose rank sum is as far from its mean, on either side.
-
-    Patterns are counted by their sum of doubled ranks, which are whole numbers with ties too:
-    adding a rank to the patterns so far shifts their counts by it.
-    """
-    doubled = np.rint(2 * ranks).astype(np.intp)
-    total, reached = int(doubled.sum()), int(doubled[positive].sum())
-    patterns = np.zeros(total + 1)
-    patterns[0] = 1.0
-    for rank in doubled:
-        patterns[rank:] = patterns[rank:] + patterns[:-rank]
-    tail = patterns[: min(reached, total - reached) + 1].sum() / 2.0**ranks.size
-    return min(1.0, 2 * float(tail))
-
-
-def _normal_p(ranks: FloatArray, positive: np.ndarray) -> float:
-    """The same share for many pairs, whose rank sum is nearly normal.
-
-    With random signs the sum of the positive ranks has the mean sum(r) / 2 and the variance
-    sum(r^2) / 4; ties are in the ranks already. It is `scipy.stats.wilcoxon` in two lines: to
-    import scipy.stats takes longer than all tests of a report.
-    """
-    off = ranks[positive].sum() - ranks.sum() / 2
-    return 2 * float(ndtr(-abs(off) / np.sqrt((ranks**2).sum() / 4)))
 
 
 def holm(p_values: ArrayLike) -> FloatArray:

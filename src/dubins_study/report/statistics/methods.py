@@ -199,9 +199,9 @@ T = TypeVar("T")
 class Compared:
     """Cold attempts of engines that could be called, and the time limit of an attempt.
 
-    `rows` has most columns of the schema, and question and scenario (whole numbers), right (the
-    check accepts the answer, and an engine gave it) and stratum (the scenario's label). `methods`
-    is the frame of `methods_of`; `strata` are in the order of the experiment's file.
+    `rows` has most columns of the schema, and question and scenario (whole numbers) and right (the
+    check accepts the answer, and an engine gave it). `methods` is the frame of `methods_of`;
+    `strata` are in the order of the experiment's file.
     """
 
     rows: pd.DataFrame
@@ -269,10 +269,9 @@ def compared(results: Results) -> Compared | None:
         scenario=pd.factorize(kept["scenario_id"])[0],
         right=success(kept),
         presolved=presolved(kept),
-        stratum=kept["label"].fillna(""),
         **{str(name): kept["solver"].map(values) for name, values in stated.items()},
     )
-    strata = tuple(stratum_order(results, kept["stratum"]))
+    strata = tuple(stratum_order(results, kept["label"].fillna("")))
     return Compared(kept, methods, _limit(kept), strata)
 
 

@@ -98,26 +98,16 @@ def _load(averages: Sequence[float] | None) -> str:
 
 
 def runs_section(results: Results) -> Section | None:
-    """The table of runs, and a sentence for each run that varied."""
+    """The table of runs, and of the times of other machines."""
     frame = runs(results.folders)
     if frame.empty:
         return None
     text = (
         "While a run goes on, a small fixed piece of work is timed in its worker processes every "
         "couple of seconds. How much that varied, from its 5th to its 95th percentile over the "
-        "median, bounds what differences in time mean. "
+        "median, bounds what differences in time mean: those that are smaller say nothing. A dash: "
+        "the run was too short to tell."
     )
-    noisy = frame[frame["spread"] > NOISY]
-    if len(noisy):
-        text += " ".join(
-            f"Run {run['run']} of {run['experiment']} varied by {share(run['spread'])}: its "
-            "machine was not quiet, and times of it that differ by less say nothing."
-            for run in noisy.to_dict("records")
-        )
-    elif frame["spread"].notna().any():
-        text += f"No run varied by more than {share(NOISY)}."
-    else:
-        text += "No run here was long enough to tell."
     shown = (
         *columns(kind="code", experiment="experiment", run="run"),
         *columns(_minute, kind="text", started="started (UTC)"),

@@ -16,13 +16,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import columns, marks
-from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
+from dubins_study.report.elements.content import Picture, Section, Topic, panels_picture
 from dubins_study.report.elements.formats import count, sentences, share, slug
 from dubins_study.report.elements.looks import names_of
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import MAP_PAPER
-from dubins_study.report.statistics.metrics import by_solver, parse_spec, solver_order
+from dubins_study.report.statistics.metrics import parse_spec, solver_order
 from dubins_study.report.topics.maps import kind_maps
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
@@ -48,24 +47,12 @@ MARKS = (
 )
 ENDS = tuple(mark.key for mark in MARKS)
 
-COLUMNS = (
-    *columns(kind="text", label="scenario"),
-    *columns(kind="text", called="engine"),
-    *columns(lambda capped: "≤ 2π" if capped else "free", kind="text", capped="turns"),
-    *columns(count, guesses="guesses"),
-    *columns(share, optimal="shortest"),
-    *columns(count, **{TURNS: "with full turns", OTHER: "other minimum"}),
-    *columns(count, turns_1="1 turn too many", turns_2="2", turns_more="more"),
-    *columns(count, **{INFEASIBLE: "“no path”", FALSE_MINIMUM: "“minimum”"}),
-    *columns(count, **{FALSE_PATH: "“path”", GIVES_UP: "gives up"}),
-)
 # Claim that the check refutes -> what it says.
 REFUTED = {
     INFEASIBLE: "that no path exists where one does",
     FALSE_MINIMUM: "that a point is a minimum, though no minimum has its length",
     FALSE_PATH: "that a path arrives, though it misses the target",
 }
-_TURNED = ["turns_1", "turns_2", "turns_more"]
 _QUARTER_TURNS = ("0", "π/2", "π", "3π/2", "2π")
 _WORDS = ("LS", "RS", "LR")  # the joint model in the order LRS has no RL
 _ACROSS = 3  # maps side by side
@@ -133,46 +120,31 @@ def is_capped(solver: str) -> bool:
     return parse_spec(solver)[1].get("capped", "True").lower() == "true"
 
 
-def shares(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per scenario and solver, from `ends`: the columns `COLUMNS` besides `called`.
+def told(table: pd.DataFrame) -> dict[str, float]:
+    """How often the optimum is reached, full turns are needless, and claims are refuted."""
+    return {
+        "optimal": (table["end"] == OPTIMUM).mean(),
+        "turned": (table["turns"] > 0).mean(),
+        "refuted": table["end"].isin(list(REFUTED)).sum(),
+    }
 
-    And solver, name (without settings), turns_1, turns_2, turns_more (minima with 1, 2 or more
-    needless full turns, of any word), most_turns, refuted (number of claims).
+
+def capping(table: pd.DataFrame) -> dict[bool, dict[str, float]]:
+    """What is told without (False) and with a bound on turns, of the solvers that ran with both.
+
+    Empty if there is no such solver.
     """
-    turns = table["turns"].fillna(0)
-    kinds = {end: table["end"] == end for end in ENDS}
-    kinds |= {"turns_1": turns == 1, "turns_2": turns == 2, "turns_more": turns > 2}
-    groups = table.assign(most_turns=turns, **kinds).groupby(["label", "solver"])
-    frame = groups[list(kinds)].sum()
-    frame["guesses"] = groups.size()
-    frame["most_turns"] = groups["most_turns"].max()
-    frame["optimal"] = frame[OPTIMUM] / frame["guesses"]
-    frame["refuted"] = frame[list(REFUTED)].sum(axis="columns")
-    frame = by_solver(frame.reset_index())
-    frame["name"] = [parse_spec(solver)[0] for solver in frame["solver"]]
-    frame["capped"] = frame["solver"].map(is_capped)
-    return frame.sort_values("label", kind="stable", ignore_index=True)
-
-
-def capping(table: pd.DataFrame) -> pd.DataFrame:
-    """The effect of a bound on turns, for the solvers of `shares` that ran with and without it.
-
-    Index capped (False, True; empty if there is no such solver); columns optimal and turned (shares
-    of the attempts that end in the shortest path, and in a minimum with full turns), refuted
-    (number of claims).
-    """
-    both = table.groupby("name")["capped"].transform("nunique") == 2
-    total = table[both].groupby("capped").sum(numeric_only=True)
-    turned = total[_TURNED].sum(axis="columns") / total["guesses"]
-    optimal = total[OPTIMUM] / total["guesses"]
-    return pd.DataFrame({"optimal": optimal, "turned": turned, "refuted": total["refuted"]})
+    capped = table["solver"].map(is_capped)
+    names = table["solver"].map(lambda spec: parse_spec(spec)[0])
+    both = table[capped.groupby(names).transform("nunique") == 2]
+    return {bounded: told(rows) for bounded, rows in both.groupby(capped)}
 
 
 def basins_section(results: Results) -> Section | None:
-    """A map per scenario and solver, a table of ends, and sentences about them.
+    """A map per scenario and solver, and sentences about them.
 
     If solvers with unbounded turns were run, maps and sentences show only these, since that is the
-    paper's model; the table shows all solvers.
+    paper's model.
     """
     table = ends(results.rows[results.rows["branch"] == "best"])
     if table.empty:
@@ -180,33 +152,20 @@ def basins_section(results: Results) -> Section | None:
     free = table[~table["solver"].map(is_capped)]
     mapped = table if free.empty else free
     names = _names(results, table["solver"].unique().tolist())
-    counts = shares(table)
-    counts["called"] = counts["solver"].map(names)
     straights = " and ".join(f"{z3:g}" for z3 in sorted(table["z3"].unique()))
     text = sentences(
         "Each solver is given the paper's model unsplit, L(z₁) R(z₂) S(z₃) with turns of any "
         "length, and one initial guess from a grid over z₁ and z₂; z₃ is "
         f"{straights} radii. Every local minimum of this model is LS, RS or LR with a number of "
         "full turns added, so an end is known by its length.",
-        _found(counts[counts["solver"].isin(mapped["solver"])]),
-        _cap(capping(counts)),
+        _found(mapped),
+        _cap(capping(table)),
     )
     lead = (
         "Every point of a map is an initial guess, its colour the path that a solver reaches from "
         "there: only the palest colour is the shortest path."
     )
-    shown = Table(
-        "basins",
-        "Ends by solver and scenario. Turns too many are counted in minima of any word. In "
-        "quotation marks what the solver says and the check refutes: that no path exists, that a "
-        "point is a minimum, that a path arrives. A point that its solver does not call a solution "
-        "counts as giving up, unless it is the shortest path.",
-        counts,
-        COLUMNS,
-        marks(counts, *REFUTED),
-        numbers=("solver",),
-    )
-    blocks: tuple[Picture | Table, ...] = (*_pictures(mapped, names), shown)
+    blocks = tuple(_pictures(mapped, names))
     return Section("basins", "Where initial guesses lead", text, blocks, lead)
 
 
@@ -221,27 +180,27 @@ def _names(results: Results, solvers: list[str]) -> dict[str, str]:
 
 def _found(table: pd.DataFrame) -> str:
     """How often the optimum is reached, and what the check refutes, over all solvers."""
-    total = table.sum(numeric_only=True)
-    turned = total[_TURNED].sum() / total["guesses"]
+    found = told(table)
+    most = table["turns"].fillna(0).max()
     refuted = "No solver said anything that the check refutes."
-    if total["refuted"]:
-        parts = [f"{count(total[end])} times {what}" for end, what in REFUTED.items() if total[end]]
-        refuted = f"{count(total['refuted'])} statements are refuted: {'; '.join(parts)}."
+    if found["refuted"]:
+        numbers = table["end"].value_counts()
+        parts = [f"{count(numbers[end])} times {REFUTED[end]}" for end in REFUTED if end in numbers]
+        refuted = f"{count(found['refuted'])} statements are refuted: {'; '.join(parts)}."
     return sentences(
-        f"The shortest path is found from {share(total[OPTIMUM] / total['guesses'])} of the "
-        f"initial guesses; {share(turned)} of all attempts end in a minimum with full turns in it, "
-        f"with up to {count(table['most_turns'].max())} of them: nothing in the model says that "
-        "these are useless.",
+        f"The shortest path is found from {share(found['optimal'])} of the initial guesses; "
+        f"{share(found['turned'])} of all attempts end in a minimum with full turns in it, with up "
+        f"to {count(most)} of them: nothing in the model says that these are useless.",
         refuted,
     )
 
 
-def _cap(change: pd.DataFrame) -> str:
+def _cap(change: Mapping[bool, dict[str, float]]) -> str:
     """What a bound on turns changes; empty if no solver ran with it and without it."""
-    if change.empty:
+    if not change:
         return ""
-    free = change.loc[False]
-    bounded = change.loc[True]
+    free = change[False]
+    bounded = change[True]
     return (
         "From the same initial guesses, but with every turn bounded by a full one, the share that "
         f"ends with full turns is {share(bounded['turned'])} instead of {share(free['turned'])}, "

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -22,19 +19,12 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, sentences, share, some
-from dubins_study.report.elements.identity import (
-    best_first,
-    interval_column,
-    interval_keys,
-    method_table,
-)
+from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.plots import Mark, stacked_shares
 from dubins_study.report.elements.style import BLUE, RULE, VERMILION
-from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import Compared, compared, once
-from dubins_study.report.topics.summary import best_solvers
-from dubins_study.study.scenario_frame import number_text, solve_command
+from dubins_study.report.topics.failures import plainest
+from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Outcome
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
@@ -96,25 +86,15 @@ def claims(compared: Compared) -> pd.DataFrame:
     return rows.assign(truth=truth, proof=proof.where(false | high), excess=excess)
 
 
-_ENDS = ("share", "low", "high")
+def beliefs(rows: pd.DataFrame) -> pd.DataFrame:
+    """By solver: questions, and the share of each of `TRUTHS` among its `claims`.
 
-
-def beliefs(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """The shares of each worth among `claims`, by groups of some columns; the unit is the question.
-
-    Indexed by group. questions; a share for each of `TRUTHS`: the mean over questions of the share
-    of its repeats; Wilson's interval of each (`true_low`, ...) for as many trials as there are
-    questions; and one count of attempts for each of `PROOFS`.
+    A share is the mean over questions of the share of its repeats.
     """
-    parts: dict[str, pd.Series[Any]] = {}
-    for name in TRUTHS:
-        hits = rows.assign(hit=rows["truth"] == name)
-        shares = scenario_shares(hits, by=keys, success="hit", scenario=["question"])
-        parts |= dict(zip(interval_keys(name), (shares[k] for k in _ENDS), strict=True))
-        parts["questions"] = shares["trials"]
-    frame = pd.DataFrame(parts)
-    kinds = pd.get_dummies(rows["proof"]).reindex(columns=list(PROOFS), fill_value=False)
-    return frame.join(kinds.groupby([rows[key] for key in keys]).sum())
+    worths = pd.get_dummies(rows["truth"]).reindex(columns=list(TRUTHS), fill_value=False)
+    by_question = worths.groupby([rows["solver"], rows["question"]]).mean()
+    groups = by_question.groupby("solver")
+    return groups.mean().assign(questions=groups.size())
 
 
 def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -124,17 +104,12 @@ def false_proofs(rows: pd.DataFrame) -> pd.DataFrame:
     bound); of the example its scenario, lengths, tolerance and command.
     """
     false = rows[rows["proof"].notna()]
-    order = false.assign(
-        # few characters of a round number
-        digits=false[[*SCENARIO]].map(lambda value: len(number_text(value))).sum(axis=1),
-        distance=np.hypot(false["target_x"] - false["x"], false["target_y"] - false["y"])
-        / false["radius"],
-        place=false["proof"].map({name: place for place, name in enumerate(PROOFS)}),
-    ).sort_values(["place", "digits", "distance"], kind="stable")
-    groups = order.groupby(["solver", "proof"], sort=False)
+    order = plainest(false, ["solver", "proof"])
+    order = order.sort_values("proof", key=lambda proof: proof.map(PROOFS.index), kind="stable")
+    groups = false.groupby(["solver", "proof"])
     kept = [*SCENARIO, *(name for name in ROUTE if name in order), "branch", "profile"]
     kept += ["lower_bound", "length", "reference_high", "tolerance"]
-    frame = order.drop_duplicates(["solver", "proof"])[["solver", "proof", *kept]]
+    frame = order[["solver", "proof", *kept]]
     counts = groups.agg(attempts=("question", "size"), questions=("question", "nunique"))
     counts["most"] = groups["excess"].max()
     frame = frame.join(counts, on=["solver", "proof"])
@@ -155,7 +130,7 @@ def belief_section(results: Results) -> Section | None:
     if rows.empty:
         return None
     names = attempts.methods
-    table = names.join(beliefs(rows, ["solver"]), how="inner")
+    table = names.join(beliefs(rows), how="inner")
     table["attempts"] = rows[rows["truth"] == FALSE].groupby("solver").size()
     table["attempts"] = table["attempts"].fillna(0)
     sizes = rows.groupby("experiment")["question"].nunique()
@@ -163,10 +138,7 @@ def belief_section(results: Results) -> Section | None:
     # by the suites that ask it
     table["askable"] = suites["experiment"].map(sizes).groupby(suites["solver"]).sum()
     false = false_proofs(rows)
-    blocks: list[Picture | Table] = [
-        _picture(table),
-        *best_first(_belief_table(table), table.index, best_solvers(results)),
-    ]
+    blocks: list[Picture | Table] = [_picture(table)]
     if len(false):
         blocks.append(_proof_table(false, names))
     text = sentences(
@@ -223,20 +195,6 @@ def _bars(shown: pd.DataFrame, *, narrow: bool) -> Figure:
     return stacked_shares(drawn, MARKS, "share of questions", narrow=narrow)
 
 
-def _belief_table(table: pd.DataFrame) -> Table:
-    shown = (
-        *columns(count, questions="questions"),
-        *(interval_column(name, name) for name in TRUTHS),
-    )
-    caption = (
-        "Shares of questions (one with a false claim in one of three repeats counts a third) with "
-        "Wilson's 95 % intervals for as many trials as there are questions."
-    )
-    made = method_table("belief", caption, table, shown, **dict.fromkeys(TRUTHS, share))
-    bad = {(row, "false_text"): "bad" for row, value in enumerate(table["false"]) if value}
-    return replace(made, marks=bad, numbers=(*made.numbers, *PROOFS))
-
-
 def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
     frame = names.reindex(false["solver"]).reset_index(drop=True)
     frame = frame.join(false.reset_index(drop=True)).head(_MOST_EXAMPLES)
@@ -251,11 +209,11 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        "False claims by name, each with its plainest example: the one with the roundest numbers, "
-        "then the nearest target. Above the shortest length by its tolerance: relative to it by at "
-        "most ten times the feasibility that the engine was asked for, which counts as true to its "
-        "tolerance. Lengths in the scenario's unit; the shortest length is the upper end of its "
-        "proven bounds. The command repeats the example."
+        "False claims by name, each with the example of the nearest target. Above the shortest "
+        "length by its tolerance: relative to it by at most ten times the feasibility that the "
+        "engine was asked for, which counts as true to its tolerance. Lengths in the scenario's "
+        "unit; the shortest length is the upper end of its proven bounds. The command repeats the "
+        "example."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 

@@ -17,10 +17,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Section, Table, Topic, picture
-from dubins_study.report.elements.formats import count, digits, sentences
-from dubins_study.report.elements.looks import LINES
+from dubins_study.report.elements.content import Section, Topic, picture
+from dubins_study.report.elements.formats import count, digits, sentences, some
+from dubins_study.report.elements.looks import LINES, labels_of
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import BLUE, MUTED, VERMILION, log_axis
 from dubins_study.report.statistics.metrics import fitted_order, parse_spec
@@ -32,20 +31,6 @@ _MU_INIT, _KAPPA, _THETA, _FLOOR = 0.1, 0.2, 1.5, 1 / 11
 _ROUNDING = 1e-15  # rad; a smaller turn is rounding
 _FOLLOWS = 0.1  # largest |ratio - 1| that confirms the prediction
 
-BARRIERS = (
-    *columns(digits(3), mu="μ"),
-    *columns(kind="text", by="chosen by"),
-    *columns(count, attempts="radii"),
-    *columns(digits(5), slope="slope", ratio_low="z₂ / predicted, least", ratio_high="most"),
-    *columns(digits(3), excess_low="excess / (μ/3), least", excess_high="most"),
-    *columns(count, failed="“failed”"),
-)
-OTHERS = (
-    SOLVER,
-    *columns(count, attempts="radii", exact="no turn at all"),
-    *columns(digits(2), least="least z₂ / R", most="most", gap="largest gap"),
-    *columns(count, limits="stopped by a limit"),
-)
 # Whether a setting gives the barrier -> the mark of an attempt.
 MARKS = {
     True: Mark("told", "Ipopt told to stop at μ", BLUE, "o", filled=False),
@@ -106,45 +91,6 @@ def slope(table: pd.DataFrame) -> float:
     return -fitted_order(table["predicted"], table["z2"], floor=0.0)
 
 
-def by_barrier(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver with a barrier, from `left_over`, sorted by falling barrier.
-
-    Columns: solver, those of `BARRIERS`, barrier_set. The slope is that of log z2 against log
-    predicted over the radii; low and high are the smallest and the largest value.
-    """
-    known = table[table["mu"].notna()]
-    groups = known.assign(failed=known["claim"] == "failed").groupby("solver", sort=False)
-    frame = groups.agg(
-        mu=("mu", "first"),
-        barrier_set=("barrier_set", "first"),
-        attempts=("mu", "size"),
-        ratio_low=("ratio", "min"),
-        ratio_high=("ratio", "max"),
-        excess_low=("excess_ratio", "min"),
-        excess_high=("excess_ratio", "max"),
-        failed=("failed", "sum"),
-    )
-    frame["by"] = frame["barrier_set"].map({True: "told", False: "its defaults"})
-    frame["slope"] = pd.Series({s: slope(g) for s, g in groups}, dtype=float)
-    return frame.reset_index().sort_values("mu", ascending=False, ignore_index=True)
-
-
-def without_barrier(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver without a known barrier, from `left_over`: the columns `OTHERS`."""
-    others = table[table["mu"].isna()]
-    turn = others["z2"] / others["radius"]
-    measured = others.assign(turn=turn, exact=turn == 0, limit=others["claim"] == "limit")
-    frame = measured.groupby("solver").agg(
-        attempts=("turn", "size"),
-        exact=("exact", "sum"),
-        least=("turn", "min"),
-        most=("turn", "max"),
-        gap=("gap", "max"),
-        limits=("limit", "sum"),
-    )
-    return frame.reset_index()
-
-
 def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
     """Draw the remaining turn against its prediction, and the line where they are equal.
 
@@ -163,7 +109,7 @@ def plot_bias(ax: Axes, table: pd.DataFrame) -> None:
 
 
 def bias_section(results: Results) -> Section | None:
-    """The remaining turn against its prediction, and the turn that other methods leave."""
+    """The remaining turn against its prediction."""
     table = left_over(results)
     table = table[(table["branch"] == "best") & table["z2"].notna()]
     with_barrier = table[table["mu"].notna()]
@@ -175,6 +121,7 @@ def bias_section(results: Results) -> Section | None:
         "z₂³ / (3 R²), so a barrier −μ ln z₂ stops the turn at z₂ = (μ R²)^(1/3), where the "
         "length is μ / 3 too long.",
         _prediction(with_barrier),
+        _without_barrier(table[table["mu"].isna()], results),
     )
     lead = (
         "Marks on the dashed line confirm the prediction: how much turn an interior-point solver "
@@ -190,24 +137,7 @@ def bias_section(results: Results) -> Section | None:
         height=3.9,
         legend=1,
     )
-    barriers = Table(
-        "bias",
-        "Ipopt by the barrier that it stops at, over the radii: slope of log z₂ against the "
-        "prediction's logarithm, ratio of z₂ to it, and by how much the path is longer than the "
-        "shortest, over μ / 3. In quotation marks: attempts that the solver calls failed.",
-        by_barrier(table),
-        BARRIERS,
-    )
-    others = Table(
-        "bias-methods",
-        "Methods that are told no barrier. On the unsplit model (joint) a multiplier of zero "
-        "gives an active-set method no reason to put the turn at its bound; with one turn "
-        "fixed at zero, as the paper's Algorithm 1 does, the other turn can be left out.",
-        without_barrier(table),
-        OTHERS,
-    )
-    blocks = (figure, barriers, others) if len(others.frame) else (figure, barriers)
-    return Section("bias", "The interior-point bias in the segments", text, blocks, lead)
+    return Section("bias", "The interior-point bias in the segments", text, (figure,), lead)
 
 
 def _prediction(with_barrier: pd.DataFrame) -> str:
@@ -219,9 +149,24 @@ def _prediction(with_barrier: pd.DataFrame) -> str:
         comparison = f"does not follow this everywhere: it is up to a relative {shown} away"
     failed = int((with_barrier["claim"] == "failed").sum())
     failures = f", though the solver calls {failed} of them failures" if failed else ""
+    excess = with_barrier["excess_ratio"]
     return (
         f"Over {count(len(with_barrier))} attempts z₂ {comparison}; the slope in logarithms is "
-        f"{digits(5)(slope(with_barrier))}{failures}."
+        f"{digits(5)(slope(with_barrier))}{failures}. By how much the paths are longer than the "
+        f"shortest is {digits(3)(excess.min())} to {digits(3)(excess.max())} times μ / 3."
+    )
+
+
+def _without_barrier(others: pd.DataFrame, results: Results) -> str:
+    """How much turn methods leave that are told no barrier; empty if there are none."""
+    if others.empty:
+        return ""
+    most = (others["z2"] / others["radius"]).groupby(others["solver"]).max()
+    worst = labels_of(results)[str(most.idxmax())]
+    return (
+        "A multiplier of zero gives an active-set method no reason to put the turn at its bound: "
+        f"of {some(len(most), 'method')} without a barrier {count((most == 0).sum())} leave none, "
+        f"and {worst} leaves up to {digits(2)(most.max())} R."
     )
 
 

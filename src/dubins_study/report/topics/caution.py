@@ -7,13 +7,11 @@ import pandas as pd
 from dubins_study.report.data.attempts import EXACT, legs_of
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import BENCHMARK, General, Section, Table, Topic
+from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
 from dubins_study.report.statistics.intervals import wilson_interval
 from dubins_study.report.statistics.methods import Compared, compared
-from dubins_study.report.topics.findings import WARNINGS, findings
-from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Evidence, Finding
-from dubins_study.report.topics.ladder import profits_from_its_miss
+from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Finding
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import FORMULATIONS, Outcome
 
@@ -87,29 +85,6 @@ def stopped_attempts(attempts: Compared) -> Finding | None:
     )
 
 
-def shorter_paths(attempts: Compared) -> Finding | None:
-    """Right answers that are shorter than any path to the target itself.
-
-    Arriving allows a miss. A path that stops on a turning circle beside its target is then right,
-    and much shorter where the length jumps.
-    """
-    rows = attempts.answerable[attempts.answerable["right"]]
-    shorter = rows[profits_from_its_miss(rows)]
-    if shorter.empty:
-        return None
-    most = float((shorter["reference_low"] / shorter["length"]).max())
-    scenarios = some(shorter["scenario_id"].nunique(), "scenario")
-    return Finding(
-        f"Do not take every right answer for the shortest path to the target itself: "
-        f"{some(len(shorter), 'right answer')} at {scenarios} next to a turning circle use the "
-        f"miss that arriving allows, and are up to {digits(2)(most)} times shorter.",
-        _exactly(len(shorter)),
-        "attempts",
-        some(len(rows), "right answer"),
-        "Formulation by engine: strata",
-    )
-
-
 def proved_routes(attempts: Compared) -> Finding | None:
     """That all routes are ones which the search closes, if they are."""
     rows = attempts.answerable[legs_of(attempts.answerable) > 1]
@@ -157,16 +132,11 @@ def caution_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    every: list[Finding | None] = []
-    # As the findings, from a benchmark only: elsewhere the methods met different questions.
-    if any(folder.section == BENCHMARK for folder in results.folders):
-        every += findings(Evidence(attempts), WARNINGS)
-    every += [
+    every: list[Finding | None] = [
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
         proved_routes(attempts),
-        shorter_paths(attempts),
         missing_pairs(results, attempts),
     ]
     shown = (

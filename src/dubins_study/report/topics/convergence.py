@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,32 +9,19 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import columns
-from dubins_study.report.elements.content import Picture, Section, Table, Topic
-from dubins_study.report.elements.formats import count, digits, seconds, slug
+from dubins_study.report.elements.content import Picture, Section, Topic
+from dubins_study.report.elements.formats import digits, slug
 from dubins_study.report.elements.looks import Palette, figure_names, labels_of
 from dubins_study.report.elements.plots import parameter_lines
 from dubins_study.report.statistics import metrics
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.study.tolerances import DEFAULT
 
 # Method -> the setting that controls its fineness.
 SIZES = {"turn-rate-qp": "n", "heading-milp": "headings", "collocation": "n"}
 PLACES = ("outside", "in a disc")
-_WHERE = {"outside": "outside the discs", "in a disc": "in a disc"}
-GOAL = DEFAULT.gap  # up to which the check says optimal by default
 # Below these values no order is visible: a gap is rounding, a miss is within Ipopt's tolerance.
 FLOOR = {"gap": 1e-13, "miss": 1e-9}
 Settings = Mapping[str, Mapping[str, Any]]  # spec -> its settings, as a manifest holds them
-ORDERS = (
-    *columns(kind="text", label="method"),
-    *columns(kind="text", place="where", measure="of the"),
-    *columns(count, scenarios="targets"),
-    *columns(digits(3), order="order p", least="least", most="most"),
-    *columns(count, wrong="wrong basins", finest="finest N"),
-    *columns(digits(3), value="median there"),
-    *columns(seconds, wall_s="median time", goal_s="time to 1e-4"),
-)
 # Measure -> name of the figures, axis, caption.
 _FIGURES = {
     "gap": (
@@ -57,8 +43,8 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """The attempts of methods that can be refined, with the value measured for each.
 
     Columns series (the method and all settings in its spec except the size; categories in the order
-    of tables), solver, size, place (categories), scenario_id, measure (`gap`, or `miss` in radii
-    for uncorrected collocation), value (infinite if there is none), wrong_basin and wall_s (s).
+    of tables), solver, size, place (categories), measure (`gap`, or `miss` in radii for uncorrected
+    collocation) and value (infinite if there is none).
     """
     sizes = sizes_of(rows, settings)
     group = rows[rows["solver"].isin(list(sizes)) & rows["region"].notna()]
@@ -73,11 +59,8 @@ def refined(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
             "solver": group["solver"],
             "size": group["solver"].map(sizes).astype("int64"),
             "place": pd.Categorical(where, PLACES),
-            "scenario_id": group["scenario_id"],
             "measure": np.where(raw, "miss", "gap"),
             "value": group["gap"].clip(lower=0).mask(raw, miss).fillna(np.inf),
-            "wrong_basin": group["wrong_basin"].astype(bool),
-            "wall_s": group["wall_s"],
         }
     )
 
@@ -116,70 +99,39 @@ _LINE = ["measure", "series", "place"]
 def medians(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per series, place and size, from the attempts that `refined` returns.
 
-    Columns measure, series, place, size, solver (a spec of the series, the same at all sizes),
-    value (median, infinite if half have none) and wall_s (median, s).
+    Columns measure, series, place, size, solver (a spec of the series, the same at all sizes) and
+    value (median, infinite if half have none).
     """
     first = attempts.groupby("series")["solver"].first()
     groups = attempts.groupby([*_LINE, "size"])
-    value = groups["value"].agg(metrics.upper_quantile, q=0.5)
-    frame = pd.DataFrame({"value": value, "wall_s": groups["wall_s"].median()}).reset_index()
-    return frame.assign(solver=frame["series"].map(first))
+    frame = groups["value"].agg(metrics.upper_quantile, q=0.5).reset_index()
+    return frame.assign(solver=frame["series"].map(first).astype(object))
 
 
-def orders(attempts: pd.DataFrame) -> pd.DataFrame:
-    """One row per series and place, from the attempts that `refined` returns.
-
-    Columns series, solver and those of `ORDERS` without label: order p of median ~ size^-p, over
-    the sizes at which the median falls; least and most of single scenarios over the same sizes,
-    without answers in a wrong basin; value and wall_s at the finest size; goal_s at the smallest
-    size from which on the median gap is at most 1e-4, NaN if there is no such size.
-    """
-    groups = attempts.groupby(_LINE)
-    lines = medians(attempts).groupby(_LINE)
-    return pd.DataFrame([_order(line, groups.get_group(key)) for key, line in lines])
+def orders(table: pd.DataFrame) -> pd.DataFrame:
+    """`medians` with a column order: p of median ~ size^-p, over the sizes at which it falls."""
+    lines = [
+        line.assign(order=_order(line, FLOOR[str(measure)]))
+        for (measure, _, _), line in table.groupby(_LINE)
+    ]
+    return pd.concat(lines)
 
 
-def _order(line: pd.DataFrame, attempts: pd.DataFrame) -> dict[str, object]:
-    """One row of `orders`, from the medians with rising size and the attempts behind them."""
-    last = line.iloc[-1]
-    floor = FLOOR[last["measure"]]
+def _order(line: pd.DataFrame, floor: float) -> float:
     # up to the smallest value: beyond it the engine's own accuracy decides
     falls = line.iloc[: int(line["value"].to_numpy().argmin()) + 1]
-    fitted = attempts[attempts["size"].isin(falls["size"]) & ~attempts["wrong_basin"]]
-    singly = pd.Series(
-        [
-            metrics.fitted_order(rows["size"], rows["value"], floor)
-            for _, rows in fitted.groupby("scenario_id")
-        ],
-        dtype=float,
-    )
-    within = line["value"][::-1].le(GOAL).cummin()[::-1]
-    return {
-        **last[["measure", "series", "place", "solver", "value", "wall_s"]],
-        "scenarios": attempts["scenario_id"].nunique(),
-        "order": metrics.fitted_order(falls["size"], falls["value"], floor),
-        "least": singly.min(),
-        "most": singly.max(),
-        "wrong": int(attempts["wrong_basin"].sum()),
-        "finest": int(last["size"]),
-        "goal_s": next(iter(line["wall_s"][within]), math.nan),
-    }
+    return metrics.fitted_order(falls["size"], falls["value"], floor)
 
 
 def convergence_section(results: Results) -> Section | None:
-    """Value against size with the fitted order, and the table of orders."""
+    """Value against size with the fitted order."""
     attempts = refined(results.rows, results.settings)
     if attempts.empty:
         return None
-    fits = orders(attempts)
-    fits["label"] = fits["solver"].map(_named(fits["solver"].drop_duplicates(), labels_of(results)))
-    pictures = _pictures(medians(attempts), fits, Palette.of_page(results))
-    caption = (
-        "Order p of median ~ 1/N^p, and the least and largest order of single targets over the "
-        "same N: where a switch falls between two steps moves every single gap. Answers in a "
-        "wrong basin, counted for all N, measure no order and only enter the medians."
-    )
-    table = Table("convergence", caption, fits, ORDERS, numbers=("series",))
+    lines = orders(medians(attempts))
+    named = _named(lines["solver"].drop_duplicates(), labels_of(results))
+    lines["label"] = lines["solver"].map(named)
+    pictures = _pictures(lines, Palette.of_page(results))
     text = (
         "A held turn rate costs the integral of |ν₃ Δu| over the steps in which it should have "
         "switched. ν₃ leaves zero quadratically where an arc meets a straight and linearly where "
@@ -191,12 +143,11 @@ def convergence_section(results: Results) -> Section | None:
         "Read the slope of a line: with twice the steps the gap falls by 2 to the power p, outside "
         "the turning circles faster than inside."
     )
-    return Section("convergence", "Order of convergence", text, (*pictures, table), lead)
+    return Section("convergence", "Order of convergence", text, tuple(pictures), lead)
 
 
-def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list[Picture]:
+def _pictures(lines: pd.DataFrame, palette: Palette) -> list[Picture]:
     """Value against size, by measure and place."""
-    lines = table.merge(fits[[*_LINE, "order", "label"]])
     lines["place"] = pd.Categorical(lines["place"], PLACES)
     order = lines["order"].map(digits(3), na_action="ignore")
     lines["name"] = (lines["label"] + ": p = " + order).fillna(lines["label"])
@@ -206,7 +157,7 @@ def _pictures(table: pd.DataFrame, fits: pd.DataFrame, palette: Palette) -> list
         stem, ylabel, text = _FIGURES[str(measure)]
         axes = ("steps, headings or elements N", ylabel)
         figure = parameter_lines(group, "size", "value", palette, *axes, height=3.7)
-        caption = f"Targets {_WHERE[str(place)]}: {text}"
+        caption = f"Targets {place}: {text}"
         name = f"{stem}-{slug(str(place))}"
         pictures.append(Picture(name, caption, figure, caption, half=True))
     return pictures

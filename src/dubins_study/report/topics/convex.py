@@ -6,24 +6,22 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import Column, columns, marks
+from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
-from dubins_study.report.elements.formats import ABSENT, count, seconds, sentences, some
+from dubins_study.report.elements.formats import count, seconds, sentences, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.style import (
     HALF,
     WIDE,
     Style,
-    duration,
-    log_axis,
     new_figure,
     power,
 )
 from dubins_study.report.statistics.metrics import parse_spec, success
+from dubins_study.report.topics.routes import size_axes
 
 _OWN = "own"
 _METHOD = ["engine", "interface"]
@@ -58,7 +56,7 @@ def by_size(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def convex_section(results: Results) -> Section | None:
-    """Times by size at each tolerance, the quickest right engine, and what every engine keeps."""
+    """Times by size at each tolerance, and what every engine keeps."""
     rows = with_parts(results.rows)
     rows = rows[rows["kind"].notna()]
     sizes = by_size(rows)
@@ -76,11 +74,11 @@ def convex_section(results: Results) -> Section | None:
         f"{some(hidden, 'answer')} {'keeps' if hidden == 1 else 'keep'} all three residuals within "
         f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
     )
-    lead = "Read from left to right what more digits cost, and in the table which engine to take."
+    lead = "Read from left to right what more digits cost, and take a low line with filled marks."
     blocks: list[Picture | Table] = [_engines(rows)]
     timed = sizes[sizes["wall_s"].notna()]
     if len(timed):
-        blocks = [_picture(timed, results), _quickest(timed), *blocks]
+        blocks = [_picture(timed, results), *blocks]
     return Section("convex", "The convex problems of a sequence", text, tuple(blocks), lead)
 
 
@@ -142,41 +140,8 @@ def plot_times(
             some_ = each[each["right"] == right]
             ax.plot(some_["rates"], some_["wall_s"], **style | {"linestyle": "none"}, mfc=filled)
         lines[engine] = Line2D([], [], label=engine, **style)
-    ax.set_xscale("log")
-    if (sizes["wall_s"] > 0).any():
-        ax.set_yscale("log")
-        log_axis(ax.yaxis, duration)
-    ax.set_xticks(sorted(sizes["rates"].unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda rates, _: f"{rates:g}")
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.tick_params(labelsize=7)
+    size_axes(ax, sizes["rates"], sizes["wall_s"])
     return lines
-
-
-def _quickest(sizes: pd.DataFrame) -> Table:
-    """By kind and size a line, by tolerance the quickest engine whose every answer is right."""
-    tolerances = sorted(sizes["tolerance"].unique(), reverse=True)
-    right = sizes[sizes["right"] & sizes["interface"].eq(_OWN)].sort_values("wall_s")
-    lines = []
-    for (kind, rates), _ in sizes.groupby(["kind", "rates"]):
-        line = {"problem": f"{kind}, {count(rates)} turn rates"}
-        same = right[(right["kind"] == kind) & (right["rates"] == rates)]
-        for place, tolerance in enumerate(tolerances):
-            two = same[same["tolerance"] == tolerance].head(2)
-            pairs = zip(two["engine"], two["wall_s"], strict=True)
-            texts = [f"{engine} {seconds(took)}" for engine, took in pairs]
-            line[f"quickest_{place}"] = "\n".join(texts) or ABSENT
-        lines.append(line)
-    picks = [
-        Column(f"quickest_{place}", f"tolerance {power(tolerance)}", kind="pick")
-        for place, tolerance in enumerate(tolerances)
-    ]
-    shown = (Column("problem", "problem", kind="text"), *picks)
-    caption = (
-        "The two quickest engines by their own interfaces, of those whose every answer to the well "
-        "and the badly conditioned problem is right."
-    )
-    return Table("convex", caption, pd.DataFrame(lines), shown)
 
 
 def _engines(rows: pd.DataFrame) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
-from dubins_study.report.elements.formats import count, sentences, share, some
+from dubins_study.report.elements.formats import count, share, some
 from dubins_study.report.elements.identity import best_first, with_interval
 from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared, surest_first
@@ -145,15 +145,9 @@ def decision_section(results: Results) -> Section | None:
     too few questions to choose the surest of each formulation.
     """
     attempts = compared(results)
-    if attempts is None:
-        text = (
-            "These rows hold no attempt by which solvers can be compared: each began from another "
-            "solver's path, or its engine was not installed or cannot read the question."
-        )
-        return Section("decision", TITLE, text, (), "Nothing can be compared here.")
+    if attempts is None or attempts.answerable.empty:
+        return Section("decision", TITLE, "", (), "Nothing can be compared here.")
     rows = attempts.answerable
-    if rows.empty:
-        return Section("decision", TITLE, "", (), "No question that was asked has a path.")
     few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
     mine = rows["solver"].map(own_name).ne("")
     each = few or bool(mine.any() and len(attempts.methods) <= _MOST_LINES)
@@ -164,19 +158,8 @@ def decision_section(results: Results) -> Section | None:
         formulation=formulation.mask(alone, rows["solver"].map(labels_of(results))),
         guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
-    text = sentences(*_remarks(attempts, rows))
     tables = (*_tables(attempts, rows, few=few, each=each), cases_table(results))
-    return Section("decision", TITLE, text, tables, _lead(rows))
-
-
-def _remarks(attempts: Compared, rows: pd.DataFrame) -> Iterator[str]:
-    """What a reader must know of rows that hold less than a comparison."""
-    if EXACT not in attempts.methods.index:
-        yield "The closed form was not asked here."
-    if len(attempts.engines) == 1:
-        yield "Only one method was asked: the table leaves no choice."
-    if len(attempts.engines) and not rows.loc[rows["solver"] != EXACT, "right"].any():
-        yield "No engine was right on any question."
+    return Section("decision", TITLE, "", tables, _lead(rows))
 
 
 def _lead(rows: pd.DataFrame) -> str:

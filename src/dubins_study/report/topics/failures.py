@@ -9,13 +9,14 @@ import pandas as pd
 
 from dubins_study.report.data.attempts import LATE, PRESOLVED, SUCCESSES
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, sentences, share, some
 from dubins_study.study.scenario_frame import solve_command
 
-# Outcomes other than `returned`: what may happen to the process that is asked.
-OUTCOMES = ("timeout", "crashed", "raised", "out_of_memory", "unavailable", "not_asked")
+# Outcomes of a process that was stopped, and of one that was never called.
+STOPPED = ("timeout", "crashed", "raised", "out_of_memory")
+OUTCOMES = (*STOPPED, "unavailable", "not_asked")
 # What a failure is, the first that holds.
 KINDS = ("no return", "no path", "misses", "longer")
 # What names an example, in the order in which a plainer one is chosen.
@@ -48,7 +49,7 @@ def kinds_of(attempts: pd.DataFrame) -> pd.Series[str]:
     return pd.Series(kinds, attempts.index)
 
 
-def _plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+def plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """The first by `_EXAMPLE` of each group of attempts: cold if there is a cold one."""
     warm = attempts["initial_guess"].ne("cold")
     dx, dy = (attempts[f"target_{name}"] - attempts[name] for name in "xy")
@@ -56,24 +57,10 @@ def _plainest(attempts: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     return placed.sort_values(list(_EXAMPLE), kind="stable").drop_duplicates(keys)
 
 
-def unreturned(attempts: pd.DataFrame) -> pd.DataFrame:
-    """The solvers of which an attempt did not return, at any question; the most stopped first.
-
-    Columns: solver, attempts, each of `OUTCOMES` and unreturned (numbers of attempts); those of an
-    example that did not return.
-    """
-    flags = {name: attempts["outcome"].eq(name) for name in OUTCOMES}
-    numbers = pd.DataFrame(flags).groupby(attempts["solver"]).sum()
-    numbers["unreturned"] = numbers.sum(axis="columns")
-    numbers["attempts"] = attempts.groupby("solver").size()
-    stopped = _plainest(attempts[attempts["outcome"].isin(OUTCOMES)], ["solver"])
-    frame = stopped.merge(numbers.reset_index(), on="solver")
-    return frame.sort_values(["unreturned", "solver"], ascending=[False, True], ignore_index=True)
-
-
 def failures(attempts: pd.DataFrame) -> pd.DataFrame:
-    """Failures counted by outcome, claim, verdict and the gist of the message, largest first.
+    """Failures counted by outcome, claim, verdict and the gist of the message.
 
+    Those of stopped processes first, then the largest.
     Columns: solver, outcome, claim, verdict, message (of the status if there is no message),
     attempts; those of an example, the first repeat with the nearest target.
     """
@@ -81,8 +68,10 @@ def failures(attempts: pd.DataFrame) -> pd.DataFrame:
     said = failed["message"].replace("", None).fillna(failed["native_status"]).fillna("")
     failed = failed.assign(message=said.map({text: gist(text) for text in said.unique()}))
     sums = failed.groupby(_SAID, dropna=False).size().rename("attempts").reset_index()
-    joined = sums.merge(_plainest(failed, _SAID), on=_SAID, how="left")
-    return joined.sort_values(["attempts", *_SAID], ascending=[False] + [True] * len(_SAID))
+    joined = sums.merge(plainest(failed, _SAID), on=_SAID, how="left")
+    joined["stopped"] = joined["outcome"].isin(STOPPED)
+    order = ["stopped", "attempts", *_SAID]
+    return joined.sort_values(order, ascending=[False, False] + [True] * len(_SAID))
 
 
 def with_commands(table: pd.DataFrame) -> pd.DataFrame:
@@ -94,7 +83,6 @@ def with_commands(table: pd.DataFrame) -> pd.DataFrame:
 
 _MOST = 25
 _TITLE = "Failures"
-_NAMES = {name: name.replace("_", " ") for name in OUTCOMES}
 _KIND_TEXT = {
     "no return": "did not return",
     "no path": "returned without a path",
@@ -104,55 +92,44 @@ _KIND_TEXT = {
 
 
 def failures_section(results: Results | None) -> Section:
-    """Outcomes by solver, and messages with commands; results are None of an empty run."""
+    """Failures by message, with commands; results are None of an empty run."""
     untaken = "" if results is None else _untaken_text(results.untaken)
     if results is None or results.rows.empty:
         lead = "No attempt was recorded, so nothing is known to have failed."
         return Section("failures", _TITLE, untaken, (), lead)
     attempts = results.attempts
-    stopped = unreturned(attempts)
+    lost = attempts["outcome"].value_counts().reindex(OUTCOMES, fill_value=0)
     kinds = kinds_of(attempts).value_counts().reindex(KINDS, fill_value=0)
     asked, failed = int(attempts["answerable"].sum()), int(kinds.sum())
     blocks: list[Table] = []
-    if len(stopped):
-        blocks.append(_outcome_table(with_commands(stopped)))
     if failed:
         messages = failures(attempts).head(_MOST).reset_index(drop=True)
         blocks.append(_message_table(with_commands(messages)))
-    lead = _lead(len(attempts), stopped, failed, int(kinds["no return"]))
-    text = sentences(_text(kinds, asked, failed) if blocks else "", untaken)
+    lead = "Nothing failed."
+    if failed or lost.any():
+        lead = "See what was said of failures; the command beside it repeats one of them."
+    text = sentences(_lost_text(lost, len(attempts)), _failed_text(kinds, asked), untaken)
     return Section("failures", _TITLE, text, tuple(blocks), lead)
 
 
-def _lead(total: int, stopped: pd.DataFrame, failed: int, silent: int) -> str:
-    """What to see: how many attempts did not return, and why; how many others failed."""
-    lost = int(stopped["unreturned"].sum())
-    others = f"what solvers said in {some(failed - silent, 'other failure' if lost else 'failure')}"
-    if lost:
-        sums = stopped[list(OUTCOMES)].sum()
-        why = ", ".join(f"{count(n)} {_NAMES[str(name)]}" for name, n in sums.items() if n)
-        return (
-            f"See which solvers returned no answer in {count(lost)} of {some(total, 'attempt')} "
-            f"({why}){f', and {others}' if failed > silent else ''}."
-        )
-    every = "the only attempt" if total == 1 else f"each of the {count(total)} attempts"
-    if failed:
-        return f"See {others}; {every} returned."
-    return f"Nothing failed: {every} returned, and the check accepts every path that was asked for."
+def _lost_text(lost: pd.Series[int], total: int) -> str:
+    """How many attempts did not return, and why; empty if all did."""
+    if not lost.any():
+        return ""
+    parts = [f"{count(n)} {str(name).replace('_', ' ')}" for name, n in lost.items() if n]
+    return f"{count(lost.sum())} of {some(total, 'attempt')} did not return ({', '.join(parts)})."
 
 
-def _text(kinds: pd.Series[int], asked: int, failed: int) -> str:
+def _failed_text(kinds: pd.Series[int], asked: int) -> str:
+    """How many attempts at questions with a path failed, by kind; empty if none did."""
+    failed = kinds.sum()
+    if not failed:
+        return ""
     parts = [f"{count(n)} {_KIND_TEXT[str(kind)]}" for kind, n in kinds.items() if n]
-    return sentences(
+    return (
         f"Of {some(asked, 'attempt')} at questions that have a path, {count(failed)} failed "
-        f"({share(failed / asked)}): {', '.join(parts)}."
-        if failed
-        else f"No attempt at a question that has a path failed ({count(asked)} attempts).",
-        "The sections above count each of them in their shares. A longer path is often the local "
-        "optimum that a local solver promises; the section on success says how much longer."
-        if kinds["longer"]
-        else "",
-        "An attempt that found none where no path exists has not failed.",
+        f"({share(failed / asked)}): {', '.join(parts)}. An attempt that found none where no path "
+        "exists has not failed."
     )
 
 
@@ -168,32 +145,6 @@ def _untaken_text(untaken: pd.DataFrame) -> str:
     )
 
 
-def _outcome_table(stopped: pd.DataFrame) -> Table:
-    present = {name: title for name, title in _NAMES.items() if stopped[name].any()}
-    caption = (
-        "Attempts whose process did not return an answer, by solver, at all questions. Timeout: "
-        "stopped at the time limit, because the solver did not stop by itself. Unavailable: the "
-        "solver is not installed, or has no licence. "
-        "Solvers of which every attempt returned are left out. The command repeats one such "
-        f"attempt, that of the nearest target, under the time limit of its run.{_cold(stopped)}"
-    )
-    shown = (
-        SOLVER,
-        *columns(count, attempts="attempts"),
-        *columns(count, **present),
-        *columns(count, unreturned="in all"),
-        *columns(kind="command", command="ask again"),
-    )
-    bad = marks(stopped, *present)
-    return Table("outcomes", caption, stopped, shown, bad)
-
-
-def _cold(table: pd.DataFrame) -> str:
-    """A sentence on commands that cannot start where their attempt started."""
-    warm = table["warm"].eq(True).any()
-    return " It starts cold, also where all attempts of its line started warm." if warm else ""
-
-
 def _message_table(table: pd.DataFrame) -> Table:
     shown = (
         SOLVER,
@@ -203,10 +154,9 @@ def _message_table(table: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        "Failures by what was said of them (# stands for a number), "
-        f"{f'the {_MOST} most frequent' if len(table) == _MOST else 'the most frequent first'}. "
-        "The command repeats one of them, that of the nearest target, under the time limit of its "
-        f"run.{_cold(table)}"
+        f"Failures by what was said of them (# stands for a number), at most {_MOST} lines: first "
+        "those of stopped processes, then the most frequent. The command repeats one of them, cold "
+        "and at the nearest target, under the time limit of its run."
     )
     return Table("failures", caption, table, shown, numbers=("experiment",), dense=True)
 

@@ -3,38 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, is_true
+from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, some
 from dubins_study.report.elements.identity import interval_keys
-from dubins_study.report.statistics.intervals import medians
 from dubins_study.report.statistics.methods import compared, once
-from dubins_study.report.topics.belief import FALSE, beliefs, false_proofs
+from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.comparison import evaluations
-from dubins_study.report.topics.cost import presolve_pairs
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
-    PERCENT,
     POINTS,
     TIMES,
     Estimate,
     Evidence,
     Finding,
     Pair,
-    chosen_share,
 )
 from dubins_study.report.topics.findings_routes import growth, proof_of_routes, where_engines_stop
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 
 WORDS, JOINT = "one NLP a word", "joint NLP, both orders"
-TRANSCRIPTIONS = ("turn rates", "Radau collocation", "multiple shooting")
 RANKS = "Comparison of methods: means and ranks"
 MATRIX = "Formulation by engine"
 # Initial guesses in a sentence.
@@ -141,35 +136,19 @@ def _in_pairs(evidence: Evidence, pairs: list[Pair], points: Estimate, sentence:
     return Finding(sentence, points, POINTS, f"{asked}, in pairs", MATRIX)
 
 
-def coarse_transcription(evidence: Evidence) -> Finding | None:
-    """How often direct transcription is too coarse: right turns, but a path that is longer."""
-    best = evidence.ranked.reset_index().drop_duplicates("formulation").set_index("formulation")
-    if WORDS not in best.index:
-        return None
-    rows = evidence.compared.answerable
-    longer = (rows["verdict"] == "longer") & ~is_true(rows["wrong_basin"])
-    too_coarse = evidence.shares(longer)
-    words = evidence.share_of(too_coarse[best["solver"][WORDS]])
-    solvers = best["solver"][best.index.isin(TRANSCRIPTIONS)]
-    each = [(evidence.share_of(too_coarse[name], len(solvers)), name) for name in solvers]
-    shares = [
-        (coarse, name) for coarse, name in each if words and coarse and coarse.low > words.high
+def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
+    """(without, with): solvers that differ in the setting `presolve` alone."""
+    alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
+    for spec in methods.index:
+        name, settings = parse_spec(spec)
+        value = settings.pop("presolve", "").lower()
+        alike.setdefault((name, frozenset(settings.items())), {})[value] = spec
+    # a spec that does not name the setting has the other value
+    return [
+        (specs.get("false", specs.get("", "")), specs.get("true", specs.get("", "")))
+        for specs in alike.values()
+        if len(specs) > 1
     ]
-    if not words or not shares:
-        return None
-    coarse, solver = max(shares)
-    if coarse.questions < ENOUGH_TO_CHOOSE:
-        return None
-    return Finding(
-        "Do not expect the shortest length from direct transcription: on "
-        f"{coarse.percent_text()} of the questions the path of {evidence.name(solver)} turns as "
-        "the shortest one and is yet longer than the check allows; for the best method with "
-        f"{WORDS} that is {words.percent_text()}.",
-        coarse,
-        PERCENT,
-        f"{some(coarse.questions, 'question')} with a path; the best method of each formulation",
-        MATRIX,
-    )
 
 
 def presolve(evidence: Evidence) -> Finding | None:
@@ -190,7 +169,7 @@ def presolve(evidence: Evidence) -> Finding | None:
     )
     parts = []
     for solver in ratios:
-        each = evidence.estimate(ratios[solver], medians)
+        each = evidence.median(ratios[solver])
         if each is not None:
             parts.append(f"{each.text()} with {evidence.name(str(solver))}")
     return Finding(
@@ -232,62 +211,6 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     )
 
 
-def false_proof(evidence: Evidence) -> Finding | None:
-    """The engine with proofs whose proofs are false most often, and the others by name."""
-    rows = evidence.claims[evidence.claims["solver"].isin(evidence.provers)]
-    if rows.empty:
-        return None
-    table = beliefs(rows, ["solver"])
-    table = table[(table["false"] > 0) & (table["questions"] >= ENOUGH)]
-    if table.empty:
-        return None
-    worst = table.sort_values("false", ascending=False, kind="stable").iloc[0]
-    share = chosen_share(worst["false"], int(worst["questions"]), len(evidence.provers))
-    lies = rows[(rows["solver"] == worst.name) & (rows["truth"] == FALSE)]
-    false = false_proofs(lies).iloc[0]
-    more = f" So do {some(len(table) - 1, 'method')} more." if len(table) > 1 else ""
-    return Finding(
-        f"Check a proof as you check an answer: {evidence.name(str(worst.name))} claims or "
-        f"bounds what is false on {share.percent_text()} of the questions; on "
-        f"{some(false['attempts'], 'attempt')} {false['proof']}.{more}",
-        share,
-        PERCENT,
-        f"{some(share.questions, 'question')}, with a path or without; "
-        f"{some(len(evidence.provers), 'method')} with proofs",
-        "Whom one can believe: false claims by name",
-    )
-
-
-def infeasible_claims(evidence: Evidence) -> Finding | None:
-    """Of the questions that a local engine calls infeasible, the share that has a path.
-
-    Of those engines that were asked questions with a path and questions without one.
-    """
-    asked = evidence.claims.groupby("solver")["answerable"].nunique()
-    rows = evidence.claims[evidence.claims["solver"].map(asked) == 2]
-    rows = rows[(rows["claim"] == "infeasible") & ~rows["solver"].isin(evidence.provers)]
-    false = rows[rows["answerable"]]
-    if false.empty:
-        return None
-    solver = str(false.groupby("solver")["question"].nunique().idxmax())
-    called = rows[rows["solver"] == solver].groupby("question")["answerable"].first()
-    share = evidence.share_of(called.astype(float), rows["solver"].nunique())
-    if share is None:
-        return None
-    liars = false["solver"].nunique()
-    are = "is" if liars == 1 else "are"
-    return Finding(
-        'Do not take a local engine\'s "infeasible" for a proof: of the questions that '
-        f"{evidence.name(solver)} calls infeasible, {share.percent_text()} have a path. "
-        f"{some(liars, 'local method')} of {rows['solver'].nunique()} that ever say so "
-        f"{are} wrong at least once.",
-        share,
-        PERCENT,
-        f"{some(share.questions, 'question')} that it calls infeasible in some repeat",
-        "Whom one can believe: false claims by name",
-    )
-
-
 FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     proof_of_routes,
     where_engines_stop,
@@ -296,22 +219,7 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
     words_against_joint,
     presolve,
     price_of_proof,
-    false_proof,
-    infeasible_claims,
-    coarse_transcription,
 )
-
-
-# Those that say what not to do: they stand with what not to conclude.
-WARNINGS = (infeasible_claims, coarse_transcription)
-ADVICE = tuple(find for find in FINDINGS if find not in WARNINGS)
-
-
-def findings(
-    evidence: Evidence, finders: Sequence[Callable[[Evidence], Finding | None]] = FINDINGS
-) -> list[Finding]:
-    """The findings that the rows carry."""
-    return list(filter(None, (find(evidence) for find in finders)))
 
 
 _MOST = 5
@@ -319,7 +227,7 @@ _MOST = 5
 
 def findings_section(results: Results) -> Section | None:
     """Sentences to act on, each computed from the rows; None if the rows carry none."""
-    every = [finding for find in ADVICE for finding in _of_suites(results, find)]
+    every = [finding for find in FINDINGS for finding in _of_suites(results, find)]
     if not every:
         return None
     frame = pd.DataFrame(every)

@@ -12,7 +12,6 @@ from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.elements.formats import Format, digits, seconds, share, some
 from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
-    Statistic,
     bootstrap_of_both,
     medians,
     wilson_interval,
@@ -101,12 +100,9 @@ class Evidence:
     @cached_property
     def rates(self) -> pd.DataFrame:
         """Share of right repeats: questions by solvers; NaN where the solver was not asked."""
-        return self.shares(self.compared.answerable["right"])
-
-    def shares(self, holds: pd.Series[bool]) -> pd.DataFrame:
-        """Share of repeats of which something holds, as `rates`."""
         rows = self.compared.answerable
-        return holds.astype(float).groupby([rows["question"], rows["solver"]]).mean().unstack()
+        right = rows["right"].astype(float)
+        return right.groupby([rows["question"], rows["solver"]]).mean().unstack()
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
@@ -163,12 +159,12 @@ class Evidence:
         both = first.merge(second, on=same)
         return list(zip(both["solver_x"], both["solver_y"], strict=True))
 
-    def estimate(self, values: pd.Series[float], statistic: Statistic) -> Estimate | None:
-        """A statistic over questions; None if fewer than `ENOUGH` have a value."""
+    def median(self, values: pd.Series[float]) -> Estimate | None:
+        """The median over questions; None if fewer than `ENOUGH` have a value."""
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        return estimate_of(self.compared.bootstrap(known, statistic, "value"), len(known))
+        return estimate_of(self.compared.bootstrap(known, medians, "value"), len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table, questions by solvers, with an interval over scenarios and engines.
@@ -183,15 +179,12 @@ class Evidence:
         frame = bootstrap_of_both(self.compared.by_scenario(known), engines, of)
         return estimate_of(frame, len(known))
 
-    def share_of(self, rates: pd.Series[float], of: int = 1) -> Estimate | None:
-        """The mean of rates in per cent, with Wilson's interval for as many trials as questions.
-
-        If it is the most extreme of several, the interval is that of all at once.
-        """
+    def share_of(self, rates: pd.Series[float]) -> Estimate | None:
+        """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None
-        return chosen_share(float(known.mean()), len(known), of)
+        return chosen_share(float(known.mean()), len(known), 1)
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
         """Median time of a solver over that of another, where both are right.

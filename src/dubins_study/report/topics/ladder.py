@@ -9,8 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns
-from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
+from dubins_study.report.elements.content import Picture, Section, Topic, panels_picture
 from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import Mark
@@ -21,7 +20,7 @@ from dubins_study.report.elements.style import (
     mark_limit,
     power,
 )
-from dubins_study.report.statistics.metrics import by_solver, solver_order
+from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.maps import kind_maps
 from dubins_study.study.tolerances import ARRIVES
 
@@ -36,24 +35,8 @@ MARKS = (
     Mark("no path", colour="#5d636b"),
 )
 FINDINGS = tuple(mark.key for mark in MARKS)
-ANSWERED = ("right", "coarse")  # the shortest path, accurate or not
 # Relative; along one word a miss of 1e-6 R shortens a path by far less.
 SHORTER = 1e-4
-
-
-def _margin(value: float) -> str:
-    """The power of ten of a margin; a missing one is never asked for."""
-    return f"1e{round(math.log10(value))}" if value else "all"
-
-
-COLUMNS = (
-    SOLVER,
-    *columns(count, attempts="attempts"),
-    *columns(_margin, **dict(zip(SIDES, SIDES, strict=True))),
-    *columns(
-        count, by_miss="rungs by its miss", coarse="rungs coarse", false_claims="false claims"
-    ),
-)
 
 
 def rungs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -74,7 +57,8 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     inside = group["region"].str.endswith("disc").eq(True)
     optimal = group["verdict"] == "optimal"
     longer = group["verdict"] == "longer"
-    short = profits_from_its_miss(group)
+    # shorter than any path to the target itself
+    short = group["length"] < (1 - SHORTER) * group["reference_low"].fillna(0.0)
     basin = group["wrong_basin"].astype(bool)
     kinds = [optimal & ~short, longer & ~basin, optimal & short, longer]
     finding = np.select(kinds, FINDINGS[:4], default=FINDINGS[4])
@@ -91,53 +75,17 @@ def rungs(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def profits_from_its_miss(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each answer is shorter than any path to the target itself."""
-    return rows["length"] < (1 - SHORTER) * rows["reference_low"].fillna(0.0)
-
-
 def ladder(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver, side and rung, from the attempts that `rungs` returns.
 
-    Columns solver, side, rung, attempts, finding (the worst one), false_claims.
+    Columns solver, side, rung, finding (the worst one), false_claim (of any).
     """
     groups = attempts.groupby(["solver", "side", "rung"], sort=False)
-    frame = groups.agg(
-        attempts=("finding", "size"),
-        finding=("finding", "max"),
-        false_claims=("false_claim", "sum"),
-    )
-    return frame.reset_index()
-
-
-def down_to(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, from the table that `ladder` returns.
-
-    Columns: those of `COLUMNS`. Of each side the smallest margin such that at this margin and all
-    wider ones every answer is the shortest path, coarse or not (0 if this holds for all margins,
-    NaN if it does not hold at the widest); by_miss counts rungs on the inner side of the jump.
-    """
-    by_miss = (table["finding"] == "by its miss") & (table["side"] == JUMP)
-    counts = table.assign(coarse=table["finding"] == "coarse", by_miss=by_miss)
-    frame = counts.groupby("solver")[["attempts", "by_miss", "coarse", "false_claims"]].sum()
-    groups = table.sort_values("rung", ascending=False).groupby(["solver", "side"])
-    least = pd.Series({key: _least(widest_first) for key, widest_first in groups}, dtype=float)
-    frame = frame.join(least.unstack().reindex(columns=SIDES))
-    return by_solver(frame.reset_index(names="solver"))
-
-
-def _least(widest_first: pd.DataFrame) -> float:
-    """The margin before the first wrong answer; see `down_to`."""
-    wrong = np.flatnonzero(~widest_first["finding"].isin(ANSWERED))
-    if wrong.size == 0:
-        return 0.0
-    if wrong[0] == 0:
-        return math.nan
-    return float(10.0 ** widest_first["rung"].iloc[wrong[0] - 1])
+    return groups[["finding", "false_claim"]].max().reset_index()
 
 
 def ladder_section(results: Results) -> Section | None:
-    """Matrix of solvers and margins, the margins down to which each is right, and why."""
+    """A map of solvers and margins for each side of the circle."""
     attempts = rungs(results.rows)
     if attempts.empty:
         return None
@@ -162,14 +110,7 @@ def ladder_section(results: Results) -> Section | None:
         "Follow a solver's line to the right, toward the circle: where its colour changes, a "
         "margin has become too small for it."
     )
-    margins = Table(
-        "ladder",
-        "The least margin (R) down to which every answer is the shortest path, coarse or not; "
-        "all: at every margin asked for; –: not at the widest.",
-        down_to(table),
-        COLUMNS,
-    )
-    blocks = (_picture(table, Palette.of_page(results)), margins)
+    blocks = (_picture(table, Palette.of_page(results)),)
     return Section("ladder", "The ladder toward a turning circle", text, blocks, lead)
 
 
@@ -183,7 +124,7 @@ def _picture(table: pd.DataFrame, palette: Palette) -> Picture:
     panels = {side: rows for side, rows in placed.groupby("side") if len(rows)}
 
     def dress(ax: Axes, rows: pd.DataFrame) -> None:
-        false = rows[rows["false_claims"] > 0]
+        false = rows[rows["false_claim"]]
         ax.plot(false["x"], false["y"], "o", color=VERMILION, markersize=7, markerfacecolor="none")
         mark_limit(ax, -math.log10(ARRIVES))
         ax.set_xticks(range(3, 13, 3), [power(10.0**-rung) for rung in range(3, 13, 3)])

@@ -31,7 +31,8 @@ def kind_maps(
     down, across = (len(panels), 1) if narrow else (1, len(panels))
     kinds = pd.concat(panels.values())["kind"]
     present = [mark for mark in marks if kinds.eq(mark.key).any()]
-    columns = 2 if narrow else 5
+    letters = max(len(mark.label or mark.key) for mark in present)
+    columns = max(1, (50 if narrow else 110) // (letters + 6))
     legend = 0.2 + 0.17 * -(-len(present) // columns)
     figure = new_figure(HALF if narrow else WIDE, high * down + legend)
     axes = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)

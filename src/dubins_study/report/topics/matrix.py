@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Hashable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, TRIAL, own_name
+from dubins_study.report.data.attempts import TRIAL, own_name
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns
 from dubins_study.report.elements.content import (
@@ -23,11 +22,10 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, sentences, some
+from dubins_study.report.elements.formats import count, sentences, some
 from dubins_study.report.elements.identity import (
     best_first,
     percent,
-    questions,
 )
 from dubins_study.report.elements.plots import HIGHEST
 from dubins_study.report.elements.style import (
@@ -146,29 +144,34 @@ DEPTH = LinearSegmentedColormap.from_list("depth", ["#f4f7fa", "#9cc6e0", BLUE, 
 _DARK = 0.5
 
 
-def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
-    """Shares of right answers in percent, the engines that have rows by formulations.
+def plot_matrix(ax: Axes, cells: pd.DataFrame, size: float) -> None:
+    """Shares of right answers in percent, engines by formulations, in letters of a size (pt).
 
-    A star follows the share of a method that was asked fewer questions than others.
+    A star follows the share of a method that was asked fewer questions than others; a pair without
+    rows has the number of its reason.
     """
-    drawn, names = cells[cells["filled"]].drop_duplicates("engine"), cells["formulation"].unique()
-    wide = cells.pivot(index="engine", columns="formulation", values=["right_share", "few"])
-    wide = wide.reindex(list(drawn["engine"]))
-    shares = wide["right_share"][names].to_numpy(dtype=np.float64)
-    few = wide["few"][names].to_numpy()
-    lines, across = len(drawn), len(names)
+    engines = cells.drop_duplicates("engine")
+    names = cells["formulation"].unique().tolist()
+    lines = len(engines)
+    across = len(names)
+    # by engine, then by formulation
+    shares = cells["right_share"].to_numpy(dtype=np.float64).reshape(lines, across)
     gaps: Style = {"edgecolors": PAPER, "linewidth": 1.2}
     places = range(across), range(lines)
     ax.pcolormesh(*places, np.ma.masked_invalid(shares), cmap=DEPTH, vmin=0, vmax=1, **gaps)
     ax.invert_yaxis()
-    for i, j in np.argwhere(np.isfinite(shares)):
-        text = f"{percent(shares[i, j], 0)}{'*' if few[i, j] else ''}"
-        ink = MAP_PAPER if shares[i, j] > _DARK else ON_MAP
+    for place, cell in enumerate(cells.to_dict("records")):
+        text = f"[{cell['note']}]" if cell["note"] else ""
+        ink = MUTED
+        if cell["filled"]:
+            text = f"{percent(cell['right_share'], 0)}{'*' if cell['few'] else ''}"
+            ink = MAP_PAPER if cell["right_share"] > _DARK else ON_MAP
+        style: Style = {"ha": "center", "va": "center", "fontsize": size, "color": ink}
         # the layout need not measure what lies inside the axes
-        ax.text(*(j, i, text), ha="center", va="center", fontsize=7, color=ink, in_layout=False)
-    ax.set_yticks(range(lines), wide.index, color=INK, fontsize=7)
+        ax.text(place % across, place // across, text, in_layout=False, **style)
+    ax.set_yticks(range(lines), engines["engine"], color=INK, fontsize=7)
     # Aslant, since a name is wider than its column.
-    aslant: Style = {"rotation": 30, "ha": "left", "rotation_mode": "anchor", "fontsize": 7}
+    aslant: Style = {"rotation": 40, "ha": "left", "rotation_mode": "anchor", "fontsize": size}
     ax.set_xticks(range(across), names, color=INK, **aslant)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
@@ -176,7 +179,7 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
     for spine in ax.spines.values():
         spine.set_visible(False)
     # The kinds of engines stand at the right, with a line between two kinds.
-    kinds = drawn["kind"].tolist()
+    kinds = engines["kind"].tolist()
     for start in (kinds.index(kind) for kind in dict.fromkeys(kinds)):
         name = textwrap.fill(kinds[start], 11)
         ax.text(across - 0.4, start - 0.4, name, va="top", fontsize=6, color=MUTED)
@@ -185,7 +188,7 @@ def plot_matrix(ax: Axes, cells: pd.DataFrame) -> None:
 
 
 def matrix_section(results: Results) -> Section | None:
-    """Formulation x engine as a picture and two tables; the shares by stratum."""
+    """Formulation x engine as a picture, why pairs have no row, and the shares by stratum."""
     attempts = results.attempts
     methods = solver_summary(attempts)
     methods = methods[methods["right_of"] > 0].reset_index(drop=True)
@@ -193,7 +196,7 @@ def matrix_section(results: Results) -> Section | None:
     cells = matrix(methods, entries)
     if not cells["filled"].any():
         return None
-    blocks: list[Picture | Table] = [_picture(cells), _table(cells)]
+    blocks: list[Picture | Table] = [_picture(cells)]
     if cells["note"].any():
         blocks.append(_reasons(cells))
     best = best_solvers(results)
@@ -209,8 +212,6 @@ def matrix_section(results: Results) -> Section | None:
 def _text(cells: pd.DataFrame) -> str:
     engines, formulations = cells["engine"].nunique(), cells["formulation"].nunique()
     filled = cells[cells["filled"]]
-    spanned = filled[~filled["few"] & (filled["right_of"] >= ENOUGH_TO_CHOOSE)]
-    spans = [_span(spanned, key) for key in ("formulation", "engine")]
     return sentences(
         "A result belongs to a formulation, an engine and an initial guess.",
         f"Of {some(len(cells), 'pair')} ({count(engines)} engines, {count(formulations)} "
@@ -218,80 +219,26 @@ def _text(cells: pd.DataFrame) -> str:
         if cells["note"].any()
         else f"{some(len(filled), 'pair')} of {some(engines, 'engine')} and "
         f"{some(formulations, 'formulation')} have rows.",
-        *filter(None, spans),
-    )
-
-
-def _span(filled: pd.DataFrame, key: str) -> str:
-    """The formulation, or the engine, whose best guesses differ most across the other."""
-    other = "engine" if key == "formulation" else "formulation"
-    groups = filled.groupby(key, sort=False)["right_share"]
-    spans = (groups.max() - groups.min())[groups.size() > 1]
-    if spans.empty or not spans.max() > 0:
-        return ""
-    name = spans.idxmax()
-    pairs = filled[filled[key] == name].sort_values("right_share", kind="stable")
-    low, high = pairs.iloc[0], pairs.iloc[-1]
-    return (
-        f"Over {other}s, {name} differs most: from {percent(low['right_share'])} % right "
-        f"({low[other]}) to {percent(high['right_share'])} % ({high[other]})."
     )
 
 
 def _picture(cells: pd.DataFrame) -> Picture:
     star = " A star: asked less than half as many questions." if cells["few"].any() else ""
-    drawn = cells.loc[cells["filled"], "engine"].nunique()
+    reasons = " In brackets: why the pair has no row." if cells["note"].any() else ""
     caption = (
         "Percent of the questions with a path that are answered right, with the best of the pair's "
-        "initial guesses and settings. Empty: the pair has no row; the table of reasons says "
-        f"why.{star}"
+        "initial guesses and settings; chosen after the fact, the best of several flatters a "
+        f"little.{star}{reasons}"
     )
-    high, alt = 0.75 + 0.175 * max(drawn, 5), "Map of right answers, engines by formulations"
+    alt = "Map of right answers, engines by formulations"
+    high = 0.75 + 0.175 * max(cells["engine"].nunique(), 5)
     return panels_picture("matrix", caption, _figure, alt, cells, min(HIGHEST, high))
 
 
 def _figure(cells: pd.DataFrame, height: float, *, narrow: bool) -> Figure:
     figure = new_figure(HALF if narrow else WIDE, height)
-    plot_matrix(figure.add_subplot(), cells)
+    plot_matrix(figure.add_subplot(), cells, 4.8 if narrow else 6.5)
     return figure
-
-
-def _cell(row: Mapping[Hashable, Any]) -> str:
-    if not row["filled"]:
-        return f"[{row['note']}]" if row["note"] else ""
-    low, high = percent(row["right_low"]), percent(row["right_high"])
-    milliseconds = digits(3)(1e3 * row["wall_s"])
-    few = f"\nof {questions(row['right_of'])}" if row["few"] else ""
-    return f"{percent(row['right_share'])} %\n{low}–{high}\n{milliseconds} ms{few}"
-
-
-def _table(cells: pd.DataFrame) -> Table:
-    cells = cells.assign(text=[_cell(row) for row in cells.to_dict("records")])
-    kinds = cells.drop_duplicates("engine").set_index("engine")["kind"]
-    wide = cells.pivot(index="engine", columns="formulation", values="text")
-    wide = wide.reindex(kinds.index).reset_index()
-    wide["kind"] = kinds.to_numpy()
-    wide["named"] = [
-        f"{engine} ({kind})" if kind else str(engine) for engine, kind in kinds.items()
-    ]
-    shown = (
-        *columns(kind="text", named="engine"),
-        *(Column(name, name, kind="cell") for name in cells["formulation"].unique()),
-    )
-    empty = {
-        (line, name): "note"
-        for line, engine in enumerate(kinds.index)
-        for name in cells.loc[(cells["engine"] == engine) & ~cells["filled"], "formulation"]
-    }
-    caption = (
-        "Every formulation with every engine: questions with a path that are answered right, the "
-        "95 % interval (Wilson, a trial a question), and the median time of an attempt, failures "
-        "included; with the guess and settings that are most surely right, which the summary "
-        "names. Chosen after the fact, the best of several guesses flatters a little. The "
-        "number of questions stands where it is less than half that of others. A number in "
-        "brackets is the reason why a pair has no row."
-    )
-    return Table("matrix", caption, wide, shown, empty, ("engine", "kind"), dense=True)
 
 
 def _reasons(cells: pd.DataFrame) -> Table:

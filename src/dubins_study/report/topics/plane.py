@@ -22,11 +22,11 @@ from dubins_study.report.topics.maps import grid_of, kind_maps
 
 _DENSE = 200  # places along each axis; with an even number none lies on a symmetric grid's axis
 _FEWEST_LINES = 5  # grid lines along x and along y; fewer do not give a map
-# A light and a dark shade of two hues: the shades differ in grey print too.
+# A light and a dark shade of two hues: all four differ in grey print too.
 WORDS = (
-    Mark("LS", colour="#cfe3f1"),
-    Mark("RS", colour="#fbe6c8"),
-    Mark("RL", colour="#5d9cc6"),
+    Mark("LS", colour="#adcfe8"),
+    Mark("RS", colour="#fdefd9"),
+    Mark("RL", colour="#3f7fb0"),
     Mark("LR", colour="#d69a3c"),
 )
 # Right answers, and the verdicts of wrong ones.

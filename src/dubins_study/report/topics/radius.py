@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from dubins_study.report.data.attempts import EXACT, SUCCESSES
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
 from dubins_study.report.elements.looks import LINES, Palette
@@ -39,13 +39,6 @@ _MOST_LETTERS = 34  # of a solver's name in the figure
 _WORD_SHADE = {"LS": 0.06, "RS": 0.12, "RL": 0.22, "LR": 0.3}
 _WORD_LINE = {"LS": LINES[1], "RS": LINES[2]}  # of the paper's two words
 
-KINDS = ["right", "little", "longer", "lost"]
-COLUMNS = (
-    SOLVER,
-    *columns(count, attempts="attempts", right="shortest"),
-    *columns(count, little=f"up to {_VISIBLE} longer", longer="more", lost="no path"),
-    *columns(digits(2), most="largest gap"),
-)
 WARM_COLUMNS = (
     SOLVER,
     *columns(count, questions="questions"),
@@ -83,31 +76,13 @@ def _place(rows: pd.DataFrame) -> dict[str, float]:
     return {key: float(rows[key].iloc[0]) for key in _PLACE}
 
 
-def answers(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: how its answers along the sweeps are wrong.
-
-    Columns: those of `COLUMNS`; little is longer by at most `VISIBLE`, most the largest gap of a
-    path that arrives.
-    """
-    conditions = {
-        "right": rows["verdict"].isin(SUCCESSES),
-        "little": rows["gap"] <= VISIBLE,
-        "lost": rows["gap"].isna(),
-    }
-    kind = np.select([*conditions.values()], [*conditions], "longer")
-    counts = pd.crosstab(rows["solver"], kind).reindex(columns=KINDS, fill_value=0)
-    groups = rows.groupby("solver", observed=True)
-    frame = counts.assign(attempts=groups.size(), most=groups["gap"].max())
-    return by_solver(frame.reset_index())
-
-
 def radius_section(results: Results) -> Section | None:
-    """One figure per sweep, and how the answers along the sweeps are wrong."""
+    """One figure per sweep."""
     sweeps = sweep_rows(results.rows)
     if not sweeps:
         return None
     palette = Palette.of_page(results)
-    blocks: list[Picture | Table] = []
+    blocks: list[Picture] = []
     for number, ((_, label), group) in enumerate(sweeps.items(), start=1):
         # The radius at which a turning circle passes through the target; else infinite.
         circle = circle_radius(**_place(group))
@@ -123,13 +98,6 @@ def radius_section(results: Results) -> Section | None:
                 height=2.9,
             )
         )
-    table = answers(pd.concat(sweeps.values()))
-    caption = (
-        "What the solvers answer along the sweeps, cold and warm: the shortest path within the "
-        "check's tolerance, a longer one, or none that arrives. The gap is relative."
-    )
-    wrong = marks(table, "longer", "lost")
-    blocks.append(Table("radius-answers", caption, table, COLUMNS, wrong))
     text = (
         "At R* = r² / (2 |Y|) a turning circle passes through the target (r is its distance, Y its "
         "offset to the left of the start heading). Beyond it the target lies inside the circle, "
@@ -160,15 +128,15 @@ def _draw_sweep(ax: Axes, rows: pd.DataFrame, circle: float, palette: Palette) -
         style: Style = {"ha": "center", "fontsize": 8, "color": MUTED}
         above = ax.get_xaxis_transform()
         ax.text(circle, 1.02, f"R* = {digits(4)(circle)}", transform=above, **style)
-    # a logarithmic scale shows the jump and lengths that grow with the radius
     ax.set(xscale="log", xlim=(first, last), xlabel="turning radius R", ylabel="length")
-    ax.set_yscale("log")
     foot = known["length"].min()
     top = max(known["length"].max(), wrong["length"].max(skipna=True))
     if foot > 0:
+        # shows the jump and lengths that grow with the radius
+        ax.set_yscale("log")
+        plain_log_axis(ax.yaxis)
         ax.set_ylim(0.75 * foot, top * (top / foot) ** 0.15 * 1.2)
     plain_log_axis(ax.xaxis)
-    plain_log_axis(ax.yaxis)
 
 
 def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:

@@ -16,18 +16,16 @@ from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
 from dubins_study.report.elements.content import (
     General,
     Picture,
     Place,
     Section,
-    Table,
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, seconds, sentences
-from dubins_study.report.elements.identity import interval_column, questions, with_share
+from dubins_study.report.elements.formats import count, digits, sentences
+from dubins_study.report.elements.identity import questions
 from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark
 from dubins_study.report.elements.style import (
@@ -50,7 +48,7 @@ from dubins_study.report.statistics.methods import best_methods, methods_of, str
 from dubins_study.report.statistics.metrics import success, upper_quantile
 from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
-from dubins_study.report.topics.summary import share_keys, solver_summary
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
 from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
@@ -93,7 +91,7 @@ def by_legs(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def routes_section(results: Results) -> Section | None:
-    """Success and gap by legs and spacing, times, and shares with their intervals."""
+    """Success and gap by legs and spacing, and times."""
     if results.rows.empty:
         return None
     rows = with_legs(results.rows)
@@ -103,7 +101,7 @@ def routes_section(results: Results) -> Section | None:
         "Read along a line up to how many legs a method still finds the shortest route, and from "
         "panel to panel what shorter legs cost it."
     )
-    blocks = _picture(cells, strata, results), _table(rows, strata, results)
+    blocks = (_picture(cells, strata, results),)
     return Section("routes", TITLE, _text(rows), blocks, lead)
 
 
@@ -243,44 +241,20 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
         lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
-    ax.set_xscale("log")
-    if (cells["wall_s"] > 0).any():
-        ax.set_yscale("log")
-        log_axis(ax.yaxis, duration)
-    ax.set_xticks(sorted(cells["legs"].unique()), minor=False)
-    ax.xaxis.set_major_formatter(lambda legs, _: f"{legs:g}")
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.tick_params(labelsize=7)
+    size_axes(ax, cells["legs"], cells["wall_s"])
     return lines
 
 
-def _table(rows: pd.DataFrame, strata: list[str], results: Results) -> Table:
-    """Shares right for each stratum over all numbers of legs, what is undecided or false, times."""
-    frame = rows.groupby("solver")[["undecided", "false_claim"]].sum()
-    titles = {f"right_{place}": label for place, label in enumerate(strata)}
-    for name, label in titles.items():
-        decided = rows[~rows["undecided"] & (rows["label"] == label)]
-        shares = scenario_shares(decided, by=["solver"], success="right", scenario=TRIAL)
-        shares = shares.reindex(frame.index, columns=["successes", "trials"], fill_value=0)
-        frame = with_share(frame, name, shares["successes"], shares["trials"])
-    fewest = rows["legs"].min()
-    most = rows["legs"].max()
-    frame["least_s"] = rows[rows["legs"] == fewest].groupby("solver")["wall_s"].median()
-    frame["most_s"] = rows[rows["legs"] == most].groupby("solver")["wall_s"].median()
-    shown = (
-        SOLVER,
-        *(interval_column(name, f"right, {label}") for name, label in titles.items()),
-        *columns(count, undecided="undecided", false_claim="false claims"),
-        *columns(seconds, least_s=f"time, legs: {fewest}", most_s=f"time, legs: {most}"),
-    )
-    caption = (
-        "Shares of the decided routes of all numbers of legs that the experiment asks, with their "
-        "95 % interval (Wilson). Undecided and false claims are attempts. Times are medians of all "
-        "attempts, failures included."
-    )
-    frame = in_page_order(frame.reset_index(), results)
-    numbers = share_keys(*titles)
-    return Table("routes", caption, frame, shown, marks(frame, "false_claim"), numbers, dense=True)
+def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
+    """Logarithmic axes of times (s) over sizes, with a tick at every size."""
+    ax.set_xscale("log")
+    if (times > 0).any():
+        ax.set_yscale("log")
+        log_axis(ax.yaxis, duration)
+    ax.set_xticks(sorted(sizes.unique()), minor=False)
+    ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}")
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.tick_params(labelsize=7)
 
 
 _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn

@@ -100,7 +100,7 @@ def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
         size = _BASE64 * len(gzip.compress(content, 6))
         if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
             return rows, content
-        shrunk = 0.9 * min(most, len(rows)) * _MOST_BYTES / size
+        shrunk = 0.9 * most * _MOST_BYTES / size
         most = max(_FEWEST_ATTEMPTS, int(shrunk))
 
 
@@ -161,18 +161,11 @@ def sample(results: Results, most: int) -> pd.DataFrame:
     rows = rows.sort_values([*_QUESTION, "repeat"], kind="stable")
     first = rows[rows["repeat"] == 0]
     strata = first.groupby(["solver", "region", "verdict"], dropna=False)
-    spread = strata.head(_largest_share(strata.size().to_numpy(), most)).index
+    spread = strata.head(max(1, most // max(1, strata.ngroups))).index
     rows = rows.assign(spread=rows.index.isin(spread), worst=_ranks(rows))
     rows = rows[rows["spread"] | (rows["worst"] > 0)]
     controls = results.controls.select(["curvatures", "lengths"]).take(rows.index.to_numpy())
     return rows.reset_index(drop=True).join(controls.to_pandas())
-
-
-def _largest_share(strata: np.ndarray, most: int) -> int:
-    """The largest number of attempts that each stratum may have, if `most` is to hold for all."""
-    shares = np.unique(np.append(strata, np.arange(1, 200)))
-    sums = np.array([np.minimum(strata, share).sum() for share in shares])
-    return int(shares[sums <= most].max(initial=1))
 
 
 def _ranks(rows: pd.DataFrame) -> pd.Series[int]:

@@ -19,7 +19,7 @@ from dubins_study.report.data.attempts import (
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
-from dubins_study.report.elements.formats import count, seconds, sentences, share, some
+from dubins_study.report.elements.formats import count, seconds, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
 from dubins_study.report.statistics.methods import best_of_formulations, methods_of, once
 from dubins_study.study.words import Outcome
@@ -81,58 +81,36 @@ def best_solvers(results: Results) -> tuple[str, ...]:
     return (*own(summary["solver"]), EXACT, *best_of_formulations(summary))
 
 
-def summary_table(name: str, caption: str, frame: pd.DataFrame, first: tuple[Column, ...]) -> Table:
-    """A table of `summary`, with columns before it; columns without any count are left out."""
+def summary_section(results: Results) -> Section | None:
+    """Verdicts and times where a path exists, solver by solver."""
+    attempts = results.attempts
+    frame = solver_summary(attempts)
+    caption = (
+        "Questions that have a path and that the solver takes. Right: the check finds the answer "
+        f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts. By "
+        "presolve: the setting presolve answered that no path exists, and no engine was asked. "
+        "Undecided: the shortest length is not known well enough; such attempts enter no share. A "
+        "false claim says more than the check finds; a wrong basin is a longer path that turns by "
+        "another angle. Not returned: timed out, crashed, raised or unavailable; or not asked, "
+        "since the solver had failed on shorter routes."
+    )
+    experiments = dict.fromkeys(run.name for run in results.folders)
+    made = int(attempts["outcome"].ne(Outcome.NOT_ASKED).sum())
+    text = (
+        f"{some(made, 'attempt')} by {some(attempts['solver'].nunique(), 'solver')} in "
+        f"{', '.join(experiments)}. Attempts at questions without a path stand in the section on "
+        "existence. No number here rests on a solver's own word: each path is driven again from "
+        "its controls and judged against the closed form, or the proven bounds of a route."
+    )
+    lead = "Look up how one solver did: right, wrong, silent, and in what time."
     rare = [
         key
         for key in ("none exists", PRESOLVED, LATE, UNDECIDED, "not_returned")
         if not frame[key].any()
     ]
-    shown = [column for column in _COLUMNS if column.key not in rare]
+    shown = tuple(column for column in _COLUMNS if column.key not in rare)
     bad = marks(frame, "misses", "none", "false_claims", "not_returned")
-    return Table(name, caption, frame, (*first, *shown), bad, _NUMBERS, dense=True)
-
-
-def summary_section(results: Results) -> Section | None:
-    """Verdicts and times where a path exists, solver by solver."""
-    attempts = results.attempts
-    frame = solver_summary(attempts)
-    solvers = attempts["solver"].nunique()
-    caption = sentences(
-        "Questions that have a path and that the solver takes. Right: the check finds the answer "
-        f"optimal; failed attempts count. {INTERVAL_TEXT} The other columns count attempts.",
-        "By presolve: the setting presolve answered that no path exists, and no engine was asked."
-        if frame[PRESOLVED].any()
-        else "",
-        "Undecided: the shortest length is not known well enough; such attempts enter no share."
-        if frame[UNDECIDED].any()
-        else "",
-        "A false claim says more than the check finds; a wrong basin is a longer path that turns "
-        "by another angle. Not returned: timed out, crashed, raised or unavailable.",
-    )
-    experiments = list(dict.fromkeys(run.name for run in results.folders))
-    made = attempts["outcome"] != Outcome.NOT_ASKED
-    without = len(attempts) - int(frame[["attempts", UNDECIDED]].sum().sum())
-    text = sentences(
-        f"{some(int(made.sum()), 'attempt')} by {some(solvers, 'solver')} in the "
-        f"{'experiment' if len(experiments) == 1 else 'experiments'} {', '.join(experiments)}.",
-        f"{some(int((~made).sum()), 'question')} more, longer routes than those on which a solver "
-        "had failed, were not put to it and count as failures."
-        if not made.all()
-        else "",
-        f"Right where a path exists: {share(frame['right'].sum() / frame['questions'].sum())}."
-        if frame["questions"].any()
-        else "",
-        f"{some(without, 'attempt')} {'was' if without == 1 else 'were'} at questions that have no "
-        "path; whether solvers recognise that stands in the section on existence, and no number "
-        "here counts it."
-        if without
-        else "",
-        "No number here rests on a solver's own word: each path is driven again from its controls "
-        "and judged against the closed form, or the proven bounds of a route.",
-    )
-    lead = "Look up how one solver did: right, wrong, silent, and in what time."
-    table = summary_table("summary", caption, frame, ())
+    table = Table("summary", caption, frame, shown, bad, _NUMBERS, dense=True)
     return Section("summary", "Summary", text, (table,), lead)
 
 

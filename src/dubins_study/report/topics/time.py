@@ -1,4 +1,4 @@
-"""Time: medians and quartiles of building, of solving and of the whole."""
+"""Time: quartiles of the whole of an attempt, and of building and solving apart."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ from dubins_study.report.elements.formats import count, seconds
 from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, quartile_lines
-from dubins_study.report.statistics.methods import (
-    drawn_methods,
-)
+from dubins_study.report.statistics.methods import drawn_methods
 from dubins_study.report.topics.summary import best_solvers, solver_summary
 
 TIMES = (
@@ -52,7 +50,6 @@ def time_section(results: Results) -> Section | None:
     frame = in_page_order(solver_times(results.attempts), results)
     if frame.empty:
         return None
-    palette = Palette.of_page(results)
     timed = solver_summary(results.attempts).drop(columns="wall_s").merge(frame, on="solver")
     caption = (
         "Times of cold attempts at questions that have a path, failures included: quartiles and "
@@ -60,7 +57,7 @@ def time_section(results: Results) -> Section | None:
     )
     table = Table("times", caption, frame, TIMES)
     blocks: tuple[Picture | Table, ...] = (
-        _quartiles(drawn_methods(timed), palette),
+        _quartiles(drawn_methods(timed), Palette.of_page(results)),
         *best_first(table, frame["solver"], best_solvers(results)),
     )
     jobs, threads = (
@@ -77,11 +74,8 @@ def time_section(results: Results) -> Section | None:
 
 
 def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
-    """Building and solving together, in a panel per formulation."""
-    caption = (
-        "Time of one cold attempt, building and solving: median (mark) and quartiles (bar). "
-        f"{DRAWN_TEXT}"
-    )
+    """The whole of an attempt, in a panel per formulation."""
+    caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
     alt = "Median times and quartiles, one line per method"
     data = table, "wall_s", palette, "time of one attempt"
     return panels_picture("times", caption, quartile_lines, alt, *data)
