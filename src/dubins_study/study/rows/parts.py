@@ -20,7 +20,7 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import KEY, VERSION, VERSION_KEY, Key, arrow_schema, names
 from dubins_study.study.scenario import Pose
-from dubins_study.study.values import printable_text
+from dubins_study.study.values import printable_text, short
 
 Row = dict[str, Any]
 
@@ -98,7 +98,11 @@ def os_errors_as(problem: str) -> Iterator[None]:
 def folder_paths(folders: Any) -> list[FilePath]:
     """The path of one results folder, or those of several."""
     several = isinstance(folders, Iterable) and not isinstance(folders, str)
-    return list(map(FilePath, folders if several else [folders]))
+    try:
+        return list(map(FilePath, folders if several else [folders]))
+    except TypeError:
+        expected = "expected the path of a results folder"
+        raise ResultsError(f"folder is {short(folders)}; {expected}") from None
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
