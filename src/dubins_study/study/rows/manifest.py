@@ -13,7 +13,6 @@ from pydantic import (
     ConfigDict,
     Field,
     ValidationError,
-    field_serializer,
 )
 
 from dubins_study.study.rows.parts import ResultsError, os_errors_as
@@ -95,21 +94,11 @@ def spread(probes: Sequence[Probe]) -> float | None:
     return float((high - low) / middle)
 
 
-def by_machine(probes: Sequence[Probe]) -> dict[int, list[Probe]]:
-    """The probes of each machine: the machine that varied most first, those of few probes last."""
-    machines: dict[int, list[Probe]] = {}
-    for probe in probes:
-        machines.setdefault(probe.machine, []).append(probe)
-
-    def share(machine: int) -> float:
-        return -1.0 if (value := spread(machines[machine])) is None else value
-
-    return {machine: machines[machine] for machine in sorted(machines, key=share, reverse=True)}
-
-
 def varied(probes: Sequence[Probe]) -> float | None:
     """The spread of the machine that varied most; None if no machine has enough probes."""
-    return next(map(spread, by_machine(probes).values()), None)
+    machines = {probe.machine for probe in probes}
+    spreads = [spread([p for p in probes if p.machine == machine]) for machine in machines]
+    return max((share for share in spreads if share is not None), default=None)
 
 
 class RunEntry(_Record):
@@ -142,10 +131,6 @@ class RunEntry(_Record):
     def spread(self) -> float | None:
         """How much the machine's speed varied (`varied`)."""
         return varied(self.probes)
-
-    @field_serializer("probes")
-    def _probes_as_lists(self, probes: list[Probe]) -> list[list[float]]:
-        return [[*probe] if probe.machine else [probe.when, probe.took] for probe in probes]
 
 
 class Manifest(_Record):
