@@ -228,12 +228,11 @@ class Path:
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
         angle = 2 * np.arccos(np.maximum(1.0 - share * bend * (radius or 0.0), 0.0))
-        chords = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
-        if chords.sum() > _MOST_POINTS:
+        parts = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
+        if parts.sum() > _MOST_POINTS:
             most = f"at most {_MOST_POINTS} points"
-            raise ValueError(f"the path has {chords.sum():.3g} points; expected {most}")
-        counts = chords.astype(int)
-        return self.at(_cuts(lengths, counts))[:, :2], radius
+            raise ValueError(f"the path has {parts.sum():.3g} points; expected {most}")
+        return self.at(_cuts(lengths, parts.astype(int)))[:, :2], radius
 
     def _repr_svg_(self) -> str | None:
         """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""

@@ -257,9 +257,10 @@ def checked_number(name: str, value: float | str | None) -> float:
         raise ScenarioError(f"{name}: {error}, {_CONVENTION}") from None
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
-    least, expected = -LARGEST, f"a finite number of size up to {LARGEST:g}"
-    if name in POSITIVE:
-        least, expected = SMALLEST, f"a number above 0, from {SMALLEST:g} to {LARGEST:g}"
+    least = SMALLEST if name in POSITIVE else -LARGEST
     if not least <= number <= LARGEST:  # nor is NaN
+        expected = f"a finite number of size up to {LARGEST:g}"
+        if name in POSITIVE:
+            expected = f"a number above 0, from {SMALLEST:g} to {LARGEST:g}"
         raise ScenarioError(f"{name} is {number}; expected {expected}")
     return number
