@@ -232,7 +232,8 @@ def solve_command(row: Mapping[Any, Any]) -> str:
 
     It states the profile and `time_limit_s` if the row has them.
     """
-    s, words = scenario_of(row), ["dubins-study", "solve"]
+    s = scenario_of(row)
+    words = ["dubins-study", "solve"]
     if s.start != (0.0, 0.0, 0.0):
         unit = "rad" if abs(s.heading) > LARGEST_BARE else ""  # which a bare number may not exceed
         words += ["--from", number_text(s.x), number_text(s.y), number_text(s.heading) + unit]
@@ -240,12 +241,13 @@ def solve_command(row: Mapping[Any, Any]) -> str:
         words += ["--via", number_text(u), number_text(v)]
     if s.final_heading is not None:
         words += ["--final-heading", f"{number_text(s.final_heading)}rad"]
-    for name in POSITIVE:
-        words += [f"--{name}", number_text(value)] if (value := getattr(s, name)) != 1 else []
-    for name, default in (("branch", "best"), ("profile", "default")):
-        words += [f"--{name}", text] if (text := str(row.get(name, default))) != default else []
-    limit = row.get("time_limit_s")
-    words += ["--time-limit", number_text(limit)] if limit is not None else []
+    texts = {name: number_text(getattr(s, name)) for name in POSITIVE}
+    texts |= {name: str(row[name]) for name in ("branch", "profile") if name in row}
+    for name, text in texts.items():
+        if text not in ("1", "best", "default"):
+            words += [f"--{name}", text]
+    if row.get("time_limit_s") is not None:
+        words += ["--time-limit", number_text(row["time_limit_s"])]
     # without the dashes a negative number would be read as an option
     target = number_text(s.target_x), number_text(s.target_y)
     return shlex.join([*words, "--solver", str(row["solver"]), "--", *target])
