@@ -118,7 +118,7 @@ def wider(folder, table):
 def newer(folder, table):
     table = table.replace_schema_metadata({VERSION_KEY: str(VERSION + 1)})
     pq.write_table(table, folder / "parts" / "zz.parquet")
-    return f"is of schema '{VERSION + 1}'; expected {VERSION}"
+    return f"is of schema '{VERSION + 1}'; expected schema {VERSION}"
 
 
 @pytest.mark.parametrize("put", [foreign, wider, newer])

@@ -21,7 +21,6 @@ from dubins_study.study.rows.manifest import (
     Manifest,
     Probe,
     RunEntry,
-    by_machine,
     spread,
     varied,
 )
@@ -130,7 +129,6 @@ def test_machines_are_not_compared_with_each_other():
 
     assert varied(steady) == 0
     assert varied(steady + loud) == spread(loud)
-    assert next(iter(by_machine(steady + loud))) == 3
     assert varied([*steady, *loud[:4]]) == 0  # too few to tell
     listed = [[p.when, p.took, p.machine] for p in steady] + [[1.0, 2.0]]
     assert RunEntry(probes=listed).probes == [*steady, Probe(1.0, 2.0)]
@@ -146,18 +144,18 @@ def test_an_executor_is_read_under_its_old_name():
 
 
 def test_a_long_run_keeps_a_thousand_probes_at_most(tmp_path):
-    """Evenly over the whole run, each pair on a line of its own."""
+    """Evenly over the whole run, each on a line of its own."""
     empty = Manifest(experiment=Definition(name="n", text="t"), cells=0)
     with RunRecord(tmp_path, empty, RunEntry(run_id="r")) as record:
         for i in range(10_000):
             record.probe(1.0 + i)
     (entry,) = manifest(tmp_path)["runs"]
-    took = [taken for _, taken in entry["probes"]]
+    took = [taken for _, taken, _ in entry["probes"]]
 
     assert 400 < len(took) <= 1000
     assert set(np.diff(took)) == {16.0}
     assert took[0] < 33
     assert took[-1] > 9980
     text = (tmp_path / "manifest.json").read_text()
-    assert f"[{entry['probes'][0][0]}, {entry['probes'][0][1]}]" in text
+    assert f"[{entry['probes'][0][0]}, {entry['probes'][0][1]}, 0]" in text
     assert json.loads(text)["finished"] is not None

@@ -188,7 +188,7 @@ def test_files_that_no_path_is_drawn_into(file, message):
 )
 def test_what_is_no_path_of_a_folder_or_file(function, arguments, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(DubinsStudyError, match=r"^\w+ is (3|None); expected "):
+    with pytest.raises(DubinsStudyError, match=r"^\w+ is .*(3|None).*; expected "):
         function(*arguments)
 
 

@@ -28,7 +28,7 @@ from dubins_study.study.kinds.table import KINDS, rows_of
 from dubins_study.study.path import CLAIMS, Paths
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, Certificate, Column, columns, names
 from dubins_study.study.scenario import DEFAULTS
-from dubins_study.study.scenario_frame import check_frame, list_column, row_name
+from dubins_study.study.scenario_frame import check_frame, list_column, nulls, row_name
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances, tolerances
 from dubins_study.study.values import nearest
@@ -200,7 +200,7 @@ def _missing(kind: str, n: int) -> Any:
             return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
         case "bool":
             return np.zeros(n, np.bool_)
-    return list_column(n, {})
+    return nulls(n)
 
 
 def _controls(paths: Paths) -> tuple[Any, Any]:
@@ -280,7 +280,7 @@ def _typed(values: list[Any], column: Column) -> Any:
             return pd.array(values, dtype="Int64")
         case "bool":
             return np.array(values, np.bool_)
-    return list_column(len(values), dict(enumerate(values)))
+    return list_column(values)
 
 
 def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:

@@ -9,9 +9,8 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.study.values import short
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_WITH_UNIT = re.compile(rf"([+-]?{_NUMBER})\s*(deg|°|rad)")
-_PI = re.compile(rf"([+-]?)({_NUMBER})?\s*\*?\s*pi(?:\s*/\s*({_NUMBER}))?")
-_NO_UNIT = re.compile(rf"[+-]?{_NUMBER}")
+# sign, number, unit, or pi and what it is divided by
+_ANGLE = re.compile(rf"([+-]?)({_NUMBER})?\s*(?:(deg|°|rad)|\*?\s*(pi)(?:\s*/\s*({_NUMBER}))?)?")
 TWO_PI = 2 * math.pi  # rad, a full turn
 # rad, of a number without a unit; a full turn written with few digits, such as 6.2832, is still one
 LARGEST_BARE = TWO_PI * (1 + 1e-4)
@@ -35,17 +34,17 @@ def parse_angle(text: str | float) -> float:
 
 def _evaluate(text: str) -> float | None:
     """Radians, or None if the text is not an angle."""
-    if match := _WITH_UNIT.fullmatch(text):
-        number = float(match[1])
-        return number if match[2] == "rad" else math.radians(number)
-    if match := _PI.fullmatch(text):
-        sign, factor, divisor = match[1], float(match[2] or 1), float(match[3] or 1)
-        if divisor == 0:
-            return None
-        return (-1 if sign == "-" else 1) * factor * math.pi / divisor
-    if not _NO_UNIT.fullmatch(text):
+    match = _ANGLE.fullmatch(text)
+    if match is None:
         return None
-    value = float(text)
+    sign, number, unit, pi, divisor = match.groups()
+    if not (number or pi) or float(divisor or 1) == 0:
+        return None
+    value = float(f"{sign}{number or 1}")
+    if pi:
+        return value * math.pi / float(divisor or 1)
+    if unit:
+        return value if unit == "rad" else math.radians(value)
     if LARGEST_BARE < abs(value) < math.inf:
         wanted = (
             f"write {text}deg, or {text}rad" if len(text) < 40 else "write its unit, deg or rad"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter, mul
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.picture import svg
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.values import doubles, real_number, short
+from dubins_study.study.values import doubles, real_array, real_number, short
 from dubins_study.study.words import Claim, short_word
 
 if TYPE_CHECKING:
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
-# up to so many arcs a loop is quicker than a call of numpy's for every step of the sum
-FEW = 7
+FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
 _MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
 _MOST_PARTS = 100_000  # in all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
@@ -73,7 +72,7 @@ class Path:
     @property
     def length(self) -> float:
         """The sum of the arcs' lengths (length unit)."""
-        if self.lengths.size <= FEW:  # numpy adds as many in the same order, and begins slowly
+        if self.lengths.size <= FEW:
             return sum(self.lengths.tolist(), 0.0)
         return float(self.lengths.sum())
 
@@ -85,11 +84,11 @@ class Path:
     @property
     def poses(self) -> FloatArray:
         """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
-        return rollout(self.start, self.curvatures, self.lengths)
+        return np.array(corners(self.start, self.curvatures, self.lengths))
 
     @property
     def end(self) -> Pose:
-        return Pose(*corners(self.start, self.curvatures, self.lengths)[-1])
+        return corners(self.start, self.curvatures, self.lengths)[-1]
 
     def at(self, distance: ArrayLike) -> FloatArray:
         """Poses at given distances along the path, shape (m, 3).
@@ -228,13 +227,12 @@ class Path:
         # what is bent by less has a radius that overflows
         radius = 1 / sharpest if sharpest >= np.finfo(np.float64).tiny else None
         # a chord over the angle a of an arc of radius r is r (1 - cos(a / 2)) from the arc
-        angle = 4 * np.arcsin(np.sqrt(np.minimum(share * bend * (radius or 0.0), 1.0) / 2))
-        chords = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
-        if chords.sum() > _MOST_POINTS:
+        angle = 2 * np.arccos(np.maximum(1.0 - share * bend * (radius or 0.0), 0.0))
+        parts = np.maximum(np.ceil(bend * lengths / np.where(angle > 0, angle, 1.0)), 1.0)
+        if parts.sum() > _MOST_POINTS:
             most = f"at most {_MOST_POINTS} points"
-            raise ValueError(f"the path has {chords.sum():.3g} points; expected {most}")
-        counts = chords.astype(int)
-        return self.at(_cuts(lengths, counts))[:, :2], radius
+            raise ValueError(f"the path has {parts.sum():.3g} points; expected {most}")
+        return self.at(_cuts(lengths, parts.astype(int)))[:, :2], radius
 
     def _repr_svg_(self) -> str | None:
         """A line drawing for notebooks, the start a dot; None if the path cannot be driven."""
@@ -244,8 +242,7 @@ class Path:
         if not drivable(self) or not self.length > 0:
             return None
         points, _ = outline(self)
-        ends, curvatures = outline(self, math.pi / 2)
-        return svg(points[:, :2], ends[:, :2], curvatures, caption)
+        return svg(points[:, :2], caption)
 
     def word(self, tolerance: float = 1e-6) -> str:
         """Letters of the path: L, S, R, one for each run of arcs of one kind.
@@ -270,58 +267,31 @@ class Path:
         return "".join(letter for letter, _ in groupby(letters))
 
 
-def rollout(start: Pose, curvature: FloatArray, length: FloatArray) -> FloatArray:
-    """Poses at the ends of constant-curvature arcs driven one after another.
+def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Pose]:
+    """Poses at the ends of constant-curvature arcs driven one after another; the first is `start`.
 
     An arc of curvature k and length l turns the heading by k l; its chord is l sinc(k l / 2) long
     and points along the mean heading. Exact for the Dubins car, k = 0 included (LaValle 2006,
-    Planning Algorithms, sec. 15.3.1; docs/derivation.md, eq. 2).
+    Planning Algorithms, sec. 15.3.1; docs/derivation.md, eq. 2). Headings are not wrapped; where
+    they are not finite, nothing after is.
 
     Args:
         start: initial pose.
-        curvature: shape (n,), 1 / length unit, positive to the left.
-        length: shape (n,), length unit.
-
-    Returns:
-        Shape (n + 1, 3): x, y (length unit), heading (rad, not wrapped). Row 0 is `start`.
+        curvatures: shape (n,), 1 / length unit, positive to the left.
+        lengths: shape (n,), length unit.
     """
-    if length.size <= FEW and (poses := _few(start, curvature.tolist(), length.tolist())):
-        return np.array(poses)
-    turn = curvature * length
-    turned = turn.cumsum()
-    chord = _chord(turn, length)
-    middle = turned - turn / 2
-    # driven in the start's frame: added to a heading of many turns, an angle loses its digits
-    forward, left = (chord * np.cos(middle)).cumsum(), (chord * np.sin(middle)).cumsum()
-    cos, sin = math.cos(start.heading), math.sin(start.heading)
-    driven = np.empty((length.size + 1, 3))
-    driven[0] = start
-    driven[1:, 0] = start.x + (forward * cos - left * sin)
-    driven[1:, 1] = start.y + (forward * sin + left * cos)
-    driven[1:, 2] = start.heading + turned
-    return driven
-
-
-def corners(start: Pose, curvature: FloatArray, length: FloatArray) -> Sequence[Sequence[float]]:
-    """The poses of `rollout` as lists of numbers, which for a few arcs is quicker."""
-    few = length.size <= FEW and _few(start, curvature.tolist(), length.tolist())
-    listed: Sequence[Sequence[float]] = few or rollout(start, curvature, length).tolist()
-    return listed
-
-
-def _few(start: Pose, curvature: list[float], length: list[float]) -> list[Pose] | None:
-    """The poses of `rollout`, one arc after another; None if an angle is too large for a sine."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     turned = forward = left = 0.0
     poses = [start]
-    for k, s in zip(curvature, length, strict=True):
+    for k, s in zip(curvatures.tolist(), lengths.tolist(), strict=True):
         turn = k * s
         turned += turn
-        if not math.isfinite(turned):
-            return None
         half = turn / 2 or 1e-20  # sin(x) / x is 1 there
-        chord = s * (math.sin(half) / half)
+        # driven in the start's frame: added to a heading of many turns, an angle loses its digits
         middle = turned - turn / 2
+        if not math.isfinite(middle):
+            forward = left = half = middle = math.nan
+        chord = s * (math.sin(half) / half)
         forward += chord * math.cos(middle)
         left += chord * math.sin(middle)
         x = start.x + (forward * cos - left * sin)
@@ -333,18 +303,13 @@ def _few(start: Pose, curvature: list[float], length: list[float]) -> list[Pose]
 def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
     """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
     turn = curvature * length
-    chord = _chord(turn, length)
+    half = turn / 2
+    half[half == 0] = 1e-20  # sin(x) / x is 1 there
+    chord = length * (np.sin(half) / half)
     middle = poses[:, 2] + turn / 2
     step = np.column_stack((chord * np.cos(middle), chord * np.sin(middle), turn))
     moved: FloatArray = poses + step
     return moved
-
-
-def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
-    half = turn / 2
-    half[half == 0] = 1e-20  # sin(x) / x is 1 there
-    chord: FloatArray = length * (np.sin(half) / half)
-    return chord
 
 
 # WGS 84: the equator's radius (m) and the square of the eccentricity
@@ -426,18 +391,14 @@ class Paths:
 
     def __post_init__(self) -> None:
         arcs, n = (*np.shape(self.curvatures), 0, 0)[:2]
-        shape = (3 if arcs == 3 else 2, n)
         for name in ("curvatures", "lengths"):
-            array = doubles(name, getattr(self, name))
-            if array.shape != shape:
-                raise ValueError(f"{name} has shape {array.shape}; expected {shape}")
+            array = real_array(name, getattr(self, name), (3 if arcs == 3 else 2, n))
             object.__setattr__(self, name, array)
         if self.returned is not None:
             returned = np.asarray(self.returned)
-            if returned.shape != (n,):
-                raise ValueError(f"returned has shape {returned.shape}; expected {(n,)}")
-            if returned.dtype != np.bool_:
-                raise TypeError(f"returned is an array of {returned.dtype}; expected booleans")
+            if returned.shape != (n,) or returned.dtype != np.bool_:
+                given = f"of {returned.dtype}, shape {returned.shape}"
+                raise TypeError(f"returned is an array {given}; expected booleans, shape {(n,)}")
             object.__setattr__(self, "returned", returned)
 
     def __len__(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import InitVar, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -93,20 +93,17 @@ class Scenario:
         *,
         _radians: bool = False,
     ) -> None:
-        given = (x, y, _heading("heading", heading), target_x, target_y, radius, speed)
-        for name, value in zip(NUMBERS, given, strict=True):
-            # floats: 1 and 1.0 are one value
-            object.__setattr__(self, name, checked_number(name, value))
+        numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
+        for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
+            number = None
+            if name != "final_heading" or value is not None:
+                number = checked_number(name, value)
+            object.__setattr__(self, name, number)
+            known = _radians or isinstance(value, str)
+            if name in HEADINGS and not known and abs(number or 0.0) > LARGEST_BARE:
+                warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         object.__setattr__(self, "label", _label(label))
         object.__setattr__(self, "via", _via(via))
-        angle = None
-        if final_heading is not None:
-            angle = checked_number("final_heading", _heading("final_heading", final_heading))
-        object.__setattr__(self, "final_heading", angle)
-        for name, written in (("heading", heading), ("final_heading", final_heading)):
-            known = _radians or isinstance(written, str)
-            if not known and abs(getattr(self, name) or 0.0) > LARGEST_BARE:
-                warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         if self.via:
             _check_neighbours(self._path_points())
         if self.extent > LARGEST_EXTENT * self.radius:
@@ -123,8 +120,6 @@ class Scenario:
         Of a leg from (x1, y1) to (x2, y2) it is `|x1| + |y1| + |x2| + |y2|`. A sum over all points
         would grow with their number, and rounding does not.
         """
-        if not self.via:
-            return abs(self.x) + abs(self.y) + abs(self.target_x) + abs(self.target_y)
         return max(
             abs(x) + abs(y) + abs(u) + abs(v) for (x, y), (u, v) in pairwise(self._path_points())
         )
@@ -211,81 +206,61 @@ LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
-def _heading(name: str, text: float | str) -> float:
-    """A heading, in rad where it is a text; anything else stays as it is."""
-    if not isinstance(text, str):
-        return text
-    try:
-        return parse_angle(text)
-    except AngleError as error:
-        raise ScenarioError(f"{name}: {error}, {_CONVENTION}") from None
-
-
 _CONVENTION = "counterclockwise from +x (east), so north is 90deg"
 _PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)], or a frame with columns x and y"
 
 
 def _via(points: Any) -> tuple[tuple[float, float], ...]:
     """The via points as pairs of floats."""
-    if type(points) is tuple and not points:
-        return ()
-    if isinstance(points, str | bytes | Mapping | Set):  # which no order or no pairs are in
-        raise ScenarioError(f"via is {short(points)}; {_PAIRS}")
     try:
-        if hasattr(points, "columns") and any(isinstance(name, str) for name in points.columns):
-            points = points[["x", "y"]]
-        if hasattr(points, "to_numpy"):  # a frame that is iterated gives the names of its columns
-            points = points.to_numpy()
-        pairs = [tuple(point) for point in points]
+        if hasattr(points, "columns"):  # a frame that is iterated gives the names of its columns
+            points = points[["x", "y"]].to_numpy()
+        pairs = [(x, y) for x, y in points]
+        if isinstance(points, Set):
+            raise TypeError("a set has no order")
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"via is {short(points)}; {_PAIRS}") from None
     via = []
-    for place, pair in enumerate(pairs, 1):
-        if len(pair) != 2:
-            raise ScenarioError(f"via point {place} is {short(pair)}; expected x and y")
+    for place, (x, y) in enumerate(pairs, 1):
         name = f"of via point {place}"
-        via.append((checked_number(f"x {name}", pair[0]), checked_number(f"y {name}", pair[1])))
+        via.append((checked_number(f"x {name}", x), checked_number(f"y {name}", y)))
     return tuple(via)
 
 
 def _check_neighbours(points: list[tuple[float, float]]) -> None:
     """Refuse a route with a leg between equal points, which has no length to be driven."""
-    for place, (point, following) in enumerate(pairwise(points)):
+    for place, (point, following) in enumerate(pairwise(points), 1):
         if point == following:
-            vias = [f"via point {number}" for number in range(1, len(points) - 1)]
-            before, this = ["the start", *vias, "the target"][place : place + 2]
+            this = f"via point {place}" if place < len(points) - 1 else "the target"
             raise ScenarioError(
-                f"{this} is {short(following)}, the same point as {before}; "
+                f"{this} is {short(following)}, the same point as the one before it; "
                 "expected a point apart from the points before and after it"
             )
 
 
 def _label(text: str) -> str:
-    if not isinstance(text, str):
-        raise ScenarioError(f"label is {short(text)}; expected a text")
     try:
         return str.encode(text).decode()  # a plain str of any subclass, as a row can hold it
-    except UnicodeError:
-        raise ScenarioError(f"label is {short(text)}; expected a text without surrogates") from None
+    except (TypeError, UnicodeError):
+        raise ScenarioError(f"label is {short(text)}; expected a text") from None
 
 
-def checked_number(name: str, value: float | None) -> float:
-    """The value as a float, if the field of this name may have it."""
+def checked_number(name: str, value: float | str | None) -> float:
+    """The value as a float, if the field of this name may have it: a text is one of a heading."""
     if value is None:
         raise ScenarioError(f"{name} is missing; expected a number")
     try:
+        if isinstance(value, str) and name in HEADINGS:
+            value = parse_angle(value)
         number = real_number(value)
-    except OverflowError:
-        raise ScenarioError(
-            f"{name} is {short(value)}; expected a number of size up to {LARGEST:g}"
-        ) from None
+    except AngleError as error:
+        raise ScenarioError(f"{name}: {error}, {_CONVENTION}") from None
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
-    if not math.isfinite(number):
-        raise ScenarioError(f"{name} is {number}; expected a finite number")
-    if name in POSITIVE and number <= 0:
-        raise ScenarioError(f"{name} is {number}; expected a number above 0")
-    if abs(number) > LARGEST or (name in POSITIVE and number < SMALLEST):
-        least = f"from {SMALLEST:g} to" if name in POSITIVE else "of size up to"
-        raise ScenarioError(f"{name} is {number}; expected a number {least} {LARGEST:g}")
+    least = SMALLEST if name in POSITIVE else -LARGEST
+    if not least <= number <= LARGEST:  # nor is NaN
+        expected = f"a finite number of size up to {LARGEST:g}"
+        if name in POSITIVE:
+            expected = f"a number above 0, from {SMALLEST:g} to {LARGEST:g}"
+        raise ScenarioError(f"{name} is {number}; expected {expected}")
     return number

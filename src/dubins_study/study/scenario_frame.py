@@ -31,6 +31,8 @@ from dubins_study.study.values import did_you_mean, number_of_text, short
 if TYPE_CHECKING:
     import pandas as pd
 
+    from dubins_study.study.arrays import FloatArray
+
 
 def column_problems(names: Sequence[Any]) -> list[str]:
     """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
@@ -72,7 +74,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
         beyond = np.abs(columns[name]) > LARGEST_BARE
         if beyond.any() and not all(isinstance(angle, str) for angle in frame[name][beyond]):
             warnings.warn(f"{name} {DEGREES}", stacklevel=5)  # at the call of `solve_frame`
-    return pd.DataFrame(columns, index=frame.index, copy=False)
+    return pd.DataFrame({name: columns[name] for name in COLUMNS}, frame.index, copy=False)
 
 
 def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
@@ -81,28 +83,29 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
         return None
     columns: dict[str, Any] = {}
-    for name in NUMBERS:
-        columns[name] = _doubles(frame, name) if name in frame else np.full(n, DEFAULTS[name])
+    for name in (*NUMBERS, "final_heading"):
+        column = _doubles(frame, name)
+        if column is None:
+            return None
+        columns[name] = column
     columns["label"] = _labels(frame) if "label" in frame else ""
-    columns |= dict.fromkeys(VIA, list_column(n, {}))
-    columns["final_heading"] = (
-        _doubles(frame, "final_heading")
-        if "final_heading" in frame
-        else np.broadcast_to(np.nan, n)  # takes no memory
-    )
-    if any(column is None for column in columns.values()):
+    if columns["label"] is None:
         return None
+    # of a row of the largest coordinates and the smallest radius of all, which few frames have
     places = [columns[name] for name in ("x", "y", "target_x", "target_y")]
-    largest = LARGEST_EXTENT * columns["radius"]
-    # no row can be worse than the worst of every column together
     worst = sum(max(abs(place.min()), abs(place.max())) for place in places)
-    if worst > largest.min() and np.any(sum(map(np.abs, places)) > largest):
+    if worst > LARGEST_EXTENT * columns["radius"].min():
         return None
+    columns |= dict.fromkeys(VIA, nulls(n))
     return columns
 
 
-def _doubles(frame: pd.DataFrame, name: str) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
     """A column of numbers as doubles, read-only; None if one of them is refused, or is a text."""
+    if name not in frame:
+        default = DEFAULTS[name]
+        # takes no memory
+        return np.broadcast_to(math.nan if default is None else default, len(frame))
     if frame[name].dtype.kind not in "iuf":
         return None
     with np.errstate(over="ignore"):
@@ -131,34 +134,34 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
     """The columns of any frame; the first row that no scenario may have is refused."""
     import pandas as pd
 
-    n, names = len(frame), (*NUMBERS, "final_heading")
-    numbers, labels = np.empty((len(names), n)), []
-    via: dict[str, dict[int, list[float] | None]] = {name: {} for name in VIA}
+    found = []
     for row, values in enumerate(frame.itertuples(index=False, name=None)):
         try:
-            scenario = scenario_of(dict(zip(frame.columns, values, strict=True)))
+            found.append(scenario_of(dict(zip(frame.columns, values, strict=True))))
         except ScenarioError as error:
             raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
-        numbers[:, row] = [getattr(scenario, name) for name in names]  # NaN for None
-        labels.append(scenario.label)
-        if scenario.via:
-            via["via_x"][row], via["via_y"][row] = scenario.via_x, scenario.via_y
-    columns: dict[str, Any] = dict(zip(names, numbers, strict=True))
-    columns["label"] = pd.array(labels, "str")
-    columns |= {name: list_column(n, lists) for name, lists in via.items()}
-    return {name: columns[name] for name in COLUMNS}
+    columns = {name: [getattr(scenario, name) for scenario in found] for name in COLUMNS}
+    arrays: dict[str, Any] = {
+        name: np.array(columns[name], np.float64) for name in (*NUMBERS, "final_heading")
+    }
+    lists = {name: list_column(columns[name]) for name in VIA}
+    return arrays | {"label": pd.array(columns["label"], "str")} | lists
 
 
-def list_column(n: int, lists: Mapping[int, list[float] | None]) -> Any:
-    """A column of n lists of doubles, by row; null where there is none."""
+def list_column(lists: Sequence[list[float] | None]) -> Any:
+    """A column of lists of doubles; null where there is none."""
     import pandas as pd
     import pyarrow as pa
 
-    kind = pa.large_list(pa.float64())
-    values: Any = (
-        pa.array([lists.get(row) for row in range(n)], kind) if lists else pa.nulls(n, kind)
-    )
-    return pd.arrays.ArrowExtensionArray(values)  # nulls alone take no memory to speak of
+    return pd.arrays.ArrowExtensionArray(pa.array(lists, pa.large_list(pa.float64())))
+
+
+def nulls(n: int) -> Any:
+    """A `list_column` of n rows without lists, which takes no memory to speak of."""
+    import pandas as pd
+    import pyarrow as pa
+
+    return pd.arrays.ArrowExtensionArray(pa.nulls(n, pa.large_list(pa.float64())))
 
 
 def with_final_headings(frame: pd.DataFrame) -> bool:
@@ -229,7 +232,8 @@ def solve_command(row: Mapping[Any, Any]) -> str:
 
     It states the profile and `time_limit_s` if the row has them.
     """
-    s, words = scenario_of(row), ["dubins-study", "solve"]
+    s = scenario_of(row)
+    words = ["dubins-study", "solve"]
     if s.start != (0.0, 0.0, 0.0):
         unit = "rad" if abs(s.heading) > LARGEST_BARE else ""  # which a bare number may not exceed
         words += ["--from", number_text(s.x), number_text(s.y), number_text(s.heading) + unit]
@@ -237,12 +241,13 @@ def solve_command(row: Mapping[Any, Any]) -> str:
         words += ["--via", number_text(u), number_text(v)]
     if s.final_heading is not None:
         words += ["--final-heading", f"{number_text(s.final_heading)}rad"]
-    for name in POSITIVE:
-        words += [f"--{name}", number_text(value)] if (value := getattr(s, name)) != 1 else []
-    for name, default in (("branch", "best"), ("profile", "default")):
-        words += [f"--{name}", text] if (text := str(row.get(name, default))) != default else []
-    limit = row.get("time_limit_s")
-    words += ["--time-limit", number_text(limit)] if limit is not None else []
+    texts = {name: number_text(getattr(s, name)) for name in POSITIVE}
+    texts |= {name: str(row[name]) for name in ("branch", "profile") if name in row}
+    for name, text in texts.items():
+        if text not in ("1", "best", "default"):
+            words += [f"--{name}", text]
+    if row.get("time_limit_s") is not None:
+        words += ["--time-limit", number_text(row["time_limit_s"])]
     # without the dashes a negative number would be read as an option
     target = number_text(s.target_x), number_text(s.target_y)
     return shlex.join([*words, "--solver", str(row["solver"]), "--", *target])

@@ -64,7 +64,7 @@ REFUSED = {
     "x,y\n1,2\n3,four\n": "line 3: y is 'four'; expected a number",
     "x,y\n1\n": "line 2: y is ''; expected a number",
     "x,y\n1,2\n3,nan\n": "line 3: y is nan; expected a finite number",
-    "x,y\n1,2\n-1e200,3\n": "line 3: x is -1e+200; expected a number of size up to 1e+150",
+    "x,y\n1,2\n-1e200,3\n": "line 3: x is -1e+200; expected a finite number of size up to 1e+150",
     "x,y,z\n1,2,a\n\n1.0,2,b\n": "line 4: x,y is 1.0,2.0, the same point as in line 2; expected",
     "x,y\n4,5,2\n": "line 2 has more cells than the first line",
     'x,y,name\n3,4,"a\n6,-2,b\n7,7,"\n': "line 4 ends a text that began in an earlier one",

@@ -79,7 +79,7 @@ MISTAKES = [
     "line 5: heading: 'five' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
     "counterclockwise from +x (east), so north is 90deg",
     "line 5: target_x is '1_0'; expected a number",
-    "line 5: radius is 1e+200; expected a number from 1e-150 to 1e+150",
+    "line 5: radius is 1e+200; expected a number above 0, from 1e-150 to 1e+150",
     "line 6: radius is 1.0; expected at least 1e+07 beside coordinates of size 1e+20, or the",
 ]
 
@@ -122,7 +122,7 @@ def test_the_rows_of_parquet_are_counted_from_one(tmp_path):
     assert refusal_of(tmp_path / "a.parquet").splitlines()[1:] == [
         "  row 2: heading: 90.0 is more than a full turn; write 90.0deg, or 90.0rad, "
         "counterclockwise from +x (east), so north is 90deg",
-        "  row 2: radius is 0.0; expected a number above 0",
+        "  row 2: radius is 0.0; expected a number above 0, from 1e-150 to 1e+150",
         "  row 3: radius is empty; expected a number",
     ]
 
@@ -305,9 +305,9 @@ def test_every_wrong_route_is_named(tmp_path):
         "  line 4: via_x is '[4, 6]'; expected numbers separated by spaces, such as 4 6",
         "  line 5: final_heading: 120 is more than a full turn; write 120deg, or 120rad, "
         "counterclockwise from +x (east), so north is 90deg",
-        "  line 6: via point 1 is (0.0, 0.0), the same point as the start; expected a point apart "
-        "from the points before and after it",
-        "  line 7: via_y is nan; expected a finite number",
+        "  line 6: via point 1 is (0.0, 0.0), the same point as the one before it; expected a "
+        "point apart from the points before and after it",
+        "  line 7: via_y is nan; expected a finite number of size up to 1e+150",
         "  line 7: final_heading: 'east' is not an angle; expected e.g. 120deg, 2.0944 or 2pi/3, "
         "counterclockwise from +x (east), so north is 90deg",
     ]

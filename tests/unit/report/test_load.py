@@ -84,23 +84,6 @@ def _much(table):
     return table.set_column(place, "gap", pa.array(["much"] * table.num_rows))
 
 
-@pytest.mark.parametrize(
-    ("earlier", "current"),
-    [
-        ("nlp", "nlp[engine=trust-constr]"),
-        ("nlp[model=joint,tol=1e-06]", "nlp[engine=trust-constr,model=joint,tol=1e-06]"),
-        ("nlp[engine=uno]", "nlp[engine=uno]"),
-        ("route-nlp", "route-nlp"),
-    ],
-)
-def test_an_earlier_spec_asks_what_it_asked(results, earlier, current):
-    """Specs of `nlp` without an engine are of the time when its default was trust-constr."""
-    folder = results("paper", [attempt(paper_scenarios()[0], solver=earlier)])
-
-    assert set(read_manifest(folder).solvers) == {current}
-    assert load([folder]).rows["solver"].tolist() == [current]
-
-
 LATER = ["lower_bound", "subproblems", "evaluations", "presolved", "subproblem_s"]
 
 
@@ -131,12 +114,12 @@ def test_a_column_that_a_part_lacks_is_null(results, lacking):
     ("spoil", "message"),
     [
         (lambda f: (f / "manifest.json").unlink(), "has no manifest.json"),
-        (lambda f: (f / "manifest.json").write_text("{"), "cannot be read as JSON"),
-        (lambda f: (f / "manifest.json").write_text("[]"), "expected an object"),
-        (lambda f: (f / "manifest.json").write_text("[" * 100_000), "cannot be read as JSON"),
-        (lambda f: (f / "manifest.json").write_text("9" * 5_000), "cannot be read as JSON"),
-        (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "cannot be read as JSON"),
-        (_change_manifest(schema=VERSION + 1), f"has schema {VERSION + 1}; expected {VERSION}"),
+        (lambda f: (f / "manifest.json").write_text("{"), "Invalid JSON"),
+        (lambda f: (f / "manifest.json").write_text("[]"), "Input should be an object"),
+        (lambda f: (f / "manifest.json").write_text("[" * 100_000), "Invalid JSON"),
+        (lambda f: (f / "manifest.json").write_text("9" * 5_000), "Invalid JSON"),
+        (lambda f: (f / "manifest.json").write_bytes(b"\xff\xfe\x00"), "Invalid JSON"),
+        (_change_manifest(schema=VERSION + 1), f"schema is {VERSION + 1}: Input should be"),
         (_change_manifest(experiment={}), "experiment.name is {}: Field required"),
         (lambda f: (f / "parts" / "1.parquet").unlink(), "has no rows"),
         (lambda f: pq.write_table(SCHEMA.empty_table(), f / "parts" / "1.parquet"), "has no rows"),

@@ -139,7 +139,10 @@ BAD_ARRAYS = {
     "durations": ({"lengths": np.ones((2, N), "m8[s]")}, "lengths is an array of timedelta64"),
     "of one row": ({"lengths": np.ones(N)}, r"lengths has shape \(3,\); expected \(2, 3\)"),
     "numbers for flags": ({"returned": np.ones(N)}, "returned is an array of float64"),
-    "few flags": ({"returned": np.ones(1, bool)}, r"returned has shape \(1,\); expected \(3,\)"),
+    "few flags": (
+        {"returned": np.ones(1, bool)},
+        r"returned is an array of bool, shape \(1,\); expected bool",
+    ),
     "claims that are NaN": ({"claim": np.full(N, np.nan)}, "claim is neither a Claim nor indices"),
     "claims of text": ({"claim": ["optimal"] * N}, "claim is neither a Claim nor indices"),
     "a bound": ({"lower_bound": 1.0}, r"lower_bound has shape \(\); expected \(3,\)"),

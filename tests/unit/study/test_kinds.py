@@ -92,7 +92,6 @@ WHO_ASKS = {
     "experiments/isolation/pool.py:_give": "a solver is warmed up on a route only before one",
     "experiments/plan/scenario_columns.py:scenario_id": _FIELD,
     "study/units.py:doubtful_units": "points have an extent if there are two",
-    "study/scenario_frame.py:_columns_row_by_row": _FIELD,
     "study/scenario_frame.py:solve_command": _FIELD,
     "study/check/verdict.py:visited": _FIELD,
     "study/check/verdict.py:seen_of": _FIELD,

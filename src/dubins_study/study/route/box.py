@@ -111,14 +111,9 @@ def least_between(
     if abs(cosine) <= 1.0:
         still = -math.acos(cosine)
         still += TWO_PI * math.ceil((first - still) / TWO_PI)
-    for candidate in range(5):
-        x = first
-        if candidate == 1:
-            x = last
-        elif candidate > 1:
-            x = floor if candidate == 4 else still if candidate == 2 else still + TWO_PI
-            if not (first < x < last):
-                continue
+    for x in (first, last, still, still + TWO_PI, floor):
+        if not (first <= x <= last):
+            continue
         lifted = max(x, floor)
         value = lifted + rho * math.sin(lifted) - kappa * (x - m) - mu * x
         if value < best:

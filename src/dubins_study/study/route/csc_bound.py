@@ -22,8 +22,6 @@ from dubins_study.study.route.box import (
     Circles,
     Costate,
     circles_of,
-    least_between,
-    rounding,
     separated,
     turning_bound,
 )
@@ -31,6 +29,14 @@ from dubins_study.study.route.leg_words import between, principal, straight_dire
 
 _PI = math.pi
 _SHORTEST_STRAIGHT = 0.05  # below it the direction of S is not bounded by its derivative
+
+
+@separate
+def _seen(circles: Circles, heading: float) -> tuple[float, float]:
+    """How far the last centre is ahead of the first one and to its left, seen along a heading."""
+    cosine, sine = math.cos(heading), math.sin(heading)
+    ahead = circles.dx * cosine + circles.dy * sine
+    return ahead, circles.dy * cosine - circles.dx * sine
 
 
 @separate
@@ -58,28 +64,26 @@ def _apex_bound(box: Box, circles: Circles) -> float:
     farthest = circles.farthest
     sine = abs(math.sin(box.c2 - box.c1))
     bent = 0.5 * (1.0 + farthest) * (box.h1 + box.h2) ** 2 + SLACK
-    along1 = abs(circles.dx * math.cos(box.c1) + circles.dy * math.sin(box.c1))
-    along2 = abs(circles.dx * math.cos(box.c2) + circles.dy * math.sin(box.c2))
-    left1 = circles.dy * math.cos(box.c1) - circles.dx * math.sin(box.c1)
-    left2 = circles.dx * math.sin(box.c2) - circles.dy * math.cos(box.c2)
+    along1, left1 = _seen(circles, box.c1)
+    along2, left2 = _seen(circles, box.c2)
     # an arc above pi takes half a turn from the range of S's direction
     long1, long2 = _long_arcs(box, 1.0)
-    if long1 or left1 + along1 * box.h1 + sine * box.h2 + bent < 0.0:
+    if long1 or left1 + abs(along1) * box.h1 + sine * box.h2 + bent < 0.0:
         first += _PI
         total -= _PI
-    if long2 or left2 + along2 * box.h2 + sine * box.h1 + bent < 0.0:
+    if long2 or -left2 + abs(along2) * box.h2 + sine * box.h1 + bent < 0.0:
         total -= _PI
     # the angle from the first such direction to nu, and the nearest that S comes to nu
     after = nu - first - TWO_PI * math.floor((nu - first) / TWO_PI)
     away = 0.0 if after <= total else min(after - total, TWO_PI - after)
+    # of both arcs any angle in the box
+    m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
+    within1, within2 = (m1 - box.h1, m1 + box.h1), (m2 - box.h2, m2 + box.h2)
     best = -math.inf
     for clipped in range(2 if length > 1.0 else 1):
         rho = min(length, 1.0) if clipped else min(length, LONGEST_COSTATE)
-        m1, m2 = nu - _PI - box.c1, box.c2 - nu - _PI
-        f1, _ = least_between(m1, m1 - box.h1, m1 + box.h1, rho, box.slope1, 0.0, -math.inf)
-        f2, _ = least_between(m2, m2 - box.h2, m2 + box.h2, rho, box.slope2, 0.0, -math.inf)
-        pulled = rho * (box.x * math.cos(nu) + box.y * math.sin(nu))
-        value = pulled + f1 + f2 + TWO_PI * (1.0 + whole) - rounding(box, rho)
+        value, _, _ = separated(box, 1.0, Costate(rho, nu, 0.0, 0.0), within1, within2, -math.inf)
+        value += TWO_PI * (1.0 + whole)
         inside = -math.inf if total < 0.0 else farthest * max(0.0, rho * math.cos(away) - 1.0)
         outside = farthest * max(0.0, rho - 1.0) - TWO_PI
         best = max(best, value - max(inside, outside))

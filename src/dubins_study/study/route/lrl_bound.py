@@ -82,6 +82,16 @@ def _opposite_bound(box: Box, half: float, slope: float) -> float:
 
 
 @separate
+def _rates(angle: float, slope: float, c: float, s: float) -> tuple[float, float, float]:
+    """What is missing of flat in a heading, and what either multiplier adds: its own, the other.
+
+    The angle is from that heading to the axis, c and s are -4 cos(psi) and 4 sin(psi).
+    """
+    along, across = math.cos(angle) / c, math.sin(angle) / s
+    return slope - 1.0 - 4.0 * along, -1.0 - along - across, across - along
+
+
+@separate
 def lrl_bound(box: Box) -> float:
     """A bound of LRL, with multipliers of the outer arcs where these may vanish."""
     circles = circles_of(box, 1.0)
@@ -107,10 +117,8 @@ def lrl_bound(box: Box) -> float:
     short1, short2 = abs(principal(psi + u)) < near, abs(principal(psi + v)) < near
     # flat in the first heading if rate11 mu1 + rate12 mu2 = rise1, in the last likewise
     c, s = -4.0 * math.cos(psi), 4.0 * math.sin(psi)
-    rise1 = box.slope1 - 1.0 - 4.0 * math.cos(u) / c
-    rise2 = box.slope2 - 1.0 - 4.0 * math.cos(v) / c
-    rate11, rate12 = -1.0 - math.cos(u) / c - math.sin(u) / s, math.sin(u) / s - math.cos(u) / c
-    rate22, rate21 = -1.0 - math.cos(v) / c - math.sin(v) / s, math.sin(v) / s - math.cos(v) / c
+    rise1, rate11, rate12 = _rates(u, box.slope1, c, s)
+    rise2, rate22, rate21 = _rates(v, box.slope2, c, s)
     size = rate11 * rate22 - rate12 * rate21
     along_axis = 4.0 - _ALONG * c
     flat_in_both = (

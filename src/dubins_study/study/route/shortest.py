@@ -22,11 +22,11 @@ _MOST_KNOWN = 4096  # the cells of a run ask each question often, in shuffled or
 
 
 class _Searched(NamedTuple):
-    """The last search of a scenario; infinite effort where more would change nothing."""
+    """The last search of a scenario, and what it took; infinite where more would change nothing."""
 
-    boxes: float
-    seconds: float
     route: ShortestRoute
+    boxes: float = math.inf
+    seconds: float = math.inf
 
 
 _known: dict[Scenario, _Searched] = {}
@@ -68,15 +68,11 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
         math.nextafter(found.low * radius, -math.inf),
         math.nextafter(found.high * radius, math.inf),
     )
-    searched = _Searched(math.inf, math.inf, route)
-    if found.seconds > limit:
-        searched = _Searched(found.boxes, limit, route)
-    elif found.boxes >= boxes:
-        searched = _Searched(boxes, found.seconds, route)
-    _known.pop(scenario, None)
-    _known[scenario] = searched
-    if len(_known) > _MOST_KNOWN:
-        del _known[next(iter(_known))]
+    if len(_known) >= _MOST_KNOWN:
+        _known.clear()
+    _known[scenario] = _Searched(route)
+    if found.seconds > limit or found.boxes >= boxes:
+        _known[scenario] = _Searched(route, found.boxes, found.seconds)
     return route
 
 

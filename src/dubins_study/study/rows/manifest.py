@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     AliasChoices,
     BaseModel,
     ConfigDict,
     Field,
     ValidationError,
-    field_serializer,
 )
 
-from dubins_study.study.rows.parts import ResultsError, current_spec, os_errors_as
+from dubins_study.study.rows.parts import ResultsError, os_errors_as
 from dubins_study.study.rows.schema import VERSION
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.values import plain, printable_values
@@ -26,7 +23,6 @@ from dubins_study.study.values import plain, printable_values
 MANIFEST = "manifest.json"
 # Beyond 10^15 a float is no longer exact.
 Count = Annotated[int, Field(ge=0, le=10**15)]
-Spec = Annotated[str, AfterValidator(current_spec)]
 
 
 class _Record(BaseModel):
@@ -70,7 +66,7 @@ class MatrixEntry(_Record):
     formulation: str
     engine: str
     kind: str = ""
-    spec: Spec | None = None
+    spec: str | None = None
     reason: str | None = None
 
 
@@ -98,21 +94,11 @@ def spread(probes: Sequence[Probe]) -> float | None:
     return float((high - low) / middle)
 
 
-def by_machine(probes: Sequence[Probe]) -> dict[int, list[Probe]]:
-    """The probes of each machine: the machine that varied most first, those of few probes last."""
-    machines: dict[int, list[Probe]] = {}
-    for probe in probes:
-        machines.setdefault(probe.machine, []).append(probe)
-
-    def share(machine: int) -> float:
-        return -1.0 if (value := spread(machines[machine])) is None else value
-
-    return {machine: machines[machine] for machine in sorted(machines, key=share, reverse=True)}
-
-
 def varied(probes: Sequence[Probe]) -> float | None:
     """The spread of the machine that varied most; None if no machine has enough probes."""
-    return next(map(spread, by_machine(probes).values()), None)
+    machines = {probe.machine for probe in probes}
+    spreads = [spread([p for p in probes if p.machine == machine]) for machine in machines]
+    return max((share for share in spreads if share is not None), default=None)
 
 
 class RunEntry(_Record):
@@ -146,10 +132,6 @@ class RunEntry(_Record):
         """How much the machine's speed varied (`varied`)."""
         return varied(self.probes)
 
-    @field_serializer("probes")
-    def _probes_as_lists(self, probes: list[Probe]) -> list[list[float]]:
-        return [[*probe] if probe.machine else [probe.when, probe.took] for probe in probes]
-
 
 class Manifest(_Record):
     """What a results folder says about itself.
@@ -159,7 +141,7 @@ class Manifest(_Record):
     `gap_tolerance` contradict each other. `finished` is None until every cell has its row.
     """
 
-    schema_version: int = Field(default=VERSION, alias="schema")
+    schema_version: int = Field(default=VERSION, alias="schema", ge=VERSION, le=VERSION)
     experiment: Definition
     command: str = ""
     seed: int | None = None
@@ -169,7 +151,7 @@ class Manifest(_Record):
     gap_tolerance: Annotated[float, Field(gt=0)] = Tolerances().gap
     cells: Count
     matrix: list[MatrixEntry] = []
-    solvers: dict[Spec, SolverEntry] = {}
+    solvers: dict[str, SolverEntry] = {}
     versions: dict[str, Any] = {}
     machine: dict[str, Any] = {}
     git: dict[str, Any] = {}
@@ -186,35 +168,22 @@ class Manifest(_Record):
 def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     """The manifest of a results folder; `printable` writes out what its texts cannot print."""
     file = folder / MANIFEST
-    content = _read_object(folder, file)
-    version = content.get("schema")
-    if version != VERSION or isinstance(version, bool):
-        raise ResultsError(
-            f"{file} has schema {version!r:.60}; expected {VERSION}: run it again, into a new "
-            "folder or with --restart"
-        )
+    if not file.exists():
+        what = f"it has no {MANIFEST}" if folder.is_dir() else "it is not a folder"
+        raise ResultsError(f"{folder} is no results folder: {what}")
+    with os_errors_as(f"{file} cannot be read"):
+        text = file.read_bytes()
     try:
-        return Manifest.model_validate(printable_values(content) if printable else content)
+        manifest = Manifest.model_validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(plain(str(step)) for step in first["loc"])
-        raise ResultsError(f"{file}: {key} is {first['input']!r:.60}: {first['msg']}") from None
-
-
-def _read_object(folder: FilePath, file: FilePath) -> dict[str, Any]:
-    with os_errors_as(f"{file} cannot be read"):
-        if not folder.is_dir():
-            raise ResultsError(f"{folder} is no results folder: it is not a folder")
-        if not file.exists():
-            raise ResultsError(f"{folder} is no results folder: it has no {MANIFEST}")
-        text = file.read_bytes()
-    try:
-        content = json.loads(text.decode())
-    except (ValueError, RecursionError) as error:
+        place = f"{key} is {first['input']!r:.60}: " if key else ""
         raise ResultsError(
-            f"{file} cannot be read as JSON: {error}; bring back a whole copy, or run the "
-            "experiment again with --restart"
+            f"{file} cannot be read: {place}{first['msg']}; bring back a whole copy, or run the "
+            "experiment again, into a new folder or with --restart"
         ) from None
-    if not isinstance(content, dict):
-        raise ResultsError(f"{file} holds {content!r:.60}; expected an object")
-    return content
+    if printable:
+        content = manifest.model_dump(mode="json", by_alias=True)
+        manifest = Manifest.model_validate(printable_values(content))
+    return manifest

@@ -64,18 +64,6 @@ def row_path(row: Mapping[str, Any]) -> Path | None:
     return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
 
 
-# The default engine of `nlp` as long as specs of it did not name their engine, until 1.0.0.
-_EARLIER_ENGINE = "engine=trust-constr"
-
-
-def current_spec(spec: str) -> str:
-    """The spec that asks today what a spec in an old folder asked."""
-    name, bracket, settings = spec.partition("[")
-    if name != "nlp" or settings.startswith("engine="):
-        return spec
-    return f"{name}[{_EARLIER_ENGINE},{settings}" if bracket else f"{name}[{_EARLIER_ENGINE}]"
-
-
 PARTS = "parts"
 BATCH_ROWS = 2**17
 # Threads take longer to start than such a part takes to read.
@@ -108,12 +96,13 @@ def os_errors_as(problem: str) -> Iterator[None]:
 
 
 def folder_paths(folders: Any) -> list[FilePath]:
-    """The path of one results folder, or those of several; anything else is refused."""
+    """The path of one results folder, or those of several."""
     several = isinstance(folders, Iterable) and not isinstance(folders, str)
-    paths = list(folders) if several else [folders]
-    if wrong := [path for path in paths if not isinstance(path, str | os.PathLike)]:
-        raise ResultsError(f"folder is {short(wrong[0])}; expected the path of a results folder")
-    return [FilePath(path) for path in paths]
+    try:
+        return list(map(FilePath, folders if several else [folders]))
+    except TypeError:
+        expected = "expected the path of a results folder"
+        raise ResultsError(f"folder is {short(folders)}; {expected}") from None
 
 
 def part_files(folder: FilePath) -> list[FilePath]:
@@ -127,31 +116,35 @@ def read_batches(file: FilePath, columns: Sequence[str] | None = None) -> Iterat
     A column that was declared after the part was written is null. A `DamagedPartError` says that
     the file was cut off or changed; a `ResultsError`, that it is of another schema or unreadable.
     """
-    wanted = list(columns or ARROW_SCHEMA.names)
-    with _reading(file):
-        content = pq.ParquetFile(file, page_checksum_verification=True)
-    with content:
-        expected, rows = _stated_rows(file, content), 0
-        stored = [name for name in wanted if name in content.schema_arrow.names]
+    wanted = _empty(columns)
+    with _reading(file), pq.ParquetFile(file, page_checksum_verification=True) as content:
+        _check_schema(file, content)
+        stored = [name for name in wanted.column_names if name in content.schema_arrow.names]
+        expected, rows = content.metadata.num_rows, 0
         threads = expected > _SMALL_PART_ROWS
-        batches = content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads)
-        while (batch := _next(file, batches)) is not None:
+        for batch in content.iter_batches(BATCH_ROWS, columns=stored, use_threads=threads):
+            batch.validate(full=True)  # nothing else notices texts that are not UTF-8
             rows += len(batch)
-            arrays = [
-                _read_column(file, batch.column(name), ARROW_SCHEMA.field(name))
-                if name in stored
-                else pa.nulls(len(batch), ARROW_SCHEMA.field(name).type)
-                for name in wanted
-            ]
-            yield pa.Table.from_arrays(arrays, names=wanted)
-    if rows != expected:  # no checksum covers the number of rows
-        raise _damaged(file, f"it holds {rows} rows and says {expected}")
+            yield _as_stated(pa.Table.from_batches([batch]), wanted.schema)
+        if rows != expected:  # no checksum covers the number of rows
+            raise _damaged(file, f"it holds {rows} rows and says {expected}")
+
+
+def _empty(columns: Sequence[str] | None) -> pa.Table:
+    return ARROW_SCHEMA.empty_table().select(list(columns or ARROW_SCHEMA.names))
+
+
+def _as_stated(table: pa.Table, schema: pa.Schema) -> pa.Table:
+    """The table with the columns of a schema: null where it has none, cast where it has others."""
+    for field in schema:
+        if field.name not in table.column_names:
+            table = table.append_column(field, pa.nulls(len(table), field.type))
+    return table.select(schema.names).cast(schema)
 
 
 def read_part(file: FilePath, columns: Sequence[str] | None = None) -> pa.Table:
     """A part's columns as one table, all by default; errors as `read_batches`."""
-    empty = ARROW_SCHEMA.empty_table().select(list(columns or ARROW_SCHEMA.names))
-    return pa.concat_tables([empty, *read_batches(file, columns)])
+    return pa.concat_tables([_empty(columns), *read_batches(file, columns)])
 
 
 def check_part(file: FilePath) -> None:
@@ -165,6 +158,8 @@ def _reading(file: FilePath) -> Iterator[None]:
     """Raise whatever Arrow raises as the error of a results folder."""
     try:
         yield
+    except ResultsError:
+        raise
     except Exception as error:  # a flipped bit may make Arrow raise anything
         if isinstance(error, OSError) and error.errno is not None:
             raise ResultsError(f"{file} cannot be read: {reason(error)}") from None
@@ -175,57 +170,21 @@ def _damaged(file: FilePath, problem: str) -> DamagedPartError:
     return DamagedPartError(f"{file} cannot be read: {problem}; run again for its rows")
 
 
-def _next(file: FilePath, batches: Iterator[pa.RecordBatch]) -> pa.RecordBatch | None:
-    """The next batch, or None after the last."""
-    with _reading(file):
-        batch = next(batches, None)
-        if batch is not None:
-            batch.validate(full=True)  # nothing else notices texts that are not UTF-8
-        return batch
-
-
-def _stated_rows(file: FilePath, content: pq.ParquetFile) -> int:
-    """How many rows a part says that it holds, if it is of this schema."""
-    with _reading(file):
-        columns, rows = content.schema_arrow.names, int(content.metadata.num_rows)
-        texts = content.metadata.metadata or {}
-        version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
+def _check_schema(file: FilePath, content: pq.ParquetFile) -> None:
+    """Refuse a file that is no part of this schema."""
+    texts = content.metadata.metadata or {}
+    version = texts.get(VERSION_KEY.encode(), b"%d" % VERSION).decode("utf-8", "replace")
+    columns = content.schema_arrow.names
+    problems = [
+        *(f"it has no column {name!r}" for name in names(KEY) if name not in columns),
+        *(f"it has a column {name!r:.60}" for name in columns if name not in ARROW_SCHEMA.names),
+    ]
     if version != str(VERSION):
-        raise ResultsError(f"{file} is of schema {version!r:.60}; expected {VERSION}: {_MOVE}")
-    if problem := _column_problem(columns):
+        problems.insert(0, f"it is of schema {version!r:.60}")
+    if problems:
         raise ResultsError(
-            f"{file} cannot be read: {problem}; expected the columns of schema {VERSION}: {_MOVE}"
+            f"{file} cannot be read: {problems[0]}; expected schema {VERSION}: {_MOVE}"
         )
-    return rows
-
-
-def _column_problem(columns: Sequence[str]) -> str | None:
-    """How a file's columns differ from the schema's, if they do."""
-    if missing := [name for name in names(KEY) if name not in columns]:
-        return f"it has no column {missing[0]!r}"
-    if unknown := [name for name in columns if name not in ARROW_SCHEMA.names]:
-        return f"it has a column {unknown[0]!r:.60}"
-    return None if len(columns) == len(set(columns)) else "it has a column twice"
-
-
-def _read_column(file: FilePath, column: pa.Array[Any], field: pa.Field[Any]) -> pa.Array[Any]:
-    try:
-        values = column.cast(field.type)
-        return _current_specs(values) if field.name == "solver" else values
-    except pa.ArrowException:
-        raise ResultsError(
-            f"{file} cannot be read: column {field.name!r} holds {column.type}; expected "
-            f"{field.type}"
-        ) from None
-
-
-def _current_specs(column: Any) -> Any:
-    specs = column.dictionary_encode()
-    texts = specs.dictionary.to_pylist()
-    current = pa.array(
-        [None if text is None else current_spec(text) for text in texts], column.type
-    )
-    return pa.DictionaryArray.from_arrays(specs.indices, current).cast(column.type)
 
 
 def printable_batches(file: FilePath, columns: Sequence[str]) -> Iterator[pa.Table]:
