@@ -10,7 +10,7 @@ The coefficients are Chebyshev interpolants found with mpmath at 40 digits,
     COSINE      (cos(r) - 1 + z/2) / z^2        z_max = (pi/4)^2      n = 6    error 1.3e-18
     ARCTANGENT  (atan(t) / t - 1) / z           z_max = tan(pi/8)^2   n = 11   error 3.2e-17
 
-Errors are multiplied by z r, z^2 and z t; tests/unit/study/test_interval.py proves bounds of them.
+Errors are multiplied by z r, z^2 and z t.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ _HALF_PI = (math.pi / 2, 6.123233995736766e-17)
 LARGEST_ANGLE = 1.0e9  # rad
 _ROUNDER = 1.5 * 2.0**52  # adding it rounds to an integer, which then stands in the lowest bits
 _TWO_OVER_PI = 2.0 / math.pi
-TAN_PI_8 = math.tan(math.pi / 8)
-TAN_3PI_8 = math.tan(3 * math.pi / 8)
+_TAN_PI_8 = math.tan(math.pi / 8)
+_TAN_3PI_8 = math.tan(3 * math.pi / 8)
 _PI_4, _PI_2, _PI = math.pi / 4, math.pi / 2, math.pi
 
 
@@ -158,13 +158,6 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 
 @inlined
-def small_arctangent(t: float) -> float:
-    """Arctangent of a slope of at most tan(pi/8) either way."""
-    z = t * t
-    return fma(t * z, _arctangent(z), t)
-
-
-@inlined
 def upper_arctangent(y: float, x: float) -> float:
     """atan2(y, x) for y >= 0: the angle of (x, y), from 0 to pi; 0 at the origin.
 
@@ -172,8 +165,8 @@ def upper_arctangent(y: float, x: float) -> float:
     which is done before the one division.
     """
     a = abs(x)
-    steep = y > TAN_3PI_8 * a
-    flat = y <= TAN_PI_8 * a
+    steep = y > _TAN_3PI_8 * a
+    flat = y <= _TAN_PI_8 * a
     low, sum_ = y - a, y + a
     top = -a if steep else low
     bottom = y if steep else sum_
@@ -182,7 +175,8 @@ def upper_arctangent(y: float, x: float) -> float:
     bottom = a if flat else bottom
     turned = 0.0 if flat else turned
     t = top / max(bottom, 1e-300)  # 0 / 0 is wanted to be 0
-    angle = turned + small_arctangent(t)
+    z = t * t
+    angle = turned + fma(t * z, _arctangent(z), t)
     other = _PI - angle
     return other if x < 0 else angle
 
