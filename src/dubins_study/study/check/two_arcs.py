@@ -69,10 +69,10 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
     turns = (turn1 * first, turn2 * second, turn3 * third)
     arcs = [pair for pair, turn in zip(pairwise(angles), turns, strict=True) if turn != 0.0]
-    margin = min((_least(nu0, rho, *arc) for arc in arcs), default=0.0)
+    margin = sign_margin([nu0, rho, 0.0, 0.0], arcs)
     abnormal = nu0 < ABNORMAL
     if abnormal:  # either sign will do
-        other = min((_least(nu0, -rho, *arc) for arc in arcs), default=0.0)
+        other = sign_margin([nu0, -rho, 0.0, 0.0], arcs)
         rho, margin = (-rho, other) if other > margin else (rho, margin)
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
@@ -98,11 +98,19 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
     return chord * math.cos(heading + half), chord * math.sin(heading + half)
 
 
-def _least(nu0: float, rho: float, a: float, b: float) -> float:
-    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal.sign_margin`."""
-    low, high = min(a, b), max(a, b)
-    if rho < 0.0:  # least where the cosine is greatest
-        passed = math.floor(high / TWO_PI) > math.floor(low / TWO_PI)
-        return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
-    passed = math.floor((high - math.pi) / TWO_PI) > math.floor((low - math.pi) / TWO_PI)
-    return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))
+def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
+    """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
+
+    `arcs` are the headings (rad) at their ends.
+    """
+    if not arcs:
+        return 0.0
+    nu0, nu1, nu2, _ = nu
+    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
+    opposite = math.atan2(-nu2, -nu1)
+    nearest = -1.0
+    for before, after in arcs:
+        a, b = before - opposite, after - opposite
+        passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
+        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+    return nu0 - math.hypot(nu1, nu2) * nearest
