@@ -56,7 +56,7 @@ LEG_WORDS = (
     "SR",
     *("".join(word) for word in product("SLR", repeat=3) if word[0] != word[1] != word[2]),
 )
-_TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
+TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
 _OPTIMAL, _NONE, _NONE_EXISTS = map(
     VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE, Verdict.NONE_EXISTS)
 )
@@ -224,10 +224,10 @@ def _judge_nothing(
 
 
 def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
-    for name, texts in _TEXTS.items():
+    for name, texts in TEXTS.items():
         text = getattr(judged, name)
         getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
-    for name in set(FrameJudgement._fields) - {*_TEXTS, "false_claim"}:
+    for name in set(FrameJudgement._fields) - {*TEXTS, "false_claim"}:
         value = getattr(judged, name)
         getattr(result, name)[row] = np.nan if value is None else value
 
