@@ -107,8 +107,8 @@ class FrameJudgement(NamedTuple):
 class _Best(NamedTuple):
     """The shortest paths of n rows."""
 
-    word: CodeArray  # a row of `rates`, or `NO_PATH`
-    rates: FloatArray  # of the words' three segments; NaN where a word has none
+    word: CodeArray  # a row of `_RATES` after the first of its kind, or `NO_PATH`
+    first: int  # the first row of `_RATES` of its kind
     length: FloatArray  # length unit
 
 
@@ -123,6 +123,9 @@ class _Limits(NamedTuple):
     cut: float  # radii, or share of a shorter path: what is shorter is not named
 
 
+# the rates of three segments of all words: to any heading, then to a given one
+_RATES = np.concatenate((RATES, SIDES))
+_FREE, _POSED = 0, len(RATES)
 _BOTH_SIDES, _OF_WORD = 0, 2
 _ALLOWED = {"best": _BOTH_SIDES, "LS": 1, "RS": -1}
 
@@ -193,13 +196,13 @@ def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Be
     rows = shortest_rows(*legs[:-1], branch=branch)
     result.reference_word[:] = rows.word
     _describe(legs.x.size, legs, result)
-    return _Best(rows.word, RATES, rows.length)
+    return _Best(rows.word, _FREE, rows.length)
 
 
 def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
     """The shortest paths to the final headings; their words are written."""
     rows = pose_rows(*legs, branch=branch)
-    best = _Best(rows.word, SIDES, rows.length)
+    best = _Best(rows.word, _POSED, rows.length)
     segments = loop_input(rows.segments)
     _name_rows(legs.x.size, best, segments, legs.radius, CUT, result.reference_word)
     result.region.fill(NO_WORD)
@@ -303,12 +306,12 @@ def _name_rows(
     `lengths` are those of their segments, shape (3, n).
     """
     for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
-        code = best.word[i] if best.word[i] < len(best.rates) else 0
+        code = best.first + best.word[i] if best.word[i] != NO_PATH else 0
         total = lengths[0, i] + lengths[1, i] + lengths[2, i]
         name = 0
         for place in range(3):
             length = lengths[place, i]
-            rate = best.rates[code, place]
+            rate = _RATES[code, place]
             turns = (rate != 0.0) & (length > WORD * radius[i])
             seen = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
             letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
@@ -360,11 +363,12 @@ def _judge_rows(
         for i in range(low, high):
             word = best.word[i]
             most = 0.0
-            usual = word < len(best.rates)
+            usual = word != NO_PATH
+            code = best.first + word if usual else 0
             for arc in range(3):
                 u = curvature[arc, i] * radius[i]
                 driven = lengths[arc, i]
-                rate = best.rates[word if word < len(best.rates) else 0, arc]
+                rate = _RATES[code, arc]
                 off = _excess(u, rate, limits.rates)
                 most = max(most, off if driven > 0.0 else 0.0)
                 usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
