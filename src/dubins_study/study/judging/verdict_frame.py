@@ -1,9 +1,10 @@
 """The check over frames: what `judge` finds, for paths of up to three arcs as arrays.
 
-A compiled loop judges ordinary rows: those whose path has the closed form's word, at full rate, and
-its length. A row without a path is ordinary too, unless it denies a path that the closed form has.
-Any other row is marked `ODD`, and `judge` itself judges it. So it does next to an edge of a word:
-there its intervals hold the lengths on both sides, and what is ordinary here is optimal there.
+A compiled loop judges ordinary rows: those whose path has the closed form's word, its rates up to
+rounding, and its length. A row without a path is ordinary too, unless it denies a path that the
+closed form has. Any other row is marked `ODD`, and `judge` itself judges it. So it does next to an
+edge of a word: there its intervals hold the lengths on both sides, and what is ordinary here is
+optimal there.
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, CodeArray, FloatArray
-from dubins_study.study.check.two_arcs import FULL_RATE
 from dubins_study.study.check.verdict import ROUNDED, WORD, is_false
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
@@ -113,12 +113,11 @@ class _Best(NamedTuple):
 
 
 class _Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and how rows of a kind and a branch are judged."""
+    """Tolerances of `study.check.verdict`, and how rows of a kind are judged."""
 
     miss: float
     curvature: float
     gap: float
-    rates: int  # that a branch allows (`_excess`)
     rounded: float  # a path whose length is the reference up to this share is its own reference
     cut: float  # radii, or share of a shorter path: what is shorter is not named
 
@@ -126,8 +125,6 @@ class _Limits(NamedTuple):
 # the rates of three segments of all words: to any heading, then to a given one
 _RATES = np.concatenate((RATES, SIDES))
 _FREE, _POSED = 0, len(RATES)
-_BOTH_SIDES, _OF_WORD = 0, 2
-_ALLOWED = {"best": _BOTH_SIDES, "LS": 1, "RS": -1}
 
 
 def judge_frame(
@@ -159,7 +156,6 @@ def judge_frame(
         miss=tolerances.miss,
         curvature=tolerances.curvature,
         gap=tolerances.gap,
-        rates=_ALLOWED.get(branch, _OF_WORD),
         rounded=0.0 if free else ROUNDED,
         cut=0.0 if free else CUT,
     )
@@ -240,14 +236,6 @@ def _chord(half: float, sine: float, length: float) -> float:
     straight = half == 0.0
     ratio = sine / (1.0 if straight else half)
     return length * (1.0 if straight else ratio)
-
-
-@inlined
-def _excess(u: float, rate: float, allowed: int) -> float:
-    """How far the rate u of an arc is from what `verdict.curvature_excess` allows."""
-    if allowed == _OF_WORD:
-        return abs(u - rate)
-    return abs(u) - 1.0 if allowed == _BOTH_SIDES else max(allowed * u - 1.0, -allowed * u)
 
 
 _arrives = inlined(arrives)
@@ -369,9 +357,9 @@ def _judge_rows(
                 u = curvature[arc, i] * radius[i]
                 driven = lengths[arc, i]
                 rate = _RATES[code, arc]
-                off = _excess(u, rate, limits.rates)
+                off = abs(u - rate)
                 most = max(most, off if driven > 0.0 else 0.0)
-                usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
+                usual &= (driven == 0.0) | ((driven > 0.0) & (off <= ROUNDED))
             excess[i] = most
             verdict[i] = usual & (most <= limits.curvature)
         for i in range(low, high):
