@@ -79,10 +79,13 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
     if not math.isfinite(turns + sum(lengths)):
         return None, None
+    driven = rates, lengths
     rates, lengths = pieces(rates, lengths)
     if not rates:
         return None, math.pi if free else None
     word = _word(rates, lengths, free)
+    if word is None and free:  # of a short path a turn of next to nothing may count as straight
+        word = _word(*driven, free)
     if word is None:
         return extremal(path.start.heading, rates, lengths, free), None
     x, y, abnormal, H, margin = costates(path.start.heading, word)
