@@ -1,4 +1,4 @@
-"""Legs with a final heading, 10^6 in one thread: beside OMPL and `dubins`, certified, and judged.
+"""Legs with a final heading, 10^6 in one thread: beside OMPL and `dubins`, and judged.
 
 `pip download --no-deps --no-binary :all: dubins==1.0.1 -d FOLDER` brings the sources of the wheel
 `dubins`, and `--peers FOLDER` builds its C code in a temporary folder.
@@ -25,7 +25,6 @@ from benchmarks.peers import CALLS, NO_OMPL, PAIRS, ROUNDS
 from dubins_study.asking.frame import solve_frame
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.enclosure import enclose_pose
-from dubins_study.study.check.enclosure_kernel import bound_rows
 from dubins_study.study.closed_form.kernel import Rows
 from dubins_study.study.closed_form.pose_kernel import PoseArrays, pose_rows
 from dubins_study.study.scenario import Pose
@@ -53,15 +52,8 @@ def _measure() -> Iterable[Measurement]:
     def kernel() -> None:
         pose_rows(*legs, out=out)
 
-    def certified() -> None:
-        kernel()
-        bounds = bound_rows(legs)
-        for i in np.flatnonzero(bounds.left).tolist():
-            # what the cache holds would cost nothing
-            enclose_pose.__wrapped__(*_poses(legs, i))
-
     ompl, dubins = _ompl_lengths(few), _dubins_lengths()
-    functions: dict[str, Callable[[], object]] = {"kernel": kernel, "certified": certified}
+    functions: dict[str, Callable[[], object]] = {"kernel": kernel}
     functions["frame"] = lambda: solve_frame(frame)
     calls = {"OMPL distance()": CALLS, "the C code of dubins": N}
     if ompl is not None:
@@ -86,20 +78,15 @@ def _measure() -> Iterable[Measurement]:
             at_most=False,
             note=f"peer / ours; of medians {peer.median / n / (ours.median / N):.0f}",
         )
-    for name, note in (
-        ("certified", "with balls for the rows left"),
-        ("frame", "checked, solved, judged"),
-    ):
-        slower = times[name]
-        yield Measurement(
-            f"legs, 10^6 rows {'with proven bounds' if name == 'certified' else 'of solve_frame'}",
-            ours=slower.least / N * 1e9,
-            peer=ours.least / N * 1e9,
-            unit="ns/row",
-            ratio=slower.least / ours.least,
-            target=12.0 if name == "certified" else None,
-            note=f"{note}; of medians {slower.median / ours.median:.1f}",
-        )
+    whole = times["frame"]
+    yield Measurement(
+        "legs, 10^6 rows of solve_frame",
+        ours=whole.least / N * 1e9,
+        peer=ours.least / N * 1e9,
+        unit="ns/row",
+        ratio=whole.least / ours.least,
+        note=f"checked, solved, judged; of medians {whole.median / ours.median:.1f}",
+    )
     legs = random_legs(N, seed=1, sizes=(0.03, 30.0))
     kernel()
     if ompl is not None:

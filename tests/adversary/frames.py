@@ -8,11 +8,11 @@ import numpy as np
 
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.check.two_arcs import PATH_WORDS
 from dubins_study.study.closed_form.shortest import REGIONS, shortest_path
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.judging.verdict_frame import (
+    LEG_WORDS,
     NO_WORD,
     VERDICTS,
     FrameJudgement,
@@ -127,7 +127,7 @@ def _same(table: Table, rows: FrameJudgement, row: int, one: Judged) -> None:
     pairs = {
         "verdict": (VERDICTS[rows.verdict[row]], found.verdict),
         "region": (REGIONS[rows.region[row]], found.region),
-        "word": (None if word == NO_WORD else PATH_WORDS[word], found.word),
+        "word": (None if word == NO_WORD else LEG_WORDS[word], found.word),
         "false_claim": (bool(rows.false_claim[row]), found.false_claim),
         "wrong_basin": (bool(rows.wrong_basin[row]), found.wrong_basin),
     }

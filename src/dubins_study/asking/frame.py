@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-from pandas.api.types import union_categoricals
 
 from dubins_study.asking.attempt import (
     Answer,
@@ -26,7 +25,15 @@ from dubins_study.study.judging.certify import certify
 from dubins_study.study.kinds.kind import Kind
 from dubins_study.study.kinds.table import KINDS, rows_of
 from dubins_study.study.path import CLAIMS, Paths
-from dubins_study.study.rows.schema import ANSWER, SCENARIO, Certificate, Column, columns, names
+from dubins_study.study.rows.schema import (
+    ANSWER,
+    SCENARIO,
+    Certificate,
+    Column,
+    Times,
+    columns,
+    names,
+)
 from dubins_study.study.scenario import DEFAULTS
 from dubins_study.study.scenario_frame import check_frame, list_column, nulls, row_name
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
@@ -83,10 +90,14 @@ def _all_at_once(
     # a solver is given a frame of its own, so that the questions stay what was asked
     outcome, solution, seconds = _run(whole, frame.copy(deep=False), branch)
     judged = judge_frame(frame, solution.paths, solution.claim, branch, allowed)
-    values = _columns(solution, outcome, judged, method, seconds / max(1, len(frame)))
+    arrays = _arrays(solution, judged)
     if certified:
-        values |= _certificates(frame, solution, judged, branch, allowed)
-    return _framed(frame, values)
+        arrays |= _certificates(frame, solution, judged, branch, allowed)
+    a_row = seconds / max(1, len(frame))
+    of_all_rows = vars(Times(build_s=0.0, solve_s=a_row, wall_s=a_row)) | method.columns()
+    of_all_rows |= {"outcome": outcome, "native_status": solution.native_status}
+    of_all_rows |= {"claim": solution.claim, "message": solution.message}
+    return _framed(frame, arrays, of_all_rows)
 
 
 def _run(
@@ -111,41 +122,20 @@ def _run(
     return Outcome.RETURNED, solution, perf_counter() - began
 
 
-def _columns(
-    solution: FrameSolution,
-    outcome: Outcome,
-    judged: FrameJudgement,
-    method: Method,
-    seconds: float,
-) -> dict[str, Any]:
-    """The answer's columns, None for a missing one: codes and flat buffers are taken over."""
-    from dubins_study.study.closed_form.shortest import REGIONS
-    from dubins_study.study.judging.verdict_frame import LEG_WORDS, VERDICTS
+def _arrays(solution: FrameSolution, judged: FrameJudgement) -> dict[str, Any]:
+    """The answers' columns that differ from row to row: codes and flat buffers are taken over."""
+    from dubins_study.study.judging.verdict_frame import TEXTS
 
-    n = len(solution.paths)
-    claim, message, same = solution.claim, solution.message, np.zeros(n, np.int8)
-    curvatures, lengths = _controls(solution.paths)
-    of_all_rows = method.columns() | {"outcome": outcome, "native_status": solution.native_status}
-    numbers = {name: of_all_rows.pop(name) for name in ("tolerance", "proves", "presolve")}
-    columns = {name: _texts(same, [text]) for name, text in of_all_rows.items()} | {
-        "region": _texts(judged.region, REGIONS),
-        "word": _texts(judged.word, LEG_WORDS),
-        "reference_word": _texts(judged.reference_word, LEG_WORDS),
-        "verdict": _texts(judged.verdict, VERDICTS),
-        "claim": _texts(same, [claim]) if isinstance(claim, Claim) else _texts(claim, CLAIMS),
-        "message": _texts(same, [message]) if isinstance(message, str) else _text(message),
-        "claimed_length": solution.claimed_length,
-        "lower_bound": solution.lower_bound,
-        **{name: None if x is None else np.full(n, x) for name, x in numbers.items()},
-        "curvatures": curvatures,
-        "lengths": lengths,
-        "build_s": np.zeros(n),
-        "solve_s": np.full(n, seconds),
-        "wall_s": np.full(n, seconds),
-    }
-    measured = ("margin", "false_claim", "wrong_basin", "length", "travel_time", "reference", "gap")
-    for name in (*measured, "miss", "curvature_excess"):
-        columns[name] = getattr(judged, name)
+    columns: dict[str, Any] = judged._asdict()
+    for name, texts in TEXTS.items():
+        columns[name] = _texts(columns[name], texts)
+    if not isinstance(solution.claim, Claim):
+        columns["claim"] = _texts(solution.claim, CLAIMS)
+    if not isinstance(solution.message, str):
+        columns["message"] = _typed(solution.message, "string")
+    columns["claimed_length"] = solution.claimed_length
+    columns["lower_bound"] = solution.lower_bound
+    columns["curvatures"], columns["lengths"] = _controls(solution.paths)
     return columns
 
 
@@ -169,7 +159,7 @@ def _certificates(
             tolerances=allowed,
         )
         found.append(vars(certificate))
-    return {c.name: _typed([row[c.name] for row in found], c) for c in columns(Certificate)}
+    return _columns(found, columns(Certificate))
 
 
 def _texts(codes: Any, texts: Iterable[str]) -> Any:
@@ -179,27 +169,23 @@ def _texts(codes: Any, texts: Iterable[str]) -> Any:
     return pd.Categorical.from_codes(signed, categories, validate=False)
 
 
-def _text(values: Any) -> Any:
-    texts = [None if value is None else _storable(value) for value in values]
-    return pd.Categorical(pd.array(texts, "str"))  # as the texts of `_texts` are
-
-
 def _storable(text: str) -> str:
     """The text without surrogates, which no column holds."""
     return str.encode(text, "utf-8", "replace").decode()
 
 
-def _missing(kind: str, n: int) -> Any:
-    """A column without values."""
+def _constant(value: Any, kind: str, n: int) -> Any:
+    """A column of one value; None is a missing one."""
+    missing = value is None
     match kind:
         case "string":
-            return _texts(np.full(n, 255, np.uint8), [""])
+            return _texts(np.full(n, 255 if missing else 0, np.uint8), [value or ""])
         case "float64":
-            return np.full(n, np.nan)
+            return np.full(n, np.nan if missing else value)
         case "int64":
-            return pd.arrays.IntegerArray(np.zeros(n, np.int64), np.ones(n, np.bool_))
+            return pd.arrays.IntegerArray(np.full(n, value or 0), np.full(n, missing))
         case "bool":
-            return np.zeros(n, np.bool_)
+            return np.full(n, bool(value))
     return nulls(n)
 
 
@@ -265,17 +251,22 @@ def questions(frame: pd.DataFrame, branch: str) -> Iterator[Question]:
 
 def row_by_row(frame: pd.DataFrame, answers: Iterable[Answer]) -> pd.DataFrame:
     """The frame of single answers, one for each row of the frame of scenarios."""
-    rows = [answer.row() for answer in answers]
-    return _framed(frame, {c.name: _typed([row[c.name] for row in rows], c) for c in ANSWER})
+    return _framed(frame, _columns([answer.row() for answer in answers], ANSWER), {})
 
 
-def _typed(values: list[Any], column: Column) -> Any:
-    """A column of single answers with the dtype that `_columns` gives it."""
-    match column.type:
+def _columns(rows: list[dict[str, Any]], of: tuple[Column, ...]) -> dict[str, Any]:
+    """The columns of rows that were found one by one."""
+    return {c.name: _typed([row[c.name] for row in rows], c.type) for c in of}
+
+
+def _typed(values: Sequence[Any], kind: str) -> Any:
+    """A column of single values with the dtype that `_constant` gives it."""
+    match kind:
         case "string":
-            return _text([None if value is None else str(value) for value in values])
+            texts = [None if value is None else _storable(str(value)) for value in values]
+            return pd.Categorical(pd.array(texts, "str"))  # as the texts of `_texts` are
         case "float64":
-            return np.array([np.nan if value is None else value for value in values], np.float64)
+            return np.array(values, np.float64)  # None is NaN
         case "int64":
             return pd.array(values, dtype="Int64")
         case "bool":
@@ -283,23 +274,25 @@ def _typed(values: list[Any], column: Column) -> Any:
     return list_column(values)
 
 
-def _framed(frame: pd.DataFrame, columns: dict[str, Any]) -> pd.DataFrame:
-    every = {name: frame[name] for name in names(SCENARIO)} | columns
+def _framed(
+    frame: pd.DataFrame, arrays: dict[str, Any], of_all_rows: Mapping[str, Any]
+) -> pd.DataFrame:
+    """The rows of a frame: scenarios, then answers; a column in neither is missing."""
+    every = {name: frame[name] for name in names(SCENARIO)} | arrays
     # one array of nulls serves all columns of its type
-    missing = cache(lambda kind: _missing(kind, len(frame)))
-    every |= {c.name: missing(c.type) for c in ANSWER if every.get(c.name) is None}
+    constant = cache(partial(_constant, n=len(frame)))
+    for column in ANSWER:
+        if every.get(column.name) is None:
+            every[column.name] = constant(of_all_rows.get(column.name), column.type)
     return pd.DataFrame({name: every[name] for name in COLUMNS}, index=frame.index, copy=False)
 
 
 def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.DataFrame:
     """The rows of the parts of a frame, each at its places there."""
+    _, first = parts[0]
     if len(parts) == 1:
-        return parts[0][1]
-    order = np.argsort(np.concatenate([places for places, _ in parts]))
-    columns: dict[str, Any] = {}
-    for name in COLUMNS:
-        arrays = [rows[name].array for _, rows in parts]
-        category = isinstance(arrays[0], pd.Categorical)
-        joined: Any = union_categoricals(arrays) if category else pd.concat(map(pd.Series, arrays))
-        columns[name] = (joined if category else joined.array).take(order)
-    return pd.DataFrame(columns, index=frame.index, copy=False)
+        return first
+    joined = pd.concat([rows.set_axis(places) for places, rows in parts]).sort_index()
+    # texts of several categories are no categories once they are joined
+    texts = {name: first[name].dtype for name in first.select_dtypes("category")}
+    return joined.astype(dict.fromkeys(texts, "category")).set_axis(frame.index)

@@ -60,7 +60,7 @@ KINDS = {
     ("kind", "branch"), [(kind, b) for kind, (_, branches) in KINDS.items() for b in branches]
 )
 def test_a_frame_says_what_single_attempts_say(kind, branch):
-    """Texts and flags equal; numbers to 1e-11 of the radius and coordinates."""
+    """Texts and flags equal; numbers to 1e-11 of the radius and coordinates, references to 1e-7."""
     frame = KINDS[kind][0]()
     rows = solve_frame(frame, branch=branch, certified=True)
 
@@ -79,7 +79,9 @@ def test_a_frame_says_what_single_attempts_say(kind, branch):
             if isinstance(one, list):
                 np.testing.assert_allclose(list(other), one, rtol=1e-6, atol=1e-6 * size)
             elif isinstance(one, float):
-                assert abs(one - other) <= 1e-11 * size, name
+                # next to an edge, lengths of two parts of an interval are a root of rounding apart
+                allowed = 1e-7 if name == "reference" else 1e-11
+                assert abs(one - other) <= allowed * size, name
             elif one is None:
                 assert pd.isna(other), name
             else:

@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cases import EDGES, PAPER, scenario_frame, scenarios
-from hard_cases import hard_frame
+from hard_cases import hard_frame, hard_poses
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.solvers.analytic import Analytic
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.check.verdict import curvature_excess
 from dubins_study.study.closed_form.kernel import RATES, curvatures, shortest_rows
@@ -25,11 +26,13 @@ from dubins_study.study.closed_form.shortest import (
     shortest_path,
 )
 from dubins_study.study.judging.judge import judge
-from dubins_study.study.judging.verdict_frame import VERDICTS, judge_frame
-from dubins_study.study.path import Path, Paths
+from dubins_study.study.judging.verdict_frame import LEG_WORDS, NO_WORD, VERDICTS, judge_frame
+from dubins_study.study.path import CLAIMS, Path, Paths
 from dubins_study.study.scenario import NUMBERS, Scenario
+from dubins_study.study.scenario_frame import check_frame
+from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances
-from dubins_study.study.words import BRANCHES, Claim, Verdict
+from dubins_study.study.words import BRANCHES, POSE_BRANCHES, Claim, Verdict
 
 PROBLEM = PAPER["problem 1"]
 N = 1200
@@ -290,6 +293,54 @@ def test_a_longer_path_of_a_tie_is_in_the_right_basin():
     assert [VERDICTS[code] for code in found.verdict] == [Verdict.LONGER] * 2
     assert not found.wrong_basin.any()
     assert not any(judge(behind, path).wrong_basin for path in paths)
+
+
+# what a path with the closed form's word is given more: nothing, next to nothing, and too much
+DETOURS = (0.0, 1e-15, 1e-9, 1e-5, 2 * math.pi)
+
+
+@pytest.mark.parametrize("branch", POSE_BRANCHES)
+def test_a_frame_of_poses_says_of_each_row_what_the_check_says(branch):
+    """Of 600 legs at and next to the edges of words: the shortest path, longer ones, and none."""
+    n = 600
+    frame = check_frame(hard_poses(n, seed=12))
+    paths = Analytic().solve_frame(frame.copy(), branch).paths
+    rng = np.random.default_rng(12)
+    lengths = paths.lengths.copy()
+    detours = rng.choice(DETOURS, n) * frame["radius"].to_numpy()
+    lengths[rng.integers(0, 3, n), np.arange(n)] += detours
+    returned = rng.random(n) < 0.8
+    if paths.returned is not None:
+        returned &= paths.returned
+    claims = rng.integers(0, len(CLAIMS), n)
+    answers = Paths(paths.curvatures, lengths, returned)
+    rows = judge_frame(frame, answers, claims, branch)
+
+    for row, scenario in enumerate(scenarios_of(frame)):
+        path = answers.path(row, scenario)
+        found = judge(scenario, path, CLAIMS[claims[row]], branch)
+        assert VERDICTS[rows.verdict[row]] is found.verdict, (row, scenario)
+        assert rows.false_claim[row] == found.false_claim, (row, scenario)
+        assert rows.wrong_basin[row] == found.wrong_basin, (row, scenario)
+        for name in ("word", "reference_word"):
+            code = int(getattr(rows, name)[row])
+            text = None if code == NO_WORD else LEG_WORDS[code]
+            assert text == getattr(found, name), (row, scenario, name)
+        size = scenario.extent + scenario.radius + (found.length or 0.0)
+        # next to the edge of a word's reach lengths are known to a root of the rounding
+        units = {
+            "length": 1e-14 * size,
+            "miss": 1e-14 * size,
+            "gap": 1e-7,
+            "reference": 1e-7 * size,
+        }
+        for name, allowed in units.items():
+            expected = getattr(found, name)
+            value = float(getattr(rows, name)[row])
+            if expected is None:
+                assert math.isnan(value), (row, scenario, name)
+            else:
+                assert abs(value - expected) <= allowed, (row, scenario, name)
 
 
 def unit(X: float, Y: float) -> Scenario:

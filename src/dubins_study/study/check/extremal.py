@@ -22,7 +22,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.check.two_arcs import (
@@ -34,8 +33,9 @@ from dubins_study.study.check.two_arcs import (
     costates,
     cut_margin,
     nearest_rate,
+    sign_margin,
 )
-from dubins_study.study.path import FEW, Path, corners
+from dubins_study.study.path import Path, corners
 from dubins_study.study.scenario import Pose
 from dubins_study.study.tolerances import ARRIVES, allowed_miss
 
@@ -79,67 +79,47 @@ def measure(path: Path, radius: float, free: bool = True) -> tuple[Extremal | No
     turns = sum(abs(u) * length + abs(u) for u, length in zip(rates, lengths, strict=True))
     if not math.isfinite(turns + sum(lengths)):
         return None, None
-    word = _free_word(rates, lengths) if free else None
+    driven = rates, lengths
+    rates, lengths = pieces(rates, lengths)
+    if not rates:
+        return None, math.pi if free else None
+    word = _word(rates, lengths, free)
+    if word is None and free:  # of a short path a turn of next to nothing may count as straight
+        word = _word(*driven, free)
     if word is None:
-        u, length = pieces(path.curvatures * radius, path.lengths / radius)
-        if not u.size:
-            return None, math.pi if free else None
-        rates, lengths = u.tolist(), length.tolist()
-        word = _free_word(rates, lengths) if free else _posed_word(rates, lengths)
-        if word is None:
-            return extremal(path.start.heading, u, length, free), None
+        return extremal(path.start.heading, rates, lengths, free), None
     x, y, abnormal, H, margin = costates(path.start.heading, word)
     transversality = 0.0 if free else None
     best = Extremal(x, y, abnormal, H, margin, transversality, max(H, -margin))
     return best, cut_margin(word) if free else None
 
 
-def _free_word(u: list[float], length: list[float]) -> Word | None:
-    """Rates and lengths of S, C, CS or CC at full rate; None if pieces are another path.
+def _word(u: list[float], length: list[float], free: bool) -> Word | None:
+    """Rates and lengths of S, C, CS or CC at full rate, of CSC or CCC if the heading is given.
 
-    A piece that is next to nothing is left out if the path then still ends where it did.
+    None if pieces are another path.
     """
-    if not 0 < len(u) <= 2:
-        return None
-    pieces = [(k, s) for k, s in zip(u, length, strict=True) if s != 0.0]
-    (u1, l1), (u2, l2) = (*pieces, _NO_PIECE, _NO_PIECE)[:2]
-    total = l1 + l2
-    allowed, short = allowed_miss(ARRIVES, 1.0, 0.0, total), NO_LENGTH * min(1.0, total)
-    t1, t2 = nearest_rate(u1), nearest_rate(u2)
-    off1, off2 = abs(u1 - t1), abs(u2 - t2)
-    # bounds the distance between the ends: a heading that is off moves all that is driven after
-    moved = off1 * l1 * (0.5 * l1 + l2) + 0.5 * off2 * l2 * l2
-    turn1, turn2 = abs(u1) * l1, abs(u2) * l2
-    without1 = 0.5 * off2 * l2 * l2 + l1 + turn1 * l2
-    without2 = 0.5 * off1 * l1 * l1 + l2
-    if l1 <= short and turn1 <= NO_TURN and without1 <= allowed:
-        t1, l1, off1, t2, l2, off2, moved = t2, l2, off2, 0.0, 0.0, 0.0, without1
-    elif l2 <= short and turn2 <= NO_TURN and without2 <= allowed:
-        t2, l2, off2, moved = 0.0, 0.0, 0.0, without2
-    full = max(off1, off2) <= FULL_RATE and moved <= allowed
-    letters = (t2 == 0.0 and (t1 != 0.0 or l2 == 0.0)) or t1 * t2 == -1.0
-    return ((t1, l1), (t2, l2), _NO_PIECE) if full and letters and l1 > 0.0 else None
-
-
-def _posed_word(u: list[float], length: list[float]) -> Word | None:
-    """Rates and lengths of the path CSC or CCC that pieces are; None if they are another path."""
-    rates, total = [nearest_rate(k) for k in u], sum(length)
+    rates = [nearest_rate(k) for k in u]
+    total = sum(length)
     off = [abs(k - rate) for k, rate in zip(u, rates, strict=True)]
     # how far the end lies off what is driven at full rates
-    allowed = allowed_miss(ARRIVES, 1.0, 0.0, total)
-    if max(off) > FULL_RATE or sum(map(mul, off, length)) * total > allowed:
+    moved = sum(map(mul, off, length)) * total
+    if max(off) > FULL_RATE or moved > allowed_miss(ARRIVES, 1.0, 0.0, total):
         return None
     arcs = list(zip(rates, length, strict=True))
     if arcs[0][0] == 0.0:
         arcs.insert(0, _NO_PIECE)
-    if len(arcs) == 2 and arcs[1][0] != 0.0:
+    if len(arcs) == 2 and arcs[1][0] != 0.0 and not free:
         arcs.insert(1, _NO_PIECE)
     first, second, third = (*arcs, _NO_PIECE, _NO_PIECE)[:3]
-    named = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
+    if free:
+        named = len(arcs) <= 2 and second[0] in (0.0, -first[0])
+    else:
+        named = len(arcs) <= 3 and (second[0] == 0.0 or first[0] == third[0] == -second[0])
     return (first, second, third) if named else None
 
 
-def pieces(rate: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+def pieces(rate: list[float], length: list[float]) -> tuple[list[float], list[float]]:
     """Rates and lengths (radii) of the pieces of a path that matter, or of all of them.
 
     Rates within `FULL_RATE` of +1, 0 or -1 are these, neighbours of one rate are joined, what turns
@@ -148,12 +128,14 @@ def pieces(rate: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray
     way: if that merged path ends elsewhere or is shorter than the driven one by more than the check
     allows, it is another path, and the driven one's own pieces stand.
     """
-    if rate.size <= FEW and _apart(rate.tolist(), length.tolist()):
+    if _apart(rate, length):
         return rate, length
-    if not length.all():
-        rate, length = rate[length != 0], length[length != 0]
-    merged = _merged(rate, length)
-    return merged if _is_same(merged, (rate, length)) else (rate, length)
+    driven = np.array([pair for pair in zip(rate, length, strict=True) if pair[1] != 0.0])
+    u, scaled = driven.reshape(-1, 2).T
+    merged = _merged(u, scaled)
+    if _is_same(merged, (u, scaled)):
+        u, scaled = merged
+    return u.tolist(), scaled.tolist()
 
 
 def _merged(rate: FloatArray, scaled: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -179,18 +161,13 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
 def _apart(u: list[float], length: list[float]) -> bool:
     """Whether every piece turns or is a straight that matters, and no neighbours are of one rate.
 
-    True of most paths of few pieces, which then need no further work. One or two pieces are so
-    only if their rates need no rounding either, since they may have a cut margin.
+    True of most paths of few pieces, which then need no further work.
     """
     least = NO_LENGTH * min(1.0, sum(length))
-    return (
-        all(
-            abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
-            for k, s in zip(u, length, strict=True)
-        )
-        and all(abs(a - b) > FULL_RATE for a, b in pairwise(u))
-        and (len(u) > 2 or all(k == 0 or not 0 < abs(abs(k) - 1) <= FULL_RATE for k in u))
-    )
+    return all(
+        abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
+        for k, s in zip(u, length, strict=True)
+    ) and all(abs(a - b) > FULL_RATE for a, b in pairwise(u))
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -203,7 +180,7 @@ def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def extremal(
-    heading: float, u: FloatArray, length: FloatArray, free: bool = True
+    heading: float, u: list[float], length: list[float], free: bool = True
 ) -> Extremal | None:
     """The costates that fit a path best, and how well; None where the conditions overflow.
 
@@ -257,13 +234,14 @@ class Conditions(NamedTuple):
     start: Row  # nu3 at the start
 
 
-def conditions(u: FloatArray, length: FloatArray, start: Pose) -> Conditions | None:
+def conditions(u: list[float], length: list[float], start: Pose) -> Conditions | None:
     """The conditions of n pieces of rates u; None where they are lost in rounding or overflow."""
+    driven = np.array(length)
     # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
-    halves = np.where((u != 0) & (np.abs(u) < 1 - FULL_RATE), 2, 1)
+    halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
     rates = np.repeat(u, halves)
-    poses = corners(start, rates, np.repeat(length / halves, halves))
-    stretch = max(1.0, float(length.sum()))
+    poses = corners(start, rates, np.repeat(driven / halves, halves))
+    stretch = max(1.0, float(driven.sum()))
     end_x, end_y, end = poses[-1]
     nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
     pieces = rates.tolist()
@@ -291,21 +269,3 @@ def conditions(u: FloatArray, length: FloatArray, start: Pose) -> Conditions | N
 def largest(rows: list[Row], nu: list[float]) -> float:
     """The worst violation of some conditions."""
     return max((abs(sum(map(mul, row, nu))) for row in rows), default=0.0)
-
-
-def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
-    """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
-
-    `arcs` are the headings (rad) at their ends.
-    """
-    if not arcs:
-        return 0.0
-    nu0, nu1, nu2, _ = nu
-    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
-    opposite = math.atan2(-nu2, -nu1)
-    nearest = -1.0
-    for before, after in arcs:
-        a, b = before - opposite, after - opposite
-        passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
-        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
-    return nu0 - math.hypot(nu1, nu2) * nearest

@@ -26,8 +26,8 @@ from dubins_study.study.check.extremal import (
     conditions,
     largest,
     pieces,
-    sign_margin,
 )
+from dubins_study.study.check.two_arcs import sign_margin
 from dubins_study.study.check.visits import cut_out
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
@@ -108,7 +108,7 @@ def route_legs(path: Path, at: Sequence[float], radius: float) -> Iterator[Condi
         part, lengths = cut_out(ends, begin, end)
         on = lengths > 0.0
         rates = rate[part][on]
-        yield conditions(*pieces(rates, lengths[on]), Pose(0.0, 0.0, turned))
+        yield conditions(*pieces(rates.tolist(), lengths[on].tolist()), Pose(0.0, 0.0, turned))
         turned += float(rates @ lengths[on])
 
 

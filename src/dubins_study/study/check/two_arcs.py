@@ -1,7 +1,4 @@
-"""The word and the costates of a path of at most two arcs, in plain scalar arithmetic.
-
-Python runs these functions for one path; `judging.verdict_frame` compiles `path_word` for millions.
-"""
+"""The costates and the cut of a path of a shortest word, in closed form."""
 
 from __future__ import annotations
 
@@ -9,12 +6,7 @@ import math
 from itertools import pairwise
 
 from dubins_study.study.angle import TWO_PI
-from dubins_study.study.path import RIPPLE
 
-PATH_WORDS = ("", "S", "L", "R", "LS", "RS", "LR", "RL", "SL", "SR")
-# A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
-# of the path is left out.
-WORD = 1e-6
 # how far from +1, -1 or 0 a rate may be and still name a letter
 FULL_RATE = 1e-9
 # A certificate is read from the pieces that matter (docs/derivation.md, section 9): an arc that
@@ -29,27 +21,6 @@ ABNORMAL = 1e-9
 # rate +1, 0 or -1 and length (radii) of a piece; and the pieces of a path, (0, 0) for what it lacks
 Piece = tuple[float, float]
 Word = tuple[Piece, Piece, Piece]
-
-
-def path_word(k1: float, l1: float, k2: float, l2: float) -> int:
-    """`Path.word` of two arcs of curvatures k and lengths l >= 0, as an index into `PATH_WORDS`."""
-    k1, k2 = (k1 if l1 > 0.0 else 0.0), (k2 if l2 > 0.0 else 0.0)
-    ripple = RIPPLE * max(abs(k1), abs(k2))
-    # 0 straight, 1 left, 2 right
-    side1 = (1 if k1 > 0.0 else 2) if abs(k1) > ripple else 0
-    side2 = (1 if k2 > 0.0 else 2) if abs(k2) > ripple else 0
-    turn1, turn2 = abs(k1) * l1, abs(k2) * l2
-    both = turn1 + turn2
-    one_side = side1 == side2
-    a = side1 if (both if one_side else turn1) > WORD else 0
-    b = side2 if (both if one_side else turn2) > WORD else 0
-    total = l1 + l2
-    alike = a == b
-    seen1 = (a > 0) | ((total if alike else l1) > WORD * total)
-    seen2 = (b > 0) | ((total if alike else l2) > WORD * total)
-    one = (a if seen1 else b) + 1 if seen1 | seen2 else 0  # "", S, L, R
-    two = (3 + a if b == 0 else 5 + a) if a > 0 else 7 + b  # LS RS, LR RL, SL SR
-    return two if seen1 & seen2 & (not alike) else one
 
 
 def nearest_rate(u: float) -> float:
@@ -98,10 +69,10 @@ def costates(heading: float, word: Word) -> tuple[float, float, bool, float, flo
     angles = (-phi, middle - phi, last - phi, last + turn3 * third - phi)
     turns = (turn1 * first, turn2 * second, turn3 * third)
     arcs = [pair for pair, turn in zip(pairwise(angles), turns, strict=True) if turn != 0.0]
-    margin = min((_least(nu0, rho, *arc) for arc in arcs), default=0.0)
+    margin = sign_margin([nu0, rho, 0.0, 0.0], arcs)
     abnormal = nu0 < ABNORMAL
     if abnormal:  # either sign will do
-        other = min((_least(nu0, -rho, *arc) for arc in arcs), default=0.0)
+        other = sign_margin([nu0, -rho, 0.0, 0.0], arcs)
         rho, margin = (-rho, other) if other > margin else (rho, margin)
     x1, y1 = _displacement(turn1, first, 0.0)
     x2, y2 = _displacement(turn2, second, middle)
@@ -127,11 +98,19 @@ def _displacement(turn: float, length: float, heading: float) -> tuple[float, fl
     return chord * math.cos(heading + half), chord * math.sin(heading + half)
 
 
-def _least(nu0: float, rho: float, a: float, b: float) -> float:
-    """Least nu0 + rho cos(theta) for theta between a and b, as in `extremal.sign_margin`."""
-    low, high = min(a, b), max(a, b)
-    if rho < 0.0:  # least where the cosine is greatest
-        passed = math.floor(high / TWO_PI) > math.floor(low / TWO_PI)
-        return nu0 + rho * (1.0 if passed else max(math.cos(a), math.cos(b)))
-    passed = math.floor((high - math.pi) / TWO_PI) > math.floor((low - math.pi) / TWO_PI)
-    return nu0 + rho * (-1.0 if passed else min(math.cos(a), math.cos(b)))
+def sign_margin(nu: list[float], arcs: list[tuple[float, float]]) -> float:
+    """Least nu0 + nu1 cos + nu2 sin over the turning pieces, which is -u nu3 where H = 0.
+
+    `arcs` are the headings (rad) at their ends.
+    """
+    if not arcs:
+        return 0.0
+    nu0, nu1, nu2, _ = nu
+    # least at the heading opposite to (nu1, nu2) if an arc passes through it, or at an end
+    opposite = math.atan2(-nu2, -nu1)
+    nearest = -1.0
+    for before, after in arcs:
+        a, b = before - opposite, after - opposite
+        passed = max(a, b) // TWO_PI > min(a, b) // TWO_PI
+        nearest = max(nearest, 1.0 if passed else max(math.cos(a), math.cos(b)))
+    return nu0 - math.hypot(nu1, nu2) * nearest

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.check.two_arcs import PATH_WORDS, WORD, path_word
 from dubins_study.study.check.visits import Visits, legs, visits
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
@@ -21,6 +20,9 @@ ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
 # same angle and differ by more than any discretisation of use.
 COARSE = 0.05
+# A run of arcs that turns by less than this (rad) is straight; a straight shorter than this share
+# of the path is left out.
+WORD = 1e-6
 # A path cut into many steps has a step that straddles the switch and a ripple after it, which fades
 # within a few steps; runs that turn by less than this (rad) name nothing. A path of up to three
 # arcs is named as it is.
@@ -45,14 +47,7 @@ def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose
 
 def path_word_of(path: Path) -> str:
     """The word of a path that can be driven, however many arcs it is cut into."""
-    arcs = list(zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True))
-    if len(arcs) > 2:
-        return path.word(WORD if len(arcs) == 3 else DISCRETISED_WORD)
-    first, second, *_ = (*arcs, _NO_ARC, _NO_ARC)
-    return PATH_WORDS[path_word(*first, *second)]
-
-
-_NO_ARC = (0.0, 0.0)
+    return path.word(WORD if path.lengths.size <= 3 else DISCRETISED_WORD)
 
 
 def is_wrong_basin(

@@ -24,7 +24,7 @@ _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 
 # radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
 # neighbour's, cut off beside the point
 CUT = 1e-5
-_PIECES_AT_ONCE = 32  # a visit is nearly always among the next few; where not, twice as many follow
+_PIECES_AT_ONCE = 32  # a visit is nearly always among the next few; where not, all are looked at
 
 
 class Visits(NamedTuple):
@@ -89,37 +89,26 @@ class _Pieces:
         """
         if not self.length.size:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
-        n, size = self.length.size, _PIECES_AT_ONCE
+        n = self.length.size
         begin = min(int(np.searchsorted(self.ends, at, "right")) - 1, n - 1)
-        reached = least = math.nan
-        while True:
-            part = slice(begin, begin + size)
-            within, nearest, distance = self._passing(part, x, y, at, allowed)
+        for end in (min(begin + _PIECES_AT_ONCE, n), n):
+            within, nearest, distance = self._passing(slice(begin, end), x, y, at, allowed)
             hits = np.flatnonzero(~np.isnan(within))
-            if hits.size:
-                break
-            i = int(np.argmin(distance))
-            if not least <= distance[i]:
-                reached = float(self.ends[begin + i] + nearest[i])
-                least = float(distance[i])
-            begin += size
-            size *= 2
-            if begin >= n:
-                return reached, reached, least
-        i = int(hits[0])
-        first = float(self.ends[begin + i] + within[i])
-        # still coming nearer at the end of a piece
-        while begin + i + 1 < n and nearest[i] >= self.length[begin + i]:
-            if i + 1 == nearest.size:
-                begin += i
-                i = 0
-                part = slice(begin, begin + size)
-                _, nearest, distance = self._passing(part, x, y, at, allowed)
-            if distance[i + 1] > distance[i]:
-                break
-            i += 1
-        last = float(self.ends[begin + i] + nearest[i])
-        return max(at, first), max(at, last), float(distance[i])
+            if not hits.size:
+                continue
+            i = first = int(hits[0])
+            # still coming nearer at the end of a piece
+            while begin + i + 1 < end and nearest[i] >= self.length[begin + i]:
+                if distance[i + 1] > distance[i]:
+                    break
+                i += 1
+            if begin + i + 1 < end or end == n:
+                visited = max(at, float(self.ends[begin + first] + within[first]))
+                last = max(at, float(self.ends[begin + i] + nearest[i]))
+                return visited, last, float(distance[i])
+        i = int(np.argmin(distance))
+        reached = float(self.ends[begin + i] + nearest[i])
+        return reached, reached, float(distance[i])
 
     @np.errstate(all="ignore")  # what overflows is no visit
     def _passing(

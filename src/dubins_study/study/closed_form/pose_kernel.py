@@ -24,6 +24,7 @@ from dubins_study.study.closed_form.kernel_math import (
     fma,
     full_arctangent,
     quarter_turns,
+    quarters_of_turn,
     reduced,
     sine_cosine,
     upper_arctangent,
@@ -134,10 +135,9 @@ def to_body(
 @inlined
 def turn_between(heading: float, final: float) -> float:
     """The angle from one heading to another, from 0 to 2 pi; it keeps its digits for large ones."""
-    rest_a, quarters_a, _ = reduced(heading)
-    rest_b, quarters_b, _ = reduced(final)
-    quarters = quarters_b - quarters_a
-    turn = quarter_turns(quarters - 4.0 * np.floor(0.25 * quarters), rest_b - rest_a)
+    rest_a, quarters_a = reduced(heading)
+    rest_b, quarters_b = reduced(final)
+    turn = quarter_turns(quarters_of_turn(quarters_b - quarters_a), rest_b - rest_a)
     return turn + TWO_PI if turn < 0.0 else turn
 
 

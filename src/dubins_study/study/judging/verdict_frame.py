@@ -1,8 +1,10 @@
-"""The check over frames: what `verdict.judge` finds, for paths of up to three arcs as arrays.
+"""The check over frames: what `judge` finds, for paths of up to three arcs as arrays.
 
-A compiled loop judges ordinary rows: those whose path has the closed form's word, at full rate, and
-is the shortest. With final headings a row without a path is ordinary too, if the compiled intervals
-tell whether one exists. Any other row is marked `ODD`, and `judge` itself judges it.
+A compiled loop judges ordinary rows: those whose path has the closed form's word, its rates up to
+rounding, and its length. A row without a path is ordinary too, unless it denies a path that the
+closed form has. Any other row is marked `ODD`, and `judge` itself judges it. So it does next to an
+edge of a word: there its intervals hold the lengths on both sides, and what is ordinary here is
+optimal there.
 """
 
 from __future__ import annotations
@@ -16,16 +18,14 @@ from numpy.typing import ArrayLike
 
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, CodeArray, FloatArray
-from dubins_study.study.check import two_arcs
-from dubins_study.study.check.enclosure_kernel import bound_rows
-from dubins_study.study.check.two_arcs import FULL_RATE, PATH_WORDS, WORD
-from dubins_study.study.check.verdict import ROUNDED, is_false
+from dubins_study.study.check.verdict import ROUNDED, WORD, is_false
 from dubins_study.study.check.visits import CUT
 from dubins_study.study.closed_form.kernel import (
     CHUNK,
     LARGEST,
     NO_PATH,
     RATES,
+    WORDS,
     chunk_from,
     shortest_rows,
     to_local,
@@ -49,12 +49,14 @@ if TYPE_CHECKING:
 VERDICTS = tuple(Verdict)
 ODD = 254  # verdict of a row that is left to the scalar check
 NO_WORD = NO_PATH
-# the words of three arcs; the first ones are those of two, and of `kernel.WORDS`
+# the words of up to three arcs; the first ones are those of `kernel.WORDS`
 LEG_WORDS = (
-    *PATH_WORDS,
+    *WORDS,
+    "SL",
+    "SR",
     *("".join(word) for word in product("SLR", repeat=3) if word[0] != word[1] != word[2]),
 )
-_TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
+TEXTS = {"verdict": VERDICTS, "region": REGIONS, "word": LEG_WORDS, "reference_word": LEG_WORDS}
 _OPTIMAL, _NONE, _NONE_EXISTS = map(
     VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE, Verdict.NONE_EXISTS)
 )
@@ -103,26 +105,26 @@ class FrameJudgement(NamedTuple):
 
 
 class _Best(NamedTuple):
-    """The shortest paths of n rows, and proven intervals around their lengths (length unit)."""
+    """The shortest paths of n rows."""
 
-    word: CodeArray  # a row of `rates`, or `NO_PATH`
-    rates: FloatArray  # of the words' three segments; NaN where a word has none
-    low: FloatArray
-    high: FloatArray
-    left: BoolArray  # rows without an interval
+    word: CodeArray  # a row of `_RATES` after the first of its kind, or `NO_PATH`
+    first: int  # the first row of `_RATES` of its kind
+    length: FloatArray  # length unit
 
 
 class _Limits(NamedTuple):
-    """Tolerances of `study.check.verdict`, and the rates that a branch allows (`_excess`)."""
+    """Tolerances of `study.check.verdict`, and how rows of a kind are judged."""
 
     miss: float
     curvature: float
     gap: float
-    rates: int
+    rounded: float  # a path whose length is the reference up to this share is its own reference
+    cut: float  # radii, or share of a shorter path: what is shorter is not named
 
 
-_BOTH_SIDES, _OF_WORD = 0, 2
-_ALLOWED = {"best": _BOTH_SIDES, "LS": 1, "RS": -1}
+# the rates of three segments of all words: to any heading, then to a given one
+_RATES = np.concatenate((RATES, SIDES))
+_FREE, _POSED = 0, len(RATES)
 
 
 def judge_frame(
@@ -147,18 +149,22 @@ def judge_frame(
     codes = CLAIMS.index(claim) if isinstance(claim, Claim) else np.asarray(claim, np.intp)
     columns = {name: loop_input(frame[name]) for name in (*NUMBERS, "final_heading")}
     legs = PoseArrays(*(columns[name] for name in PoseArrays._fields))
-    result, arcs = FrameJudgement.empty(n), three_arcs(paths)
+    result = FrameJudgement.empty(n)
+    arcs = three_arcs(paths)
     free = not with_final_headings(frame)
-    best = _shortest(legs, *arcs, free, branch, result)
     limits = _Limits(
-        *(tolerances.miss, tolerances.curvature, tolerances.gap), _ALLOWED.get(branch, _OF_WORD)
+        miss=tolerances.miss,
+        curvature=tolerances.curvature,
+        gap=tolerances.gap,
+        rounded=0.0 if free else ROUNDED,
+        cut=0.0 if free else CUT,
     )
+    best = _shortest_free(legs, branch, result) if free else _shortest_posed(legs, branch, result)
+    _name_rows(n, best, arcs[1], legs.radius, limits.cut, result.word)
     _judge_rows(n, legs, *arcs, free, best, limits, result)
     if paths.returned is not None:
-        gone = ~paths.returned
-        result.verdict[gone] = ODD
-        if not free:
-            _judge_nothing(gone & ~best.left, best.low == math.inf, codes, result)
+        denied = (codes == _INFEASIBLE) & (branch != "best")
+        _judge_nothing(~paths.returned, denied, best, free, result)
     result = result._replace(travel_time=result.length / columns["speed"])
     for row in np.flatnonzero(result.verdict == ODD).tolist():
         numbers: dict[str, Any] = {name: float(column[row]) for name, column in columns.items()}
@@ -181,44 +187,46 @@ def three_arcs(paths: Paths) -> tuple[FloatArray, FloatArray]:
     return loop_input(curvature), loop_input(length)
 
 
-def _shortest(
-    legs: PoseArrays,
-    curvature: FloatArray,
-    length: FloatArray,
-    free: bool,
-    branch: str,
-    result: FrameJudgement,
-) -> _Best:
-    """The shortest paths, if `free` to any final heading; words and regions are written."""
-    n = legs.x.size
-    if free:
-        rows = shortest_rows(*legs[:-1], branch=branch)
-        result.reference_word[:] = rows.word
-        _describe(n, legs, curvature, length, result)
-        return _Best(rows.word, RATES, rows.length, rows.length, np.zeros(n, np.bool_))
-    posed, bounds = pose_rows(*legs, branch=branch), bound_rows(legs, branch)
-    for lengths, words in ((length, result.word), (posed.segments, result.reference_word)):
-        _name_rows(n, posed.word, loop_input(lengths), legs.radius, words)
+def _shortest_free(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
+    """The shortest paths to any heading; their words are written, and the targets' regions."""
+    rows = shortest_rows(*legs[:-1], branch=branch)
+    result.reference_word[:] = rows.word
+    _describe(legs.x.size, legs, result)
+    return _Best(rows.word, _FREE, rows.length)
+
+
+def _shortest_posed(legs: PoseArrays, branch: str, result: FrameJudgement) -> _Best:
+    """The shortest paths to the final headings; their words are written."""
+    rows = pose_rows(*legs, branch=branch)
+    best = _Best(rows.word, _POSED, rows.length)
+    segments = loop_input(rows.segments)
+    _name_rows(legs.x.size, best, segments, legs.radius, CUT, result.reference_word)
     result.region.fill(NO_WORD)
     result.margin.fill(np.nan)
-    return _Best(posed.word, SIDES, *bounds)
+    return best
 
 
-def _judge_nothing(rows: BoolArray, absent: BoolArray, codes: Any, result: FrameJudgement) -> None:
-    """Judge rows without a path, of legs of which it is known whether there is one."""
-    verdicts = np.where(absent & (codes == _INFEASIBLE), _NONE_EXISTS, _NONE)
-    result.verdict[rows] = verdicts[rows]
-    for codes_of_words in (result.word, result.reference_word):
-        codes_of_words[rows] = NO_WORD
-    for name in ("length", "reference", "gap", "miss", "curvature_excess"):
-        getattr(result, name)[rows] = np.nan
+def _judge_nothing(
+    gone: BoolArray, denied: Any, best: _Best, free: bool, result: FrameJudgement
+) -> None:
+    """Judge rows without a path; `denied` says whether they claim that a word has none."""
+    unknown = np.where(best.word == NO_PATH, _NONE_EXISTS, ODD)
+    result.verdict[gone] = np.where(denied, unknown, _NONE)[gone]
+    result.word[gone] = NO_WORD
+    for name in ("length", "gap", "miss", "curvature_excess"):
+        getattr(result, name)[gone] = np.nan
+    if free:
+        result.reference[gone] = best.length[gone]
+    else:
+        result.reference[gone] = np.nan
+        result.reference_word[gone] = NO_WORD
 
 
 def _write(result: FrameJudgement, row: int, judged: Judgement) -> None:
-    for name, texts in _TEXTS.items():
+    for name, texts in TEXTS.items():
         text = getattr(judged, name)
         getattr(result, name)[row] = NO_WORD if text is None else texts.index(text)
-    for name in set(FrameJudgement._fields) - {*_TEXTS, "false_claim"}:
+    for name in set(FrameJudgement._fields) - {*TEXTS, "false_claim"}:
         value = getattr(judged, name)
         getattr(result, name)[row] = np.nan if value is None else value
 
@@ -230,15 +238,6 @@ def _chord(half: float, sine: float, length: float) -> float:
     return length * (1.0 if straight else ratio)
 
 
-@inlined
-def _excess(u: float, rate: float, allowed: int) -> float:
-    """How far the rate u of an arc is from what `verdict.curvature_excess` allows."""
-    if allowed == _OF_WORD:
-        return abs(u - rate)
-    return abs(u) - 1.0 if allowed == _BOTH_SIDES else max(allowed * u - 1.0, -allowed * u)
-
-
-_path_word = inlined(two_arcs.path_word)
 _arrives = inlined(arrives)
 
 
@@ -255,17 +254,11 @@ def _region_and_margin(X: float, Y: float, delta: float) -> tuple[int, float]:
 
 
 @threaded
-def _describe(
-    begin: int,
-    end: int,
-    legs: PoseArrays,
-    curvature: FloatArray,
-    length: FloatArray,
-    result: FrameJudgement,
-) -> None:
-    """Write the regions and margins of targets, and the words of paths of two arcs."""
+def _describe(begin: int, end: int, legs: PoseArrays, result: FrameJudgement) -> None:
+    """Write the regions and margins of targets."""
     x, y, heading, tx, ty, radius, _ = legs
-    region, margin, word = result.region, result.margin, result.word
+    region = result.region
+    margin = result.margin
     for chunk in range(begin, end, CHUNK):
         low, high = chunk_from(chunk, end)
         near = 0
@@ -278,45 +271,40 @@ def _describe(
         for i in range(low, high if near else low):  # the last ulp decides
             X, Y, delta = to_local_exactly(x[i], y[i], heading[i], tx[i], ty[i], radius[i])
             region[i], margin[i] = _region_and_margin(X, Y, delta)
-        for i in range(low, high):
-            first, last = length[0, i], length[1, i]
-            word[i] = _path_word(curvature[0, i], first, curvature[1, i], last)
 
 
-# `_named` writes a word in base 4, a digit for each letter
+# `_name_rows` writes a word in base 4, a digit for each letter
 _CODES = np.zeros(64, np.uint8)
 for _index, _word in enumerate(LEG_WORDS):
     _CODES[int(f"0{_word}".translate(str.maketrans("SLR", "123")), 4)] = _index
-
-
-@inlined
-def _named(word: int, first: float, middle: float, last: float, radius: float) -> int:
-    """`verdict.words_of` of the segments of one of `WORDS6`, as an index of `LEG_WORDS`."""
-    total = first + middle + last
-    name = 0
-    for place in range(3):
-        length = first if place == 0 else middle if place == 1 else last
-        rate = SIDES[word, place]
-        turns = (rate != 0.0) & (length > WORD * radius)
-        seen = (length > CUT * min(radius, total)) & (turns | (length > WORD * total))
-        letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
-        name = name if letter == 0 or letter == name % 4 else 4 * name + letter
-    return int(_CODES[name])
 
 
 @threaded
 def _name_rows(
     begin: int,
     end: int,
-    word: CodeArray,
+    best: _Best,
     lengths: FloatArray,
     radius: FloatArray,
+    cut: float,
     names: CodeArray,
 ) -> None:
-    """Write the names of words of `WORDS6` with segments of shape (3, n)."""
+    """Write what `Kind.words_of` calls paths that have the rates of the shortest ones.
+
+    `lengths` are those of their segments, shape (3, n).
+    """
     for i in range(np.uint64(begin), np.uint64(end)):  # no index counts from the end
-        code = word[i] if word[i] < len(SIDES) else 0
-        names[i] = _named(code, lengths[0, i], lengths[1, i], lengths[2, i], radius[i])
+        code = best.first + best.word[i] if best.word[i] != NO_PATH else 0
+        total = lengths[0, i] + lengths[1, i] + lengths[2, i]
+        name = 0
+        for place in range(3):
+            length = lengths[place, i]
+            rate = _RATES[code, place]
+            turns = (rate != 0.0) & (length > WORD * radius[i])
+            seen = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
+            letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
+            name = name if letter == 0 or letter == name % 4 else 4 * name + letter
+        names[i] = _CODES[name]
 
 
 @threaded
@@ -331,7 +319,7 @@ def _judge_rows(
     limits: _Limits,
     result: FrameJudgement,
 ) -> None:
-    """Judge rows against their proven intervals, a chunk in loops that can be vectorised.
+    """Judge rows against the closed form, a chunk in loops that can be vectorised.
 
     Until they are known, the gap stands for the turn and the reference for the sum of all turns.
     """
@@ -348,26 +336,32 @@ def _judge_rows(
                 sine, _ = sine_cosine(half)
                 sine_mean, cosine_mean = sine_cosine(turned + half)
                 chord = _chord(half, sine, lengths[arc, i])
-                forward, left = forward + chord * cosine_mean, left + chord * sine_mean
-                turned, angle = turned + 2.0 * half, angle + abs(2.0 * half)
+                forward += chord * cosine_mean
+                left += chord * sine_mean
+                turned += 2.0 * half
+                angle += abs(2.0 * half)
                 driven += lengths[arc, i]
             sine, cosine = sine_cosine(heading[i])
             off_x = x[i] + (forward * cosine - left * sine) - tx[i]
             off_y = y[i] + (forward * sine + left * cosine) - ty[i]
             miss[i] = math.sqrt(off_x * off_x + off_y * off_y)
-            length[i], turn[i], turns[i] = driven, turned, angle
+            length[i] = driven
+            turn[i] = turned
+            turns[i] = angle
         for i in range(low, high):
-            word, most, usual = best.word[i], 0.0, not best.left[i]
+            word = best.word[i]
+            most = 0.0
+            usual = word != NO_PATH
+            code = best.first + word if usual else 0
             for arc in range(3):
-                u, driven = curvature[arc, i] * radius[i], lengths[arc, i]
-                rate = best.rates[word if word < len(best.rates) else 0, arc]
-                off = _excess(u, rate, limits.rates)
+                u = curvature[arc, i] * radius[i]
+                driven = lengths[arc, i]
+                rate = _RATES[code, arc]
+                off = abs(u - rate)
                 most = max(most, off if driven > 0.0 else 0.0)
-                usual &= (driven == 0.0) | ((driven > 0.0) & (abs(u - rate) <= FULL_RATE))
-            excess[i], verdict[i] = (
-                most,
-                usual & (word < len(best.rates)) & (most <= limits.curvature),
-            )
+                usual &= (driven == 0.0) | ((driven > 0.0) & (off <= ROUNDED))
+            excess[i] = most
+            verdict[i] = usual & (most <= limits.curvature)
         for i in range(low, high):
             R = radius[i]
             off = heading[i] + turn[i] - final[i]
@@ -377,8 +371,11 @@ def _judge_rows(
             usual = (max(abs(heading[i]), turns[i]) <= LARGEST_ANGLE) & (length[i] <= LARGEST)
             usual &= _arrives(miss[i], R, extent, length[i], limits.miss)
             usual &= (verdict[i] != 0) & (free | (abs(off) <= HEADED + blur))
-            reference = max(best.low[i], min(best.high[i], length[i]))
+            least = best.length[i] * (1.0 - limits.rounded)
+            most = best.length[i] * (1.0 + limits.rounded)
+            reference = max(least, min(most, length[i]))
             gap = (length[i] - reference) / max(reference, R)
-            usual &= (length[i] >= best.low[i] * (1.0 - ROUNDED)) & (gap <= limits.gap)
+            usual &= (length[i] >= least * (1.0 - ROUNDED)) & (gap <= limits.gap)
             verdict[i] = _OPTIMAL if usual else ODD
-            result.reference[i], result.gap[i] = reference, gap
+            result.reference[i] = reference
+            result.gap[i] = gap

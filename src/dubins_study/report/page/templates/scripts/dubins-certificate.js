@@ -41,15 +41,28 @@ window.dubins.certificate = (() => {
     };
   }
 
-  // The pieces [rate, length in radii] without one that is next to nothing, if the path then ends
-  // where it did to within ARRIVES radii (study/check/extremal.py:_free_word).
+  // The pieces [rate, length in radii] without those that are next to nothing, if the path then ends
+  // where it did to within ARRIVES radii (study/check/extremal.py:pieces).
   function mattering(pieces) {
-    if (pieces.length < 2) return pieces;
-    const [[rate1, first], [rate2, second]] = pieces, total = first + second;
-    const short = NO_LENGTH * Math.min(1, total), allowed = ARRIVES + DRIVEN * total;
-    const turned = Math.abs(rate1) * first;
-    if (first <= short && turned <= NO_TURN && first + turned * second <= allowed) return [[rate2, second]];
-    return second <= short && second <= allowed ? [[rate1, first]] : pieces;
+    const total = pieces.reduce((sum, [, length]) => sum + length, 0);
+    const merged = [];
+    for (const [rate, length] of pieces) {
+      const turns = Math.abs(rate) * length > NO_TURN;
+      if (!turns && length <= NO_LENGTH * Math.min(1, total)) continue;
+      const kept = turns ? rate : 0, last = merged[merged.length - 1];
+      if (last && last[0] === kept) last[1] += length;
+      else merged.push([kept, length]);
+    }
+    const [driven, other] = [pieces, merged].map(end);
+    const same = Math.hypot(driven.x - other.x, driven.y - other.y) <= ARRIVES + DRIVEN * total;
+    const named = merged.length < 2 || merged[0][0] !== 0; // no straight before a turn
+    return same && named ? merged : pieces;
+  }
+
+  function end(pieces) {
+    const origin = {x: 0, y: 0, heading: 0};
+    const rates = pieces.map(([rate]) => rate), lengths = pieces.map(([, length]) => length);
+    return window.dubins.poses(origin, rates, lengths)[pieces.length];
   }
 
   function costates(rate1, first, rate2, second) {
