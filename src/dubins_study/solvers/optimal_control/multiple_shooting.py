@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 
 from dubins_study.solvers.arcs import (
-    INTEGRATORS,
     Elements,
     Rates,
     chord,
@@ -24,7 +23,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Transcribed,
 )
-from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.arrays import FloatArray
 
 _POSE = 3  # x, y, heading
@@ -36,13 +35,9 @@ class MultipleShooting(NlpTranscription):
 
     The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
     the mesh `equal` have h_k = T / n.
-
-    Args:
-        integrator: of F: `exact`, or `rk4`: one classical Runge-Kutta step a segment.
     """
 
     n: int = whole(4, 3, 1000)
-    integrator: str = one_of("exact", INTEGRATORS)
 
     name: ClassVar[str] = "multiple-shooting"
     formulation: ClassVar[str] = "multiple shooting"
@@ -51,14 +46,13 @@ class MultipleShooting(NlpTranscription):
 
     def template(self, course: Course) -> Segments:
         engine = self.library.load()(self.tol, self.max_iter, self.options)
-        return Segments(self.n, course.legs, self.mesh == "equal", self.integrator, engine)
+        return Segments(self.n, course.legs, self.mesh == "equal", engine)
 
 
 @dataclass(frozen=True, eq=False)
 class Segments(Meshed):
     """The program over segments, and its engine."""
 
-    integrator: str
     engine: NlpCall
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
@@ -81,7 +75,7 @@ class Segments(Meshed):
         upper = point(np.tile(highest, (turn.size, 1)), whole + np.inf)
         final = course.last is not None
         program = Program(
-            expressions(self.n, signs, self.equal, self.integrator, self.legs, final),
+            expressions(self.n, signs, self.equal, self.legs, final),
             course.data,
             lower,
             upper,
@@ -99,9 +93,7 @@ class Segments(Meshed):
 
 
 @lru_cache(maxsize=32)
-def expressions(
-    n: int, signs: tuple[int, ...], equal: bool, integrator: str, legs: int, final: bool
-) -> Expressions:
+def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: bool) -> Expressions:
     """The program over n segments a leg; its parameters are the points and the `final` heading.
 
     Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
@@ -121,7 +113,7 @@ def expressions(
     for k in range(segments):
         x, y, heading = state
         turn = sum(sign * control[i, k] for i, sign in enumerate(signs))
-        along, across = chord(heading, turn, length[k], integrator)
+        along, across = chord(heading, turn, length[k])
         end = ca.vertcat(x + along, y + across, heading + turn)
         if k < segments - 1:
             gaps.append(pose[:, k + 1] - end)

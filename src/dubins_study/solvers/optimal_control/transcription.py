@@ -184,7 +184,7 @@ class Transcription(EngineSolver):
             off = missed
             if self.correct:
                 fixed = model.template.shares is not None
-                elements, off, rollouts = closed(elements, model.rates, course, fixed)
+                elements, off, rollouts, _ = closed(elements, model.rates, course, fixed)
                 if claim is Claim.LOCAL and not _arrives(off, course):
                     claim = Claim.FAILED
         result = native._replace(

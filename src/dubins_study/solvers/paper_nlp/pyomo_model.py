@@ -18,7 +18,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
 from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
-from dubins_study.solvers.one_leg.model import Case
+from dubins_study.solvers.one_leg.model import Case, end_point
 from dubins_study.solvers.runs import EngineResult, no_point
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
@@ -34,20 +34,21 @@ def pyomo_model(units: str = "radius") -> Any:
 
     In the scenario's unit, as in the paper, the radius R = 1 / b is one more.
     """
-    from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
+    from pyomo import environ
 
-    m = ConcreteModel(name="dubins-4.12")
-    m.z = Var((1, 2, 3), bounds=(0, None), initialize=1.0)
-    m.X = Var(initialize=1.0)
-    m.Y = Var(initialize=1.0)
+    m = environ.ConcreteModel(name="dubins-4.12")
+    m.z = environ.Var((1, 2, 3), bounds=(0, None), initialize=1.0)
+    m.X = environ.Var(initialize=1.0)
+    m.Y = environ.Var(initialize=1.0)
     z1, z2, z3 = m.z[1], m.z[2], m.z[3]
     R: Any = 1.0
     if units == "scenario":
-        R = m.R = Var(initialize=1.0)
+        R = m.R = environ.Var(initialize=1.0)
         z1, z2 = z1 / R, z2 / R
-    m.x_end = Constraint(expr=m.X - R * (2 * sin(z1) - sin(z1 - z2)) - z3 * cos(z1 - z2) == 0)
-    m.y_end = Constraint(expr=m.Y - R * (1 - 2 * cos(z1) + cos(z1 - z2)) - z3 * sin(z1 - z2) == 0)
-    m.length = Objective(expr=m.z[1] + m.z[2] + z3)
+    x, y = end_point(z1, z1 - z2, z3, environ, R)
+    m.x_end = environ.Constraint(expr=m.X - x == 0)
+    m.y_end = environ.Constraint(expr=m.Y - y == 0)
+    m.length = environ.Objective(expr=sum(m.z.values()))
     return m
 
 
