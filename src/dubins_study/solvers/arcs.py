@@ -229,36 +229,35 @@ class Closed(NamedTuple):
 
 _STEPS = 30  # Newton's method takes 1 to 5; more are needed where rates reach their bounds
 _MOST_GROWTH = 0.5  # of the logarithm of a length in a step
-_LEAST_SLACK = 1e-3  # of a rate at its bound, which moves only where nothing else can
+_WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
 
 
 def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Closed:
     """Change the controls as little as needed for the path to meet its points.
 
-    Every rate is in units of its distance from its bounds: what the solver left at a bound stays
-    there, and to first order the length changes by no more than if the points had moved by the
-    miss. Where that does not arrive, the rates then change as needed.
+    Every variable is in units of its distance from its bounds: what the solver left at a bound
+    stays there, and to first order the length changes by no more than if the points had moved by
+    the miss. Where no variable is free, as on a turning circle, the rates then change as needed.
     """
-    near = corrected(elements, rates, course, equal, slack=_LEAST_SLACK)
+    near = corrected(elements, rates, course, equal=equal, gentle=True)
     if near.miss <= close_enough(course):
         return near
-    far = corrected(near.elements, rates, course, equal)
-    best = min(far, near, key=lambda found: found.miss)
-    return best._replace(rollouts=near.rollouts + far.rollouts)
+    far = corrected(elements, rates, course)
+    return far._replace(rollouts=near.rollouts + far.rollouts)
 
 
 def corrected(
     elements: Elements,
     rates: Rates,
     course: Course,
-    equal: bool,
-    slack: float = 1.0,
+    equal: bool = True,
+    gentle: bool = False,
     steps: int = _STEPS,
 ) -> Closed:
     """Newton's method in the rates and the lengths, for the path to meet its points.
 
-    It changes only the legs' lengths if the elements of each are `equal`. A rate counts in units of
-    its distance from its bounds, or of `slack` where that is more.
+    It changes only the legs' lengths if the elements of each are `equal`, and by `gentle` steps the
+    variables in units of their distance from their bounds.
     """
     close = close_enough(course)
     now, best = elements, None
@@ -270,41 +269,49 @@ def corrected(
             best = Closed(now, off, rollouts, rolled)
         if not close < off < math.inf or not now.total > 0 or rollouts > steps:
             break
-        now = _step(now, rates, course, equal, slack, rolled, gaps)
+        by_turn, by_length = slopes(now, course, rolled)
+        if equal:
+            by_length = by_length.reshape(len(by_length), course.legs, -1).sum(axis=2)
+        now = _moved(now, rates, by_turn, by_length, gaps, gentle)
     assert best is not None
     return best._replace(rollouts=rollouts)
 
 
-def _step(
+def _moved(
     elements: Elements,
     rates: Rates,
-    course: Course,
-    equal: bool,
-    least: float,
-    rolled: Rollout,
+    by_turn: FloatArray,
+    by_length: FloatArray,
     gaps: FloatArray,
+    gentle: bool,
 ) -> Elements:
-    """The shortest step that solves the linearised equations; rates stop at their bounds."""
-    rate, legs = elements.rate, course.legs
-    by_turn, by_length = slopes(elements, course, rolled)
-    slack = np.maximum(np.minimum(rate - rates.lower, rates.upper - rate), least)
-    if equal:
-        by_length = by_length.reshape(len(by_length), legs, -1).sum(axis=2)
-    # by the rates in units of their slack, and by the lengths' growth at fixed rates
-    jacobian = np.column_stack((by_turn * (elements.length * slack), by_length))
+    """The elements after the shortest step that solves the linearised equations.
+
+    Rates stop at their bounds.
+    """
+    rate = elements.rate
     n = rate.size
+    unit = np.ones(n)
+    if gentle:
+        unit = np.minimum(rate - rates.lower, rates.upper - rate)
+    # by the rates in their units, and by the lengths' growth at fixed rates
+    jacobian = np.column_stack((by_turn * (elements.length * unit), by_length))
     free = np.ones(jacobian.shape[1], dtype=bool)
     step = np.zeros(free.size)
     for _ in range(n):
         left = gaps - jacobian[:, ~free] @ step[~free]
         step[free] = np.linalg.lstsq(jacobian[:, free], left, rcond=1e-12)[0]
-        moved = rate + step[:n] * slack
+        if gentle:
+            step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
+        moved = rate + step[:n] * unit
         out = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
-        if not out.any():
+        if gentle or not out.any():
             break
-        step[:n][out] = (np.clip(moved, rates.lower, rates.upper) - rate)[out] / slack[out]
+        step[:n][out] = (np.clip(moved, rates.lower, rates.upper) - rate)[out]
         free[:n] &= ~out
-    rate = np.clip(rate + step[:n] * slack, rates.lower, rates.upper)
-    growth = np.exp(np.clip(step[n:], -_MOST_GROWTH, _MOST_GROWTH))
+    rate = np.clip(rate + step[:n] * unit, rates.lower, rates.upper)
+    growth = 1.0 + step[n:]
+    if not gentle:
+        growth = np.exp(np.clip(step[n:], -_MOST_GROWTH, _MOST_GROWTH))
     length = elements.length * np.repeat(growth, n // growth.size)
     return Elements(rate * length, length)

@@ -197,7 +197,7 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
     left, right, straight = controls.T
     whole, starts = random.uniform(1, 5), np.vstack((np.zeros(3), random.normal(size=(n - 1, 3))))
     target = random.normal(size=2)
-    program = expressions(n, (1, -1), equal, 1, 0)
+    program = expressions(n, equal, 1, 0)
     x = np.append(np.hstack((starts, controls)).ravel()[3:], [whole] if equal else [])
 
     gaps = program.functions(target).equations(x)

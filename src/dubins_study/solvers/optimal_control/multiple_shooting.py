@@ -27,6 +27,7 @@ from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.arrays import FloatArray
 
 _POSE = 3  # x, y, heading
+_CONTROLS = 3  # lengths of turning left, of turning right, and of going straight
 
 
 @dataclass(frozen=True)
@@ -58,24 +59,23 @@ class Segments(Meshed):
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
         turn, length = guess.elements
-        signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
-        turns = [np.maximum(sign * turn, 0.0) for sign in signs]
+        left, right = np.maximum(turn, 0.0), np.maximum(-turn, 0.0)
         straight = np.maximum(length - np.abs(turn), 0.0)
         poses = guess.states(self.legs, np.zeros(1))
         most = most_turn(course, self.n, self.equal)
-        lowest = [-np.inf] * _POSE + [0.0] * (len(signs) + 1)
-        highest = [np.inf] * _POSE + [most] * len(signs) + [np.inf]
+        lowest = [-np.inf] * _POSE + [0.0] * _CONTROLS
+        highest = [np.inf] * _POSE + [most * rates.upper, -most * rates.lower, np.inf]
         whole = length.reshape(self.legs, -1).sum(axis=1) if self.equal else np.empty(0)
 
         def point(rows: FloatArray, whole: FloatArray) -> FloatArray:
             return np.concatenate((rows.ravel()[_POSE:], whole))
 
-        begin = point(np.column_stack((poses, *turns, straight)), whole)
+        begin = point(np.column_stack((poses, left, right, straight)), whole)
         lower = point(np.tile(lowest, (turn.size, 1)), 0.0 * whole)
         upper = point(np.tile(highest, (turn.size, 1)), whole + np.inf)
         final = course.last is not None
         program = Program(
-            expressions(self.n, signs, self.equal, self.legs, final),
+            expressions(self.n, self.equal, self.legs, final),
             course.data,
             lower,
             upper,
@@ -84,7 +84,7 @@ class Segments(Meshed):
         result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
         rows = np.append(np.zeros(_POSE), result.x[: result.x.size - whole.size])
         lengths = np.maximum(rows.reshape(turn.size, -1)[:, _POSE:], 0.0)
-        elements = Elements(lengths[:, :-1] @ np.array(signs, dtype=float), lengths.sum(axis=1))
+        elements = Elements(lengths[:, 0] - lengths[:, 1], lengths.sum(axis=1))
         if self.equal:
             mean = elements.length.reshape(self.legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
@@ -93,26 +93,25 @@ class Segments(Meshed):
 
 
 @lru_cache(maxsize=32)
-def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: bool) -> Expressions:
+def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
     """The program over n segments a leg; its parameters are the points and the `final` heading.
 
     Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
-    first), for each of the signs 1 (left) and -1 (right) its length of turning, and that of going
-    straight; then the whole length of each leg, if its segments are equally long. A segment's
-    equations: that it ends at the next pose, and the last of a leg at the point. The last two
-    equations are those of the end point.
+    first) and its lengths of turning left, of turning right and of going straight; then the whole
+    length of each leg, if its segments are equally long. A segment's equations: that it ends at the
+    next pose, and the last of a leg at the point. The last two equations are those of the end.
     """
     import casadi as ca
 
     segments = n * legs
     pose = ca.SX.sym("pose", _POSE, segments)
-    control = ca.SX.sym("control", len(signs) + 1, segments)
+    control = ca.SX.sym("control", _CONTROLS, segments)
     whole, data = ca.SX.sym("whole", legs if equal else 0), ca.SX.sym("data", 2 * legs + final)
     length, gaps = ca.sum1(control), []
     state = [ca.SX(0)] * _POSE
     for k in range(segments):
         x, y, heading = state
-        turn = sum(sign * control[i, k] for i, sign in enumerate(signs))
+        turn = control[0, k] - control[1, k]
         along, across = chord(heading, turn, length[k])
         end = ca.vertcat(x + along, y + across, heading + turn)
         if k < segments - 1:
@@ -129,7 +128,7 @@ def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: b
     objective = ca.sum1(whole) if equal else ca.sum2(length)
     stages = Stages(
         (0, *(_POSE,) * (segments - 1)),
-        (len(signs) + 1,) * segments,
+        (_CONTROLS,) * segments,
         tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
     )
     g = ca.vertcat(*gaps)

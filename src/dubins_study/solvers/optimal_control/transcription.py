@@ -14,7 +14,6 @@ import numpy as np
 
 from dubins_study.solvers.arcs import (
     HERE,
-    LEAST,
     RATES,
     Elements,
     Rates,
@@ -24,9 +23,9 @@ from dubins_study.solvers.arcs import (
 )
 from dubins_study.solvers.course import Course, body_course, coordinate_rounding, in_world
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
-from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES
-from dubins_study.solvers.one_leg.polish import one_sided_only
-from dubins_study.solvers.presolve import nearer_first
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
+from dubins_study.solvers.one_leg.model import case_of
+from dubins_study.solvers.presolve import nearer_first, unreachable
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import (
     Attempts,
@@ -41,7 +40,7 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local
+from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
@@ -253,14 +252,15 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         none = {run.claim for run in runs} == {Claim.INFEASIBLE}
         said = none and model.question.branch == "best"
         claim = Claim.INFEASIBLE if said else Claim.FAILED
+    if claim in (Claim.LOCAL, Claim.FEASIBLE) and model.question.branch != "best":
+        # a path that goes straight first may turn to one side and arrive, where the word cannot
+        reason = unreachable(local(scenario), model.question.branch)
+        if reason is not None:
+            claim, message = Claim.FAILED, reason
     path = None
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
-        if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
-            reason = one_sided_only(model.question, course.target, path)
-            if reason is not None:
-                claim, message = Claim.FAILED, reason
     duals = best.result.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
@@ -272,14 +272,6 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     )
 
 
-# arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
-# pi/3 (docs/derivation.md, section 4)
-_TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
-# rad, added to the turn towards the target where the first guess fails
-_SWINGS = (0.7, -0.7)
-# rad, to which the rounding of the bearing is added: a bearing so near to a full turn is straight
-# ahead
-_STRAIGHT = 1e-9
 _SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
@@ -377,22 +369,7 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Paths shaped like a word: two arcs, or a turn and a straight.
-
-    The first turn faces the target; the second is larger by half the apparent size of a turning
-    circle there; others follow.
-    """
-    sign = 1.0 if word[0] == "L" else -1.0
-    if word[1] != "S":
-        yield from (Path(HERE, (sign, -sign), arcs) for arcs in _TWO_ARCS)
-        return
-    distance = math.hypot(target.X, target.Y)
-    facing = (sign * math.atan2(target.Y, target.X)) % TWO_PI
-    if facing > TWO_PI - _STRAIGHT - 2 * target.delta / distance:
-        facing = 0.0
-    distance = max(distance, LEAST)
-    aim = facing + math.atan(1 / distance)
-    for turn in (facing, aim, *(aim + swing for swing in _SWINGS)):
-        arc = turn % TWO_PI
-        lengths = (max(arc, LEAST), distance)
-        yield Path(HERE, (sign * arc / lengths[0], 0.0), lengths)
+    """Paths shaped like a word, from the start at heading 0."""
+    case = case_of(word, target)
+    for z in bearing_guesses(case, prescribed=False):
+        yield Path(HERE, case.subproblem.turns, np.array(z) * case.subproblem.mask)

@@ -140,8 +140,10 @@ class Sequence:
                 break
         if claim is Claim.LOCAL and not self._arrived():
             claim, status = Claim.FEASIBLE, "a dead end off the target"
+        elements, _, used, _ = corrected(self.now, self.rates, self.course)
+        self.rollouts += used
         result = EngineResult(
-            np.append(self.now.turn, self.now.length),
+            np.append(elements.turn, elements.length),
             claim,
             duals=self.duals[-1] if claim is Claim.LOCAL else None,
             iterations=self.qps,
@@ -149,7 +151,7 @@ class Sequence:
             status=status,
             message=status,
         )
-        return Transcribed(self.now, result)
+        return Transcribed(elements, result)
 
     def _begin(self, elements: Elements) -> None:
         self.penalty, self.reach, self.ease = 10.0, 1.0, 1.0
@@ -209,7 +211,7 @@ class Sequence:
         if answer.slack < 1e-6 and gain < 0.7 * promised:
             # second-order correction, one step (Nocedal and Wright 2006, Numerical Optimization,
             # sec. 15.6): a good step must not fail for the linearisation's error
-            closer, _, used, bent = corrected(trial, self.rates, self.course, equal=True, steps=1)
+            closer, _, used, bent = corrected(trial, self.rates, self.course, steps=1)
             self.rollouts += used
             better = before - self._merit(closer, bent)
             if better > gain:
@@ -244,7 +246,7 @@ class Sequence:
         if self.restored:
             return False
         self.restored = True
-        elements, miss, used, _ = corrected(self.now, self.rates, self.course, equal=True)
+        elements, miss, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used + 1
         if miss > CLOSE:
             return False
