@@ -32,7 +32,6 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
-    best_of,
     spent,
     total,
     tried,
@@ -237,9 +236,12 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         return Solution(Claim.LIMIT, message="no time to begin")
     scenario, rates, course = model.question.scenario, model.rates, model.course
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
-    shortest = min((run.length for run in arrived), default=math.inf)
-    tied = [run for run in arrived if run.length <= shortest * (1 + _SAME)]
-    best = best_of([run for run in tied if run.claim is Claim.LOCAL] or tied, runs)
+    most = min((run.length for run in arrived), default=math.inf) * (1 + _SAME)
+
+    def rank(run: Run[Elements]) -> tuple[bool, bool, float]:
+        return run.length > most, run.claim is not Claim.LOCAL, run.length
+
+    best = min(arrived, key=rank) if arrived else min(runs, key=lambda run: run.miss)
     claim, message = best.claim, best.result.message
     if not in_time:
         claim = Claim.LIMIT

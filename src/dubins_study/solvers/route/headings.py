@@ -155,7 +155,7 @@ class Headings(SearchSolver):
         functions = _functions(route)
         if self.trace:
             whole_plane = LengthInBox(route, np.zeros(route.unknowns))
-            counted = CountedFunction(whole_plane, math.inf, math.inf, traced=True)
+            counted = CountedFunction(whole_plane, math.inf, math.inf)
             functions = functions._replace(objective=counted)
         solve = partial(engine, program(route, functions))
         run = timed("headings", solve, partial(route_length, route))(guess, until)
@@ -175,11 +175,12 @@ class Headings(SearchSolver):
         began, k = perf_counter(), route.unknowns
         low = guess - _HALF_TURN if self.guided else np.full(k, route.first)
         budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
-        function = CountedFunction(LengthInBox(route, low), budget, until, self.trace)
+        function = CountedFunction(LengthInBox(route, low), budget, until)
         begin = np.full(k, _HALF_TURN) if self.guided else None
         result = Task(function, begin, random).search(self.engine, self.options)
         seconds = perf_counter() - began
-        _add(trace, function, low)
+        if self.trace:
+            _add(trace, function, low)
         return Run("headings", seconds, result, low + result.x, length=function.value)
 
 

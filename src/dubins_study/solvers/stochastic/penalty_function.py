@@ -88,12 +88,9 @@ class CountedFunction:
     has seen.
     """
 
-    def __init__(
-        self, function: BoxFunction, budget: float, until: float, traced: bool = False
-    ) -> None:
+    def __init__(self, function: BoxFunction, budget: float, until: float) -> None:
         self.function, self.budget, self._until = function, budget, until
-        self._traced = traced
-        # if traced: evaluations until then, and the best point
+        # evaluations until then, and the best point
         self.trace: list[tuple[int, FloatArray]] = []
         self.evaluations = 0
         self.value = math.inf
@@ -118,8 +115,7 @@ class CountedFunction:
 
     def _improve(self, value: float, point: FloatArray) -> None:
         self.value, self.best = value, np.array(point)
-        if self._traced:
-            self.trace.append((self.evaluations, self.best))
+        self.trace.append((self.evaluations, self.best))
 
     def _spend(self, evaluations: int) -> None:
         if self.evaluations + evaluations > self.budget:
