@@ -195,23 +195,23 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
     random = np.random.default_rng(seed)
     controls = random.uniform(0, 1, (n, 3))
     left, right, straight = controls.T
-    whole, starts = random.uniform(1, 5), np.vstack((np.zeros(3), random.normal(size=(n - 1, 3))))
+    starts = np.vstack((np.zeros(3), random.normal(size=(n - 1, 3))))
     target = random.normal(size=2)
     program = expressions(n, equal, 1, 0)
-    x = np.append(np.hstack((starts, controls)).ravel()[3:], [whole] if equal else [])
+    x = np.hstack((starts, controls)).ravel()[3:]
 
     gaps = program.functions(target).equations(x)
 
     length, turn = left + right + straight, left - right
     ends = np.array([arc_end(*state) for state in zip(starts, turn, length, strict=True)])
-    each = (length - whole / n)[:, None] if equal else np.empty((n, 0))
-    expected = np.hstack((np.vstack((starts[1:] - ends[:-1], np.zeros(3))), each)).ravel()
-    expected = np.append(
-        np.delete(expected, slice(-3 - equal, expected.size - equal)), target - ends[-1, :2]
-    )
-    assert gaps == pytest.approx(expected, abs=1e-10)
-    objective = program.functions(target).objective(x)
-    assert objective == pytest.approx(whole if equal else length.sum())
+    expected = []
+    for k in range(n):
+        if k < n - 1:
+            expected += list(starts[k + 1] - ends[k])
+        if equal and k > 0:
+            expected.append(length[k] - length[k - 1])
+    assert gaps == pytest.approx([*expected, *(target - ends[-1, :2])], abs=1e-10)
+    assert program.functions(target).objective(x) == pytest.approx(length.sum())
 
 
 def arc_end(pose, turn, length):

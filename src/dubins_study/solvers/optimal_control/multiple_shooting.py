@@ -24,7 +24,6 @@ from dubins_study.solvers.optimal_control.transcription import (
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
-from dubins_study.study.arrays import FloatArray
 
 _POSE = 3  # x, y, heading
 _CONTROLS = 3  # lengths of turning left, of turning right, and of going straight
@@ -35,7 +34,7 @@ class MultipleShooting(NlpTranscription):
     """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `NlpTranscription`.
 
     The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
-    the mesh `equal` have h_k = T / n.
+    the mesh `equal` have equal h_k.
     """
 
     n: int = whole(4, 3, 1000)
@@ -65,14 +64,9 @@ class Segments(Meshed):
         most = most_turn(course, self.n, self.equal)
         lowest = [-np.inf] * _POSE + [0.0] * _CONTROLS
         highest = [np.inf] * _POSE + [most * rates.upper, -most * rates.lower, np.inf]
-        whole = length.reshape(self.legs, -1).sum(axis=1) if self.equal else np.empty(0)
-
-        def point(rows: FloatArray, whole: FloatArray) -> FloatArray:
-            return np.concatenate((rows.ravel()[_POSE:], whole))
-
-        begin = point(np.column_stack((poses, left, right, straight)), whole)
-        lower = point(np.tile(lowest, (turn.size, 1)), 0.0 * whole)
-        upper = point(np.tile(highest, (turn.size, 1)), whole + np.inf)
+        begin = np.column_stack((poses, left, right, straight)).ravel()[_POSE:]
+        lower = np.tile(lowest, turn.size)[_POSE:]
+        upper = np.tile(highest, turn.size)[_POSE:]
         final = course.last is not None
         program = Program(
             expressions(self.n, self.equal, self.legs, final),
@@ -82,9 +76,9 @@ class Segments(Meshed):
             magnitude=course.magnitude,
         )
         result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
-        rows = np.append(np.zeros(_POSE), result.x[: result.x.size - whole.size])
-        lengths = np.maximum(rows.reshape(turn.size, -1)[:, _POSE:], 0.0)
-        elements = Elements(lengths[:, 0] - lengths[:, 1], lengths.sum(axis=1))
+        rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
+        left, right, straight = np.maximum(rows[:, _POSE:], 0.0).T
+        elements = Elements(left - right, left + right + straight)
         if self.equal:
             mean = elements.length.reshape(self.legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
@@ -97,16 +91,16 @@ def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
     """The program over n segments a leg; its parameters are the points and the `final` heading.
 
     Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
-    first) and its lengths of turning left, of turning right and of going straight; then the whole
-    length of each leg, if its segments are equally long. A segment's equations: that it ends at the
-    next pose, and the last of a leg at the point. The last two equations are those of the end.
+    first) and its lengths of turning left, of turning right and of going straight. A segment's
+    equations: that it ends at the next pose; that it is as long as the one before it, if those of a
+    leg are equally long; and the last of a leg at the point. The last two are those of the end.
     """
     import casadi as ca
 
     segments = n * legs
     pose = ca.SX.sym("pose", _POSE, segments)
     control = ca.SX.sym("control", _CONTROLS, segments)
-    whole, data = ca.SX.sym("whole", legs if equal else 0), ca.SX.sym("data", 2 * legs + final)
+    data = ca.SX.sym("data", 2 * legs + final)
     length, gaps = ca.sum1(control), []
     state = [ca.SX(0)] * _POSE
     for k in range(segments):
@@ -119,17 +113,16 @@ def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
             state = ca.vertsplit(pose[:, k + 1])
         elif final:
             gaps.append(heading_gap(end[2], data[2 * legs]))
-        if equal:
-            gaps.append(length[k] - whole[k // n] / n)
+        if equal and k % n > 0:
+            gaps.append(length[k] - length[k - 1])
         if k % n == n - 1:
             leg = k // n
             gaps.append(data[2 * leg : 2 * leg + 2] - end[:2])
-    variables = ca.vertcat(ca.vec(ca.vertcat(pose, control))[_POSE:], whole)
-    objective = ca.sum1(whole) if equal else ca.sum2(length)
+    variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
     stages = Stages(
         (0, *(_POSE,) * (segments - 1)),
         (_CONTROLS,) * segments,
         tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
     )
     g = ca.vertcat(*gaps)
-    return Expressions(variables, data, objective, g, stages=None if equal else stages)
+    return Expressions(variables, data, ca.sum2(length), g, stages=None if equal else stages)
