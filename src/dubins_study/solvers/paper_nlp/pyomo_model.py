@@ -129,30 +129,39 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
         )
     except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
         return no_point(3, Claim.FAILED, type(error).__name__, str(error))
-    return _loaded(model, results)
+    condition = results.termination_condition.name
+    counted = "number_iters" in results.extra_info
+    return _ended(
+        model,
+        results.solution_loader,
+        claim_of("pyomo", condition),
+        status=condition,
+        message=f"{results.solver_name}: {results.solution_status.name} solution",
+        iterations=int(results.extra_info.number_iters) if counted else None,
+    )
 
 
-def _loaded(model: Any, results: Any) -> EngineResult:
+def _ended(
+    model: Any, loader: Any, claim: Claim, status: str, message: str, iterations: int | None = None
+) -> EngineResult:
+    """The end of a run whose point and duals one of Pyomo's loaders has, if there are any."""
     from pyomo.common.errors import PyomoException
 
-    condition = results.termination_condition.name
-    claim = claim_of("pyomo", condition)
-    message = f"{results.solver_name}: {results.solution_status.name} solution"
     free = [z for z in model.z.values() if not z.fixed]
     try:
-        values = results.solution_loader.get_vars(free)
-    except PyomoException:  # each interface has its own way to say that there is no point
-        return no_point(3, claim, condition, message)
+        values = loader.get_vars(free)
+    except (PyomoException, AssertionError, LookupError):
+        # each loader has its own way to say that there is no point, which some claims do not need
+        pointless = claim if claim in (Claim.INFEASIBLE, Claim.LIMIT) else Claim.FAILED
+        return no_point(3, pointless, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
     try:
-        of_row = results.solution_loader.get_duals([model.x_end, model.y_end])
-        # Pyomo's dual is the objective's change per unit of right-hand side, the paper's minus that
+        of_row = loader.get_duals([model.x_end, model.y_end])
+        # the dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = -np.array([of_row[model.x_end], of_row[model.y_end]])
-    except (PyomoException, NotImplementedError):
+    except (PyomoException, NotImplementedError, LookupError):
         duals = None
-    counted = "number_iters" in results.extra_info
-    iterations = int(results.extra_info.number_iters) if counted else None
-    return EngineResult(z, claim, duals, iterations, status=condition, message=message)
+    return EngineResult(z, claim, duals, iterations, status=status, message=message)
 
 
 _STUB = "model"
@@ -166,7 +175,10 @@ def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str
     Nothing but the file that it leaves is read.
     """
     from pyomo.common.errors import PyomoException
-    from pyomo.contrib.solver.solvers.asl_sol_reader import parse_asl_sol_file
+    from pyomo.contrib.solver.solvers.asl_sol_reader import (
+        ASLSolFileSolutionLoader,
+        parse_asl_sol_file,
+    )
     from pyomo.repn.plugins.nl_writer import NLWriter
 
     model = posed(case, guess)
@@ -188,25 +200,14 @@ def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str
         except (PyomoException, ValueError, LookupError, AssertionError) as error:
             message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
             return no_point(3, Claim.FAILED, status, message)
-    return _read(model, info, solution)
-
-
-def _read(model: Any, info: Any, solution: Any) -> EngineResult:
-    code, message = solution.solve_code, " ".join(solution.message.split())
-    claim = claim_of("ampl", str(code // 100))
-    status = f"solve_result_num {code}"
-    if len(solution.primals) != len(info.variables):
-        if claim is not Claim.INFEASIBLE:  # which needs no point
-            claim = Claim.FAILED
-        return no_point(3, claim, status, message)
-    values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
-    z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
-    duals = None
-    if len(solution.duals) == len(info.constraints):
-        of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
-        # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
-        duals = -np.array([of_row[id(model.x_end)], of_row[id(model.y_end)]])
-    return EngineResult(z, claim, duals, status=status, message=message)
+    code = solution.solve_code
+    return _ended(
+        model,
+        ASLSolFileSolutionLoader(solution, info, model),
+        claim_of("ampl", str(code // 100)),
+        status=f"solve_result_num {code}",
+        message=" ".join(solution.message.split()),
+    )
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:
