@@ -22,9 +22,9 @@ from dubins_study.solvers.engines import ENGINES, names
 from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Structure, candidates
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.one_leg.model import Case, PosedLeg, posed_leg
-from dubins_study.solvers.one_leg.search import attempts, choose
+from dubins_study.solvers.one_leg.search import searched
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
-from dubins_study.solvers.runs import EngineResult, at_start, no_point, tried
+from dubins_study.solvers.runs import EngineResult, at_start, no_point
 from dubins_study.solvers.setting_checks import one_of, option_set, positive, whole
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import ROOTS, Claim
@@ -88,19 +88,9 @@ class Shooting(Solver):
         question = model.question
         if there := at_start(question.scenario, model.target, self.tol):
             return there
-        until = perf_counter() + limit
         prescribed = question.branch in ("LR", "RL")
-        each = (
-            attempts(
-                question,
-                case,
-                self.initial_guess,
-                self._guesses(question, case),
-                partial(self._from, case, prescribed),
-            )
-            for case in model.cases
-        )
-        return choose(model, tried(each, until))
+        guesses, solve = partial(self._guesses, question), partial(self._from, prescribed)
+        return searched(model, self.initial_guess, guesses, solve, limit)
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
         """Initial guesses: durations (3,) in the order of `one_leg.model`, then costates (4,)."""
@@ -114,7 +104,7 @@ class Shooting(Solver):
             yield np.concatenate((z, structure.consistent(nu)))
 
     def _from(
-        self, case: Case, prescribed: bool, guess: FloatArray, seconds: float
+        self, prescribed: bool, case: Case, guess: FloatArray, seconds: float
     ) -> EngineResult:
         """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
         structure, free = _structure(case), list(case.subproblem.free)
