@@ -19,8 +19,8 @@ from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.pyomo_program import Ask, PyomoProgram, asked
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
-    Meshed,
     NlpTranscription,
+    Template,
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
@@ -28,29 +28,31 @@ from dubins_study.study.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Collocated(Meshed):
+class Collocated(Template):
     """The transcription of one choice of settings, compiled."""
 
+    n: int
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the states of the guess follow its controls."""
         turn, length = guess.elements
-        times = length.reshape(self.legs, -1).sum(axis=1) if self.equal else length
+        legs, equal = course.legs, self.shares is not None
+        times = length.reshape(legs, -1).sum(axis=1) if equal else length
         each, each_length = (np.repeat(part, self.fraction.size) for part in guess.elements)
-        x, y, heading = guess.states(self.legs, self.fraction).T
+        x, y, heading = guess.states(legs, self.fraction).T
         slopes = each_length * np.cos(heading), each_length * np.sin(heading), each
         values = np.concatenate((times, turn, x, y, heading, *slopes))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
         lower[: times.size] = 0.0
         turns = slice(times.size, times.size + turn.size)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
-        most = most_turn(course, self.n, self.equal)
+        most = most_turn(course, self.n, equal)
         lower[turns], upper[turns] = most * rates.lower, most * rates.upper
         result = self.ask(values, course.data, lower, upper, until - perf_counter())
         driven = np.maximum(result.x[: times.size], 0.0)
-        length = np.repeat(driven / self.n, self.n) if self.equal else driven
+        length = np.repeat(driven / self.n, self.n) if equal else driven
         return Transcribed(Elements(result.x[turns], length).within(rates), result)
 
 
@@ -69,7 +71,8 @@ def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str)
     ask = asked(program, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.tau.get_discretization_info()["tau_points"][1:])
-    return Collocated(shape.n, shape.legs, shape.equal, fraction, ask)
+    shares = np.full((shape.legs, shape.n), 1 / shape.n) if shape.equal else None
+    return Collocated(shares, shape.n, fraction, ask)
 
 
 class Shape(NamedTuple):

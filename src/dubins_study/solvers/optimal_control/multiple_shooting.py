@@ -14,13 +14,14 @@ from dubins_study.solvers.arcs import (
     Rates,
     chord,
     most_turn,
+    step_shares,
 )
 from dubins_study.solvers.course import Course, heading_gap
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
-    Meshed,
     NlpTranscription,
+    Template,
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
@@ -46,22 +47,25 @@ class MultipleShooting(NlpTranscription):
 
     def template(self, course: Course) -> Segments:
         engine = self.library.load()(self.tol, self.max_iter, self.options)
-        return Segments(self.n, course.legs, self.mesh == "equal", engine)
+        shares = step_shares(self.n, "equal", course) if self.mesh == "equal" else None
+        return Segments(shares, self.n, engine)
 
 
 @dataclass(frozen=True, eq=False)
-class Segments(Meshed):
+class Segments(Template):
     """The program over segments, and its engine."""
 
+    n: int
     engine: NlpCall
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
         turn, length = guess.elements
+        legs, equal = course.legs, self.shares is not None
         left, right = np.maximum(turn, 0.0), np.maximum(-turn, 0.0)
         straight = np.maximum(length - np.abs(turn), 0.0)
-        poses = guess.states(self.legs, np.zeros(1))
-        most = most_turn(course, self.n, self.equal)
+        poses = guess.states(legs, np.zeros(1))
+        most = most_turn(course, self.n, equal)
         lowest = [-np.inf] * _POSE + [0.0] * _CONTROLS
         highest = [np.inf] * _POSE + [most * rates.upper, -most * rates.lower, np.inf]
         begin = np.column_stack((poses, left, right, straight)).ravel()[_POSE:]
@@ -69,7 +73,7 @@ class Segments(Meshed):
         upper = np.tile(highest, turn.size)[_POSE:]
         final = course.last is not None
         program = Program(
-            expressions(self.n, self.equal, self.legs, final),
+            expressions(self.n, equal, legs, final),
             course.data,
             lower,
             upper,
@@ -79,8 +83,8 @@ class Segments(Meshed):
         rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
         left, right, straight = np.maximum(rows[:, _POSE:], 0.0).T
         elements = Elements(left - right, left + right + straight)
-        if self.equal:
-            mean = elements.length.reshape(self.legs, -1).mean(axis=1)
+        if equal:
+            mean = elements.length.reshape(legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
         duals = None if result.duals is None else result.duals[-2:]
         return Transcribed(elements, result._replace(duals=duals))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -79,29 +79,16 @@ class Transcribed(NamedTuple):
     native: EngineResult
 
 
-class Template(Protocol):
+@dataclass(frozen=True, eq=False)
+class Template:
     """A transcription, compiled for its settings and a number of legs."""
 
-    @property
-    def shares(self) -> FloatArray | None:
-        """Shares of its leg's length that the n elements of a leg have, (legs, n); None if free."""
+    # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
+    shares: FloatArray | None
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """Solve in body coordinates from a guess until a time (s, on `perf_counter`)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Meshed:
-    """What a template of n elements a leg has, whose lengths are free or `equal`."""
-
-    n: int
-    legs: int
-    equal: bool
-
-    @property
-    def shares(self) -> FloatArray | None:
-        """As `Template.shares`."""
-        return np.full((self.legs, self.n), 1 / self.n) if self.equal else None
+        raise NotImplementedError
 
 
 class PosedCourse(NamedTuple):

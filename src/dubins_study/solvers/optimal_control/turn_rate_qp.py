@@ -23,7 +23,12 @@ from dubins_study.solvers.arcs import (
 )
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import names
-from dubins_study.solvers.optimal_control.transcription import Guess, Transcribed, Transcription
+from dubins_study.solvers.optimal_control.transcription import (
+    Guess,
+    Template,
+    Transcribed,
+    Transcription,
+)
 from dubins_study.solvers.optimal_control.turn_rate_template import (
     EngineError,
     Numbers,
@@ -76,16 +81,16 @@ class TurnRateQp(Transcription):
 
     def template(self, course: Course) -> Qps:
         qp = template(self.n, course.legs, course.last is not None, self.engine)
-        return Qps(self, qp, step_shares(self.n, self.mesh, course))
+        return Qps(step_shares(self.n, self.mesh, course), self, qp)
 
 
 @dataclass(frozen=True, eq=False)
-class Qps:
+class Qps(Template):
     """The QP of a course, compiled."""
 
+    shares: FloatArray
     solver: TurnRateQp
     qp: QpTemplate
-    shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`: one sequence."""
