@@ -25,7 +25,7 @@ from dubins_study.solvers.course import Course, body_course, coordinate_rounding
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
 from dubins_study.solvers.one_leg.model import case_of
-from dubins_study.solvers.presolve import nearer_first, unreachable
+from dubins_study.solvers.presolve import unreachable, words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import (
     Attempts,
@@ -296,7 +296,7 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
             paths = islice(_shaped(word, target), most)
             return (Guess(word, cut(path, n, share)) for path in paths)
 
-        cold = [shaped(word) for word in nearer_first(question.branch, target, solver.presolve)]
+        cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
         signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
         legs = zip(signs, np.abs(course.turned()), strict=True)
