@@ -21,30 +21,17 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 
-INTEGRATORS = ("exact", "rk4")
-_POINTS = 6
+_POINTS = 12  # exact to rounding up to a turn of 3 pi
+# points t in [0, 1] and weights of the rule of Gauss and Legendre for the mean of cos(z t)
+_AT, _WEIGHTS = (half[_POINTS // 2 :] for half in np.polynomial.legendre.leggauss(_POINTS))
 
 
-def mean_cosine(integrator: str) -> tuple[FloatArray, FloatArray]:
-    """Points t in [0, 1] and weights of the quadrature that gives sinc(z) as a sum of cos(z t).
-
-    `exact` is the rule of Gauss and Legendre with 12 points, exact to rounding up to a turn of 3
-    pi. `rk4`, the classical Runge-Kutta step, is Simpson's rule, since the heading is linear along
-    the arc.
-    """
-    if integrator == "rk4":
-        return np.array((0.0, 1.0)), np.array((2.0, 1.0)) / 3
-    points, weights = np.polynomial.legendre.leggauss(2 * _POINTS)
-    return points[_POINTS:], weights[_POINTS:]
-
-
-def chord(heading: Any, turn: Any, length: Any, integrator: str = "exact") -> tuple[Any, Any]:
+def chord(heading: Any, turn: Any, length: Any) -> tuple[Any, Any]:
     """How far an arc leads along x and along y; its heading at the start and its turn in rad."""
     from casadi import cos, sin
 
     half = turn / 2
-    points, weights = mean_cosine(integrator)
-    straight = length * sum(w * cos(half * t) for t, w in zip(points, weights, strict=True))
+    straight = length * sum(w * cos(half * t) for t, w in zip(_AT, _WEIGHTS, strict=True))
     return straight * cos(heading + half), straight * sin(heading + half)
 
 
@@ -125,7 +112,6 @@ def cut(path: Path, n: int, shares: FloatArray | None) -> Elements:
 CLOSE = 1e-10  # turning radii; two digits inside the 1e-8 promised, far above rounding
 SHARINGS = ("equal", "graded")
 _TURNING = 2 * math.pi  # radii; a turn towards a target far away is shorter than a full circle
-_CORRECTIONS = 30  # Newton's method takes 2 to 5; more are needed where rates reach their bounds
 
 
 def step_shares(n: int, mesh: str, course: Course) -> FloatArray:
@@ -232,116 +218,100 @@ def close_enough(course: Course) -> float:
     return max(CLOSE, 8 * np.finfo(float).eps * (course.magnitude - 1.0))
 
 
-class Corrected(NamedTuple):
-    """Elements, their miss (radii), how they were driven, and the number of rollouts for them."""
+class Closed(NamedTuple):
+    """Elements, their miss (radii), the number of rollouts for them, and how they were driven."""
 
     elements: Elements
     miss: float
-    rolled: Rollout
     rollouts: int
+    rolled: Rollout
+
+
+_STEPS = 30  # Newton's method takes 1 to 5; more are needed where rates reach their bounds
+_MOST_GROWTH = 0.5  # of the logarithm of a length in a step
+_WITHIN = 0.9  # the share of the way to a bound that a gentle step may go
+
+
+def closed(elements: Elements, rates: Rates, course: Course, equal: bool) -> Closed:
+    """Change the controls as little as needed for the path to meet its points.
+
+    Every variable is in units of its distance from its bounds: what the solver left at a bound
+    stays there, and to first order the length changes by no more than if the points had moved by
+    the miss. Where no variable is free, as on a turning circle, the rates then change as needed.
+    """
+    near = corrected(elements, rates, course, equal=equal, gentle=True)
+    if near.miss <= close_enough(course):
+        return near
+    far = corrected(elements, rates, course)
+    return far._replace(rollouts=near.rollouts + far.rollouts)
 
 
 def corrected(
     elements: Elements,
     rates: Rates,
     course: Course,
-    close: float = CLOSE,
-    rollouts: int = _CORRECTIONS,
-) -> Corrected:
-    """Change the controls as little as needed for the path to meet its points.
+    equal: bool = True,
+    gentle: bool = False,
+    steps: int = _STEPS,
+) -> Closed:
+    """Newton's method in the rates and the lengths, for the path to meet its points.
 
-    Newton's method in the turn rates and the legs' lengths, whose elements keep their shares: the
-    shortest step that solves the linearised equations, with rates that would leave their bounds set
-    to the bound.
+    It changes only the legs' lengths if the elements of each are `equal`, and by `gentle` steps the
+    variables in units of their distance from their bounds.
     """
-    rate = np.clip(elements.rate, rates.lower, rates.upper)
+    close = close_enough(course)
     now, best = elements, None
-    for used in range(1, rollouts + 1):
-        now = Elements(rate * now.length, now.length)
+    for rollouts in range(1, steps + 2):
         rolled = rollout(now)
         gaps = missed(now, course, rolled)
         off = largest(gaps, course)
-        off = off if np.isfinite(off) else np.inf
         if best is None or off < best.miss:
-            best = Corrected(now, off, rolled, used)
-        if off <= close or off == np.inf or used == rollouts:
+            best = Closed(now, off, rollouts, rolled)
+        if not close < off < math.inf or not now.total > 0 or rollouts > steps:
             break
-        by_turn, by_growth = slopes(now, course, rolled)
-        jacobian = np.column_stack((by_turn * now.length, _a_leg(by_growth, course.legs)))
-        rate, growth = _least_step(jacobian, gaps, rate, rates)
-        factor = np.exp(np.clip(growth, -0.5, 0.5))
-        now = now._replace(length=now.length * np.repeat(factor, rate.size // course.legs))
+        by_turn, by_length = slopes(now, course, rolled)
+        if equal:
+            by_length = by_length.reshape(len(by_length), course.legs, -1).sum(axis=2)
+        now = _moved(now, rates, by_turn, by_length, gaps, gentle)
     assert best is not None
-    return best._replace(rollouts=used)
+    return best._replace(rollouts=rollouts)
 
 
-def _a_leg(derivatives: FloatArray, legs: int) -> FloatArray:
-    """Derivatives (m, N) by elements, added up over each leg: (m, legs)."""
-    added: FloatArray = derivatives.reshape(len(derivatives), legs, -1).sum(axis=2)
-    return added
+def _moved(
+    elements: Elements,
+    rates: Rates,
+    by_turn: FloatArray,
+    by_length: FloatArray,
+    gaps: FloatArray,
+    gentle: bool,
+) -> Elements:
+    """The elements after the shortest step that solves the linearised equations.
 
-
-def _least_step(
-    jacobian: FloatArray, residual: FloatArray, rate: FloatArray, rates: Rates
-) -> tuple[FloatArray, FloatArray]:
-    """The rates after the least-norm Newton step within their bounds, and the step's other part."""
+    Rates stop at their bounds.
+    """
+    rate = elements.rate
     n = rate.size
+    unit = np.ones(n)
+    if gentle:
+        unit = np.minimum(rate - rates.lower, rates.upper - rate)
+    # by the rates in their units, and by the lengths' growth at fixed rates
+    jacobian = np.column_stack((by_turn * (elements.length * unit), by_length))
     free = np.ones(jacobian.shape[1], dtype=bool)
     step = np.zeros(free.size)
-    left = residual
     for _ in range(n):
+        left = gaps - jacobian[:, ~free] @ step[~free]
         step[free] = np.linalg.lstsq(jacobian[:, free], left, rcond=1e-12)[0]
-        moved = rate + step[:n]
+        if gentle:
+            step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
+        moved = rate + step[:n] * unit
         out = free[:n] & ((moved < rates.lower) | (moved > rates.upper))
-        if not out.any():
+        if gentle or not out.any():
             break
-        step[:n][out] = np.clip(moved, rates.lower, rates.upper)[out] - rate[out]
+        step[:n][out] = (np.clip(moved, rates.lower, rates.upper) - rate)[out]
         free[:n] &= ~out
-        left = residual - jacobian[:, ~free] @ step[~free]
-    return np.clip(rate + step[:n], rates.lower, rates.upper), step[n:]
-
-
-_STEPS = 30  # Newton's method takes 1 to 4; more are needed where bounds cut steps short
-_WITHIN = 0.9  # the share of the way to a bound that a step may go
-
-
-def closed(
-    elements: Elements, rates: Rates, course: Course, equal: bool
-) -> tuple[Elements, float, int]:
-    """Change the controls as little as needed for the path to meet its points.
-
-    Newton's method in the rates and the lengths (only in the legs' lengths if the elements of each
-    are `equal`), with every variable in units of its distance from its bounds: what the solver left
-    at a bound stays there, and to first order the length changes by no more than if the points had
-    moved by the miss. Where no variable is free, as on a turning circle, the rates then change as
-    needed. Also returns the miss (radii) and the number of rollouts.
-    """
-    close = close_enough(course)
-    moved, rollouts = elements, 0
-    for _ in range(_STEPS):
-        rollouts += 1
-        if not moved.total > 0 or miss(moved, course) <= close:
-            break
-        moved = _step(moved, rates, course, equal)
-    off = miss(moved, course)
-    if off <= close or not elements.total > 0:
-        return moved, off, rollouts
-    bent, off, _, used = corrected(elements, rates, course, close)
-    return bent, off, rollouts + used
-
-
-def _step(elements: Elements, rates: Rates, course: Course, equal: bool) -> Elements:
-    rate, legs, rolled = elements.rate, course.legs, rollout(elements)
-    by_turn, by_length = slopes(elements, course, rolled)
-    # derivatives by a rate in units of its distance to the nearer bound, and by a length at a
-    # fixed rate
-    slack = np.minimum(rate - rates.lower, rates.upper - rate)
-    if equal:
-        by_length = _a_leg(by_length, legs)
-    jacobian = np.column_stack((by_turn * (elements.length * slack), by_length))
-    step = np.linalg.lstsq(jacobian, missed(elements, course, rolled), rcond=None)[0]
-    step *= min(1.0, _WITHIN / max(float(np.abs(step).max()), 1e-300))
-    n = rate.size
-    rate = np.clip(rate + step[:n] * slack, rates.lower, rates.upper)
-    length = elements.length * (1.0 + np.repeat(step[n:], n // (step.size - n)))
+    rate = np.clip(rate + step[:n] * unit, rates.lower, rates.upper)
+    growth = 1.0 + step[n:]
+    if not gentle:
+        growth = np.exp(np.clip(step[n:], -_MOST_GROWTH, _MOST_GROWTH))
+    length = elements.length * np.repeat(growth, n // growth.size)
     return Elements(rate * length, length)

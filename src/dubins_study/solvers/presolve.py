@@ -31,13 +31,6 @@ def words(branch: str, target: Local, presolve: bool) -> tuple[str, ...]:
     return tuple(word for word in named if unreachable(target, word) is None)
 
 
-def nearer_first(branch: str, target: Local, presolve: bool) -> list[str]:
-    """The same words, those first that turn to the target's side."""
-    ordered = ("LS", "RS", "RL", "LR") if target.Y >= 0 else ("RS", "LS", "LR", "RL")
-    shapes = words(branch, target, presolve)
-    return [word for word in ordered if word in shapes]
-
-
 def unreachable(target: Local, word: str) -> str | None:
     """Why no path of a word ends at the target, or None.
 

@@ -113,13 +113,6 @@ def tried(attempts: Iterable[Attempts[Guess, Point]], until: float) -> list[Run[
     return runs
 
 
-def best_of(arrived: Sequence[Run[Point]], others: Iterable[Run[Point]]) -> Run[Point]:
-    """The shortest run that arrived; if none did, the one that ends nearest to the target."""
-    if arrived:
-        return min(arrived, key=lambda run: run.length)
-    return min(others, key=lambda run: run.miss)
-
-
 def settled(
     runs: Sequence[Run[Point]], miss: Callable[[Run[Point]], float]
 ) -> tuple[Run[Point], Claim]:
@@ -130,10 +123,10 @@ def settled(
     """
     solved = [run for run in runs if run.claim is Claim.LOCAL]
     if solved:
-        return best_of(solved, ()), Claim.LOCAL
-    missed = (miss(run) for run in runs)
-    known = zip(runs, (each if math.isfinite(each) else math.inf for each in missed), strict=True)
-    best = best_of((), (run._replace(miss=each) for run, each in known))
+        return min(solved, key=lambda run: run.length), Claim.LOCAL
+    missed = [run._replace(miss=miss(run)) for run in runs]
+    # some engines return no numbers when they fail
+    best = min(missed, key=lambda run: run.miss if math.isfinite(run.miss) else math.inf)
     claims = {run.claim for run in runs}
     claim = claims.pop() if len(claims) == 1 else Claim.FAILED
     off = claim is Claim.FEASIBLE and not best.miss <= ARRIVES

@@ -21,7 +21,11 @@ from dubins_study.solvers.arcs import RATES
 from dubins_study.solvers.engines import ENGINES as TABLE
 from dubins_study.solvers.engines import names
 from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
-from dubins_study.solvers.optimal_control.turn_rate_template import EngineError, template
+from dubins_study.solvers.optimal_control.turn_rate_template import (
+    EngineError,
+    Numbers,
+    template,
+)
 from dubins_study.solvers.optimal_control.turn_rates import expressions
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.solvers.registry import load
@@ -327,15 +331,26 @@ def test_compiled_qp_solves_what_cvxpy_solves(engine: str) -> None:
     """Values written into the engine's arrays give the answer that cvxpy's own path gives."""
     n, qp = 12, template(6, 2, True, engine)
     random = np.random.default_rng(5)
-    qp.G[:], qp.P[:] = random.normal(size=(2, n)) / n, random.normal(size=(2, 2)) / n
-    qp.q[:], qp.r[:] = [[0.8, 0.5], [0.3, -0.6]], [[0.05, 0.01], [-0.02, 0.03]]
-    qp.w[:], qp.h[:], qp.r_h[:] = (0.7, 1.3), 0.5, 0.04
-    qp.upper[:], qp.lower[:] = 0.1, -0.1
-    qp.above[:], qp.below[:] = random.uniform(0.05, 0.15, (2, n))
-    qp.c[:], qp.penalty[:], qp.reach[:], qp.stretch[:] = 0.02, 10.0, 0.5, 0.4
-    ours = qp.solve(TABLE[engine].options.of("tuned"), 10.0)
+    numbers = Numbers(
+        G=random.normal(size=(2, n)) / n,
+        P=random.normal(size=(2, 2)) / n,
+        q=np.array([[0.8, 0.5], [0.3, -0.6]]),
+        r=np.array([[0.05, 0.01], [-0.02, 0.03]]),
+        w=np.array([0.7, 1.3]),
+        upper=np.full(n, 0.1),
+        lower=np.full(n, -0.1),
+        above=random.uniform(0.05, 0.15, n),
+        below=random.uniform(0.05, 0.15, n),
+        c=np.full(n, 0.02),
+        penalty=np.array([10.0]),
+        reach=np.array([0.5]),
+        stretch=np.array([0.4]),
+        h=np.array([0.5]),
+        r_h=np.array([0.04]),
+    )
+    ours = qp.solve(numbers, TABLE[engine].options.of("tuned"), 10.0)
 
-    problem, _ = qp.stated({name: getattr(qp, name) for name in qp.names})
+    problem, _ = qp.stated(numbers)
     value = problem.solve(solver="CLARABEL")
 
     tolerance = 1e-3 if engine == "osqp" else 1e-6  # what they are asked for, times the penalty

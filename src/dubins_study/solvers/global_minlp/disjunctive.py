@@ -253,7 +253,7 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     turns = [[TURN[letter] for letter in word.ljust(3, "S")] for word in point.words]
     length = np.concatenate([np.resize([*each, 0.0], 3) for each in point.pieces])
     elements = Elements(np.ravel(turns) * length, length)
-    elements, off, _ = closed(elements, RATES["best"], course, equal=False)
+    elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
     return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
 

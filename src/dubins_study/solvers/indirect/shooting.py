@@ -19,12 +19,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES, names
-from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Conditions, Structure, examine
+from dubins_study.solvers.indirect.structure import ROUNDED, TURNS, Structure, candidates
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, initial_guesses
 from dubins_study.solvers.one_leg.model import Case, PosedLeg, posed_leg
-from dubins_study.solvers.one_leg.search import attempts, choose
+from dubins_study.solvers.one_leg.search import searched
 from dubins_study.solvers.protocol import Method, Question, Solution, Solver
-from dubins_study.solvers.runs import EngineResult, at_start, no_point, tried
+from dubins_study.solvers.runs import EngineResult, at_start, no_point
 from dubins_study.solvers.setting_checks import one_of, option_set, positive, whole
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import ROOTS, Claim
@@ -43,7 +43,7 @@ class Shooting(Solver):
     """Pontryagin's conditions, solved as equations.
 
     The initial guess of the costates is that of a path which ends straight with the guess's final
-    heading or, for `random`, any costates that H = 0 allows.
+    heading.
 
     Args:
         initial_guess, seed, count: the durations to begin with (`one_leg.initial_guesses`).
@@ -88,37 +88,23 @@ class Shooting(Solver):
         question = model.question
         if there := at_start(question.scenario, model.target, self.tol):
             return there
-        until = perf_counter() + limit
         prescribed = question.branch in ("LR", "RL")
-        each = (
-            attempts(
-                question,
-                case,
-                self.initial_guess,
-                self._guesses(question, case),
-                partial(self._from, case, prescribed),
-            )
-            for case in model.cases
-        )
-        return choose(model, tried(each, until))
+        guesses, solve = partial(self._guesses, question), partial(self._from, prescribed)
+        return searched(model, self.initial_guess, guesses, solve, limit)
 
     def _guesses(self, question: Question, case: Case) -> Iterator[FloatArray]:
         """Initial guesses: durations (3,) in the order of `one_leg.model`, then costates (4,)."""
-        kind, structure = self.initial_guess, _structure(case)
+        structure = _structure(case)
         free = list(case.subproblem.free)
         seed = self.seed + question.repeat
-        points = initial_guesses(question, case, kind, seed, self.count)
-        for i, z in enumerate(points):
-            if kind == "random":
-                nu0, nu1, nu2 = np.random.default_rng((seed, i)).normal(size=3)
-                nu = abs(nu0), nu1, nu2
-            else:
-                heading = structure.pieces(*z[free])[1].heading
-                nu = 1.0, -math.cos(heading), -math.sin(heading)
+        points = initial_guesses(question, case, self.initial_guess, seed, self.count)
+        for z in points:
+            heading = structure.pieces(*z[free])[1].heading
+            nu = 1.0, -math.cos(heading), -math.sin(heading)
             yield np.concatenate((z, structure.consistent(nu)))
 
     def _from(
-        self, case: Case, prescribed: bool, guess: FloatArray, seconds: float
+        self, prescribed: bool, case: Case, guess: FloatArray, seconds: float
     ) -> EngineResult:
         """Solve from one initial guess; `prescribed` if the branch prescribes the controls."""
         structure, free = _structure(case), list(case.subproblem.free)
@@ -127,29 +113,24 @@ class Shooting(Solver):
         try:
             result = self._root(structure, v, until)
             evaluations = int(result.nfev)
-            if structure.singular and result.x[-1] < 0:
-                # A straight driven backwards. The path with a straight driven forwards lies beyond
-                # the turning circle, on which the equations are singular: start again from there.
-                result.x[-1] = -result.x[-1]
-                result = self._root(structure, result.x, until)
-                evaluations += int(result.nfev)
         except _OutOfTimeError:
             return no_point(3, Claim.LIMIT, self.root, "out of time")
         # a miss of `tol`, or of what the rounding of a far target leaves
         missed = max(self.tol, ROUNDED * structure.scale)
-        conditions = Conditions(self.tol, missed, prescribed)
-        candidate, fault = examine(structure, result.x, conditions)
+        for candidate in candidates(structure, result.x, self.tol):
+            fault = candidate.fault(missed, prescribed)
+            if fault is None:
+                break
         z = np.zeros(3)
         z[free] = candidate.durations
-        multipliers = candidate.multipliers
         return EngineResult(
             z,
             Claim.FAILED if fault else Claim.LOCAL,
-            None if multipliers is None else np.array(multipliers),
+            candidate.multipliers,
             iterations=evaluations - 1,  # every evaluation but the first tries a step
             evaluations=evaluations,
             status=f"{self.root} {result.status}",
-            message=fault or candidate.kind(conditions),
+            message=fault or candidate.describe(),
         )
 
     def _root(self, structure: Structure, v: FloatArray, until: float) -> Any:

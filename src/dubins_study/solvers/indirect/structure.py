@@ -7,6 +7,7 @@ integrates to nu3(t) = nu3(0) + nu1 y(t) - nu2 x(t): all exact on every piece.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -24,6 +25,9 @@ ROUNDED = 16 * math.ulp(1.0)
 
 # Costates with (nu0, nu1, nu2) shorter than this count as zero, as H = 0 makes nu3 zero too.
 _NO_COSTATES = 1e-3
+
+# nu0 below this (of costates nu0, nu1, nu2 of length 1) counts as zero: an abnormal extremal
+_ABNORMAL = 1e-9
 
 UNKNOWNS = 6  # nu0, nu1, nu2, nu3(0), then the durations of the two pieces
 
@@ -135,11 +139,17 @@ class Structure:
         return J
 
     def costates(self, durations: FloatArray) -> FloatArray:
-        """The costates (4,) of given durations (2,), from the conditions, linear in costates."""
+        """The costates (4,) of given durations (2,), from the conditions, linear in costates.
+
+        Their sign makes nu0 >= 0.
+        """
         linear = self.jacobian(self.unknowns(np.zeros(4), durations))[2:5, :4]
         nu: FloatArray = np.linalg.svd(linear)[2][-1]
         nu /= max(math.hypot(*nu[:3]), _NO_COSTATES)
-        return nu
+        if abs(nu[0]) > _ABNORMAL:
+            return nu * math.copysign(1.0, nu[0])
+        # nu0 is zero up to rounding, and either sign may be right
+        return min(nu, -nu, key=lambda each: self.wrong_sign(each, durations))
 
     def miss(self, durations: FloatArray) -> float:
         """Distance from the end point to the target in radii."""
@@ -168,79 +178,59 @@ class Structure:
         return worst
 
 
-# nu0 below this (of costates nu0, nu1, nu2 of length 1) counts as zero: an abnormal extremal
-_ABNORMAL = 1e-9
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """Tolerances. If the branch prescribes the controls, (2.14) need not hold."""
-
-    tol: float  # of the costates' conditions, with (nu0, nu1, nu2) of length 1, and of u nu3
-    miss: float  # radii
-    prescribed: bool
-
-
-@dataclass(frozen=True, eq=False)
 class Candidate:
-    """Durations (2,) in radii, none negative, and costates (4,): nu0 >= 0, nu1, nu2, nu3(0)."""
+    """Durations (2,) in radii, none negative, that may be those of an extremal."""
 
-    structure: Structure
-    durations: FloatArray
-    costates: FloatArray
+    def __init__(self, structure: Structure, durations: FloatArray, tol: float) -> None:
+        self.durations = durations
+        self.miss = structure.miss(durations)
+        self.costates = np.full(4, np.nan)
+        self.wrong = math.inf
+        if math.isfinite(self.miss):
+            self.costates = structure.costates(durations)
+            self.wrong = structure.wrong_sign(self.costates, durations)
+        self.against = self.wrong > tol  # the minimum condition (2.14), to `tol` of u nu3
+        self.kind = "bang-singular" if structure.singular else "bang-bang"
 
     @property
-    def normal(self) -> bool:
-        return bool(self.costates[0] > _ABNORMAL)
-
-    @property
-    def multipliers(self) -> tuple[float, float] | None:
+    def multipliers(self) -> FloatArray | None:
         """-(nu1, nu2)/nu0, the gradient of the length by the target; None if abnormal."""
-        nu0, nu1, nu2, _ = self.costates.tolist()
-        return (-nu1 / nu0, -nu2 / nu0) if self.normal else None
+        nu0, nu1, nu2, _ = self.costates
+        return np.array((-nu1 / nu0, -nu2 / nu0)) if nu0 > _ABNORMAL else None
 
-    def kind(self, conditions: Conditions) -> str:
+    def describe(self) -> str:
         """The kind of an extremal, for messages."""
-        structure = "bang-singular" if self.structure.singular else "bang-bang"
-        wrong = self.structure.wrong_sign(self.costates, self.durations) > conditions.tol
-        signs = ", against the sign of nu3: stationary, but no extremal" if wrong else ""
-        return f"{structure}, {'normal' if self.normal else 'abnormal'}{signs}"
+        normal = "abnormal" if self.multipliers is None else "normal"
+        signs = ", against the sign of nu3: stationary, but no extremal" if self.against else ""
+        return f"{self.kind}, {normal}{signs}"
 
-    def fault(self, conditions: Conditions) -> str | None:
-        """The condition that is not met, or None if this is an extremal."""
-        residual = self.structure.residual(self.structure.unknowns(self.costates, self.durations))
-        costates = float(np.abs(residual[2:]).max())
-        miss = self.structure.miss(self.durations)
-        if not (math.isfinite(miss) and math.isfinite(costates)):
+    def fault(self, allowed: float, prescribed: bool) -> str | None:
+        """The condition that is not met, or None if this is an extremal.
+
+        It may miss by `allowed` radii. If the branch prescribes the controls, (2.14) need not hold.
+        """
+        if not math.isfinite(self.miss):
             return "the iteration left the finite numbers"
-        if miss > conditions.miss:
-            return f"misses the target by {miss:.3g} radii"
-        if costates > conditions.tol:
-            return f"the conditions on costates are met to {costates:.1e} only"
-        wrong = self.structure.wrong_sign(self.costates, self.durations)
-        if not conditions.prescribed and wrong > conditions.tol:
-            return f"turns against the sign of nu3 (2.14), which is off by {wrong:.3g}"
+        if self.miss > allowed:
+            return f"misses the target by {self.miss:.3g} radii"
+        if self.against and not prescribed:
+            return f"turns against the sign of nu3 (2.14), which is off by {self.wrong:.3g}"
         return None
 
 
-def examine(
-    structure: Structure, v: FloatArray, conditions: Conditions
-) -> tuple[Candidate, str | None]:
-    """The candidate that a solution v, shape (6,), of `Structure.residual` gives, and its fault.
+def candidates(structure: Structure, v: FloatArray, tol: float) -> Iterator[Candidate]:
+    """What a solution v, shape (6,), of `Structure.residual` may stand for.
 
     Full turns are removed from arcs. A piece of no length may come out as a negative one or nearly
-    a full turn, so the path without either piece is tried first.
+    a full turn, so the path without either piece goes first.
     """
     durations = v[4:] * (1.0, structure.unit)
-    for missing in (0, 1):
-        driven = _without(structure, durations, missing)
-        if structure.miss(driven) <= conditions.miss:
-            candidate = Candidate(structure, driven, _signed(structure, driven))
-            if candidate.fault(conditions) is None:
-                return candidate, None
-    driven = _forwards(structure, durations)
-    candidate = Candidate(structure, driven, _signed(structure, driven, v[:4]))
-    return candidate, candidate.fault(conditions)
+    for driven in (
+        _without(structure, durations, 0),
+        _without(structure, durations, 1),
+        _forwards(structure, durations),
+    ):
+        yield Candidate(structure, driven, tol)
 
 
 def _forwards(structure: Structure, durations: FloatArray) -> FloatArray:
@@ -261,15 +251,3 @@ def _without(structure: Structure, durations: FloatArray, missing: int) -> Float
     changed[1 - missing] += moved
     changed[missing] = 0.0
     return _forwards(structure, changed)
-
-
-def _signed(
-    structure: Structure, durations: FloatArray, costates: FloatArray | None = None
-) -> FloatArray:
-    """The costates, by default those of the durations, with the sign that makes nu0 >= 0."""
-    if costates is None:
-        costates = structure.costates(durations)
-    if abs(costates[0]) > _ABNORMAL:
-        return costates * math.copysign(1.0, costates[0])
-    # nu0 is zero up to rounding, and either sign may be right
-    return min(costates, -costates, key=lambda c: structure.wrong_sign(c, durations))

@@ -91,7 +91,7 @@ def initial_guesses(
             yield random.uniform(size=3) * largest * subproblem.mask
     else:
         prescribed = question.branch == subproblem.name
-        for point in _bearing(case, prescribed):
+        for point in bearing_guesses(case, prescribed):
             yield np.array(point) * subproblem.mask
 
 
@@ -116,7 +116,8 @@ def suffices(question: Question, subproblem: Subproblem, kind: str, z: FloatArra
     return question.branch != subproblem.name and bool(z[1] >= math.pi)
 
 
-def _bearing(case: Case, prescribed: bool) -> Iterator[tuple[float, float, float]]:
+def bearing_guesses(case: Case, prescribed: bool) -> Iterator[tuple[float, float, float]]:
+    """The guesses `bearing` of a case; `prescribed` if the branch asks for its word."""
     X, Y, _ = case.target
     free = case.subproblem.free
     distance = max(math.hypot(X, Y), _SHORTEST)
@@ -151,7 +152,7 @@ def _first(case: Case, word: str, prescribed: bool) -> FloatArray:
     """The first guess of a word that a case holds, in the case's order of turns; shape (3,)."""
     mirrored = case.subproblem.mirrored
     of_word = case_of(word, case.target.mirrored if mirrored else case.target)
-    point = np.array(next(_bearing(of_word, prescribed))) * of_word.subproblem.mask
+    point = np.array(next(bearing_guesses(of_word, prescribed))) * of_word.subproblem.mask
     return point if mirrored == of_word.subproblem.mirrored else point[[1, 0, 2]]
 
 

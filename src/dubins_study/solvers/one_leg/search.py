@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
+from time import perf_counter
 
 import numpy as np
 
 from dubins_study.solvers.course import in_world
 from dubins_study.solvers.one_leg.initial_guesses import suffices
 from dubins_study.solvers.one_leg.model import Case, PosedLeg, as_path, case_of, equations
-from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent, timed
+from dubins_study.solvers.protocol import Solution
+from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent, timed, tried
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
 
-def attempts(
-    question: Question,
-    case: Case,
+def searched(
+    posed: PosedLeg,
     kind: str,
-    guesses: Iterable[FloatArray],
-    solve: Callable[[FloatArray, float], EngineResult],
-) -> Attempts[FloatArray, FloatArray]:
-    """Runs of `solve` from the guesses of a kind, until one `suffices`; a point is z."""
+    guesses: Callable[[Case], Iterable[FloatArray]],
+    solve: Callable[[Case, FloatArray, float], EngineResult],
+    limit: float,
+) -> Solution:
+    """The answer of runs on each case, from its guesses of a kind until one `suffices`.
+
+    A point is z; `solve` takes the seconds that are left.
+    """
+    until = perf_counter() + limit
 
     def length(z: FloatArray) -> float:
         return float(z.sum())
 
-    def enough(run: Run[FloatArray]) -> bool:
-        return suffices(question, case.subproblem, kind, run.point)
+    def of(case: Case) -> Attempts[FloatArray, FloatArray]:
+        def enough(run: Run[FloatArray]) -> bool:
+            return suffices(posed.question, case.subproblem, kind, run.point)
 
-    return Attempts(guesses, timed(case.subproblem.name, solve, length), enough)
+        run = timed(case.subproblem.name, partial(solve, case), length)
+        return Attempts(guesses(case), run, enough)
+
+    return _chosen(posed, tried(map(of, posed.cases), until))
 
 
-def choose(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
+def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     """The answer of all runs (`runs.settled`)."""
     if not runs:
         return Solution(Claim.LIMIT, message="no time to begin")

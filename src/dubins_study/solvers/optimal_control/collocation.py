@@ -19,8 +19,8 @@ from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.nlp_engines.pyomo_program import Ask, PyomoProgram, asked
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
-    Meshed,
     NlpTranscription,
+    Template,
     Transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
@@ -28,49 +28,51 @@ from dubins_study.study.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Collocated(Meshed):
+class Collocated(Template):
     """The transcription of one choice of settings, compiled."""
 
+    n: int
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the states of the guess follow its controls."""
         turn, length = guess.elements
-        times = length.reshape(self.legs, -1).sum(axis=1) if self.equal else length
-        values = np.concatenate((times, turn, self._states(guess)))
+        legs, equal = course.legs, self.shares is not None
+        times = length.reshape(legs, -1).sum(axis=1) if equal else length
+        each, each_length = (np.repeat(part, self.fraction.size) for part in guess.elements)
+        x, y, heading = guess.states(legs, self.fraction).T
+        slopes = each_length * np.cos(heading), each_length * np.sin(heading), each
+        values = np.concatenate((times, turn, x, y, heading, *slopes))
         lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
         lower[: times.size] = 0.0
         turns = slice(times.size, times.size + turn.size)
         # |a| <= h bounds both sides by 1; a branch's other bound is 0
-        most = most_turn(course, self.n, self.equal)
-        lower[turns], upper[turns] = max(-most, _sided(rates.lower)), min(most, _sided(rates.upper))
+        most = most_turn(course, self.n, equal)
+        lower[turns], upper[turns] = most * rates.lower, most * rates.upper
         result = self.ask(values, course.data, lower, upper, until - perf_counter())
         driven = np.maximum(result.x[: times.size], 0.0)
-        length = np.repeat(driven / self.n, self.n) if self.equal else driven
+        length = np.repeat(driven / self.n, self.n) if equal else driven
         return Transcribed(Elements(result.x[turns], length).within(rates), result)
-
-    def _states(self, guess: Guess) -> FloatArray:
-        """x, y, theta at the collocation points and their derivatives by tau, shape (6 m,)."""
-        turn, length = (np.repeat(each, self.fraction.size) for each in guess.elements)
-        x, y, heading = guess.states(self.legs, self.fraction).T
-        slopes = (length * np.cos(heading), length * np.sin(heading), turn)
-        return np.concatenate((x, y, heading, *slopes))
-
-
-def _sided(rate: float) -> float:
-    return 0.0 if rate == 0 else math.copysign(math.inf, rate)
 
 
 @lru_cache(maxsize=64)
 def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str) -> Collocated:
     """A transcription, compiled once per setting and number of legs."""
-    model = program(shape)
+    model = pyomo_model(shape)
+    times = [tau for tau in model.tau if tau > 0]
+    states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
+    controls = [*model.duration.values(), *model.turn.values()]
+    # in the order in which `Collocated.solve` gives them
+    unknowns = [*controls, *(state[tau] for state in states for tau in times)]
+    end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
+    program = PyomoProgram(model, unknowns, list(model.data.values()), end)
     call = ENGINES[engine].load()(tol, max_iter, options)
-    ask = asked(model, call, native=engine == "ipopt")
+    ask = asked(program, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
-    fraction = np.array(model.model.tau.get_discretization_info()["tau_points"][1:])
-    return Collocated(shape.n, shape.legs, shape.equal, fraction, ask)
+    fraction = np.array(model.tau.get_discretization_info()["tau_points"][1:])
+    shares = np.full((shape.legs, shape.n), 1 / shape.n) if shape.equal else None
+    return Collocated(shares, shape.n, fraction, ask)
 
 
 class Shape(NamedTuple):
@@ -83,41 +85,23 @@ class Shape(NamedTuple):
     final: bool
 
 
-def program(shape: Shape) -> PyomoProgram:
-    """The transcription, its unknowns in the order in which `Collocated.solve` gives them."""
-    model = pyomo_model(shape)
-    times = [tau for tau in model.tau if tau > 0]
-    states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
-    controls = [*model.duration.values(), *model.turn.values()]
-    unknowns = [*controls, *(state[tau] for state in states for tau in times)]
-    end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
-    return PyomoProgram(model, unknowns, list(model.data.values()), end)
-
-
 def pyomo_model(shape: Shape) -> Any:
     """The transcription in Pyomo; the points and the final heading are variables to be fixed."""
+    from pyomo import environ as pyo
     from pyomo.dae import ContinuousSet, DerivativeVar
-    from pyomo.environ import (
-        ConcreteModel,
-        Constraint,
-        Objective,
-        RangeSet,
-        TransformationFactory,
-        Var,
-        cos,
-        sin,
-    )
 
     n, points, equal, legs, final = shape
-    m = ConcreteModel(name="dubins-2.2")
+    m = pyo.ConcreteModel(name="dubins-2.2")
     m.tau = ContinuousSet(initialize=range(n * legs + 1))
-    m.elements = RangeSet(n * legs)
-    m.duration = Var(RangeSet(legs) if equal else m.elements, bounds=(0, None), initialize=1.0)
-    m.turn = Var(m.elements, initialize=0.0)
-    m.data = Var(range(2 * legs + final), initialize=1.0)
-    m.x, m.y, m.theta = (Var(m.tau, initialize=0.0) for _ in range(3))
+    m.elements = pyo.RangeSet(n * legs)
+    m.duration = pyo.Var(
+        pyo.RangeSet(legs) if equal else m.elements, bounds=(0, None), initialize=1.0
+    )
+    m.turn = pyo.Var(m.elements, initialize=0.0)
+    m.data = pyo.Var(range(2 * legs + final), initialize=1.0)
+    m.x, m.y, m.theta = (pyo.Var(m.tau, initialize=0.0) for _ in range(3))
     m.dx, m.dy, m.dtheta = (DerivativeVar(state, wrt=m.tau) for state in (m.x, m.y, m.theta))
-    TransformationFactory("dae.collocation").apply_to(
+    pyo.TransformationFactory("dae.collocation").apply_to(
         m, wrt=m.tau, nfe=n * legs, ncp=points, scheme="LAGRANGE-RADAU"
     )
     for state in (m.x, m.y, m.theta):
@@ -127,17 +111,21 @@ def pyomo_model(shape: Shape) -> Any:
         return m.duration[(e - 1) // n + 1] / n if equal else m.duration[e]
 
     times = {tau: math.ceil(tau) for tau in m.tau if tau > 0}
-    m.east = Constraint(times, rule=lambda m, t: m.dx[t] == length(times[t]) * cos(m.theta[t]))
-    m.north = Constraint(times, rule=lambda m, t: m.dy[t] == length(times[t]) * sin(m.theta[t]))
-    m.bend = Constraint(times, rule=lambda m, t: m.dtheta[t] == m.turn[times[t]])
-    m.left = Constraint(m.elements, rule=lambda m, e: m.turn[e] <= length(e))
-    m.right = Constraint(m.elements, rule=lambda m, e: -m.turn[e] <= length(e))
+    m.east = pyo.Constraint(
+        times, rule=lambda m, t: m.dx[t] == length(times[t]) * pyo.cos(m.theta[t])
+    )
+    m.north = pyo.Constraint(
+        times, rule=lambda m, t: m.dy[t] == length(times[t]) * pyo.sin(m.theta[t])
+    )
+    m.bend = pyo.Constraint(times, rule=lambda m, t: m.dtheta[t] == m.turn[times[t]])
+    m.left = pyo.Constraint(m.elements, rule=lambda m, e: m.turn[e] <= length(e))
+    m.right = pyo.Constraint(m.elements, rule=lambda m, e: -m.turn[e] <= length(e))
     passed = [state[n * leg] for leg in range(1, legs + 1) for state in (m.x, m.y)]
-    m.passes = Constraint(range(2 * legs), rule=lambda m, i: m.data[i] - passed[i] == 0)
+    m.passes = pyo.Constraint(range(2 * legs), rule=lambda m, i: m.data[i] - passed[i] == 0)
     if final:  # as `course.heading_gap`
         heading = m.theta[n * legs] - m.data[2 * legs]
-        m.arrives = Constraint(expr=2 * sin(heading / 2) == 0)
-    m.length = Objective(expr=sum(m.duration.values()))
+        m.arrives = pyo.Constraint(expr=2 * pyo.sin(heading / 2) == 0)
+    m.length = pyo.Objective(expr=sum(m.duration.values()))
     return m
 
 

@@ -10,24 +10,24 @@ from typing import ClassVar
 import numpy as np
 
 from dubins_study.solvers.arcs import (
-    INTEGRATORS,
     Elements,
     Rates,
     chord,
     most_turn,
+    step_shares,
 )
 from dubins_study.solvers.course import Course, heading_gap
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, Stages
 from dubins_study.solvers.optimal_control.transcription import (
     Guess,
-    Meshed,
     NlpTranscription,
+    Template,
     Transcribed,
 )
-from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.study.arrays import FloatArray
+from dubins_study.solvers.setting_checks import whole
 
 _POSE = 3  # x, y, heading
+_CONTROLS = 3  # lengths of turning left, of turning right, and of going straight
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,10 @@ class MultipleShooting(NlpTranscription):
     """Problem (2.2) by multiple shooting (Bock and Plitt 1984); other settings: `NlpTranscription`.
 
     The program: docs/formulations/multiple-shooting.md. F drives an arc (`arcs.chord`); segments of
-    the mesh `equal` have h_k = T / n.
-
-    Args:
-        integrator: of F: `exact`, or `rk4`: one classical Runge-Kutta step a segment.
+    the mesh `equal` have equal h_k.
     """
 
     n: int = whole(4, 3, 1000)
-    integrator: str = one_of("exact", INTEGRATORS)
 
     name: ClassVar[str] = "multiple-shooting"
     formulation: ClassVar[str] = "multiple shooting"
@@ -51,94 +47,86 @@ class MultipleShooting(NlpTranscription):
 
     def template(self, course: Course) -> Segments:
         engine = self.library.load()(self.tol, self.max_iter, self.options)
-        return Segments(self.n, course.legs, self.mesh == "equal", self.integrator, engine)
+        shares = step_shares(self.n, "equal", course) if self.mesh == "equal" else None
+        return Segments(shares, self.n, engine)
 
 
 @dataclass(frozen=True, eq=False)
-class Segments(Meshed):
+class Segments(Template):
     """The program over segments, and its engine."""
 
-    integrator: str
+    n: int
     engine: NlpCall
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
         turn, length = guess.elements
-        signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
-        turns = [np.maximum(sign * turn, 0.0) for sign in signs]
+        legs, equal = course.legs, self.shares is not None
+        left, right = np.maximum(turn, 0.0), np.maximum(-turn, 0.0)
         straight = np.maximum(length - np.abs(turn), 0.0)
-        poses = guess.states(self.legs, np.zeros(1))
-        most = most_turn(course, self.n, self.equal)
-        lowest = [-np.inf] * _POSE + [0.0] * (len(signs) + 1)
-        highest = [np.inf] * _POSE + [most] * len(signs) + [np.inf]
-        whole = length.reshape(self.legs, -1).sum(axis=1) if self.equal else np.empty(0)
-
-        def point(rows: FloatArray, whole: FloatArray) -> FloatArray:
-            return np.concatenate((rows.ravel()[_POSE:], whole))
-
-        begin = point(np.column_stack((poses, *turns, straight)), whole)
-        lower = point(np.tile(lowest, (turn.size, 1)), 0.0 * whole)
-        upper = point(np.tile(highest, (turn.size, 1)), whole + np.inf)
+        poses = guess.states(legs, np.zeros(1))
+        most = most_turn(course, self.n, equal)
+        lowest = [-np.inf] * _POSE + [0.0] * _CONTROLS
+        highest = [np.inf] * _POSE + [most * rates.upper, -most * rates.lower, np.inf]
+        begin = np.column_stack((poses, left, right, straight)).ravel()[_POSE:]
+        lower = np.tile(lowest, turn.size)[_POSE:]
+        upper = np.tile(highest, turn.size)[_POSE:]
         final = course.last is not None
         program = Program(
-            expressions(self.n, signs, self.equal, self.integrator, self.legs, final),
+            expressions(self.n, equal, legs, final),
             course.data,
             lower,
             upper,
             magnitude=course.magnitude,
         )
         result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
-        rows = np.append(np.zeros(_POSE), result.x[: result.x.size - whole.size])
-        lengths = np.maximum(rows.reshape(turn.size, -1)[:, _POSE:], 0.0)
-        elements = Elements(lengths[:, :-1] @ np.array(signs, dtype=float), lengths.sum(axis=1))
-        if self.equal:
-            mean = elements.length.reshape(self.legs, -1).mean(axis=1)
+        rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
+        left, right, straight = np.maximum(rows[:, _POSE:], 0.0).T
+        elements = Elements(left - right, left + right + straight)
+        if equal:
+            mean = elements.length.reshape(legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
         duals = None if result.duals is None else result.duals[-2:]
         return Transcribed(elements, result._replace(duals=duals))
 
 
 @lru_cache(maxsize=32)
-def expressions(
-    n: int, signs: tuple[int, ...], equal: bool, integrator: str, legs: int, final: bool
-) -> Expressions:
+def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
     """The program over n segments a leg; its parameters are the points and the `final` heading.
 
     Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
-    first), for each of the signs 1 (left) and -1 (right) its length of turning, and that of going
-    straight; then the whole length of each leg, if its segments are equally long. A segment's
-    equations: that it ends at the next pose, and the last of a leg at the point. The last two
-    equations are those of the end point.
+    first) and its lengths of turning left, of turning right and of going straight. A segment's
+    equations: that it ends at the next pose; that it is as long as the one before it, if those of a
+    leg are equally long; and the last of a leg at the point. The last two are those of the end.
     """
     import casadi as ca
 
     segments = n * legs
     pose = ca.SX.sym("pose", _POSE, segments)
-    control = ca.SX.sym("control", len(signs) + 1, segments)
-    whole, data = ca.SX.sym("whole", legs if equal else 0), ca.SX.sym("data", 2 * legs + final)
+    control = ca.SX.sym("control", _CONTROLS, segments)
+    data = ca.SX.sym("data", 2 * legs + final)
     length, gaps = ca.sum1(control), []
     state = [ca.SX(0)] * _POSE
     for k in range(segments):
         x, y, heading = state
-        turn = sum(sign * control[i, k] for i, sign in enumerate(signs))
-        along, across = chord(heading, turn, length[k], integrator)
+        turn = control[0, k] - control[1, k]
+        along, across = chord(heading, turn, length[k])
         end = ca.vertcat(x + along, y + across, heading + turn)
         if k < segments - 1:
             gaps.append(pose[:, k + 1] - end)
             state = ca.vertsplit(pose[:, k + 1])
         elif final:
             gaps.append(heading_gap(end[2], data[2 * legs]))
-        if equal:
-            gaps.append(length[k] - whole[k // n] / n)
+        if equal and k % n > 0:
+            gaps.append(length[k] - length[k - 1])
         if k % n == n - 1:
             leg = k // n
             gaps.append(data[2 * leg : 2 * leg + 2] - end[:2])
-    variables = ca.vertcat(ca.vec(ca.vertcat(pose, control))[_POSE:], whole)
-    objective = ca.sum1(whole) if equal else ca.sum2(length)
+    variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
     stages = Stages(
         (0, *(_POSE,) * (segments - 1)),
-        (len(signs) + 1,) * segments,
+        (_CONTROLS,) * segments,
         tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
     )
     g = ca.vertcat(*gaps)
-    return Expressions(variables, data, objective, g, stages=None if equal else stages)
+    return Expressions(variables, data, ca.sum2(length), g, stages=None if equal else stages)

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.arcs import (
     HERE,
-    LEAST,
     RATES,
     Elements,
     Rates,
@@ -24,16 +23,15 @@ from dubins_study.solvers.arcs import (
 )
 from dubins_study.solvers.course import Course, body_course, coordinate_rounding, in_world
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
-from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES
-from dubins_study.solvers.one_leg.polish import one_sided_only
-from dubins_study.solvers.presolve import nearer_first
+from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
+from dubins_study.solvers.one_leg.model import case_of
+from dubins_study.solvers.presolve import unreachable, words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import (
     Attempts,
     EngineResult,
     Run,
     at_start,
-    best_of,
     spent,
     total,
     tried,
@@ -41,7 +39,7 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local
+from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
@@ -81,29 +79,16 @@ class Transcribed(NamedTuple):
     native: EngineResult
 
 
-class Template(Protocol):
+@dataclass(frozen=True, eq=False)
+class Template:
     """A transcription, compiled for its settings and a number of legs."""
 
-    @property
-    def shares(self) -> FloatArray | None:
-        """Shares of its leg's length that the n elements of a leg have, (legs, n); None if free."""
+    # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
+    shares: FloatArray | None
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """Solve in body coordinates from a guess until a time (s, on `perf_counter`)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Meshed:
-    """What a template of n elements a leg has, whose lengths are free or `equal`."""
-
-    n: int
-    legs: int
-    equal: bool
-
-    @property
-    def shares(self) -> FloatArray | None:
-        """As `Template.shares`."""
-        return np.full((self.legs, self.n), 1 / self.n) if self.equal else None
+        raise NotImplementedError
 
 
 class PosedCourse(NamedTuple):
@@ -184,7 +169,7 @@ class Transcription(EngineSolver):
             off = missed
             if self.correct:
                 fixed = model.template.shares is not None
-                elements, off, rollouts = closed(elements, model.rates, course, fixed)
+                elements, off, rollouts, _ = closed(elements, model.rates, course, fixed)
                 if claim is Claim.LOCAL and not _arrives(off, course):
                     claim = Claim.FAILED
         result = native._replace(
@@ -238,9 +223,12 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         return Solution(Claim.LIMIT, message="no time to begin")
     scenario, rates, course = model.question.scenario, model.rates, model.course
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
-    shortest = min((run.length for run in arrived), default=math.inf)
-    tied = [run for run in arrived if run.length <= shortest * (1 + _SAME)]
-    best = best_of([run for run in tied if run.claim is Claim.LOCAL] or tied, runs)
+    most = min((run.length for run in arrived), default=math.inf) * (1 + _SAME)
+
+    def rank(run: Run[Elements]) -> tuple[bool, bool, float]:
+        return run.length > most, run.claim is not Claim.LOCAL, run.length
+
+    best = min(arrived, key=rank) if arrived else min(runs, key=lambda run: run.miss)
     claim, message = best.claim, best.result.message
     if not in_time:
         claim = Claim.LIMIT
@@ -253,14 +241,15 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         none = {run.claim for run in runs} == {Claim.INFEASIBLE}
         said = none and model.question.branch == "best"
         claim = Claim.INFEASIBLE if said else Claim.FAILED
+    if claim in (Claim.LOCAL, Claim.FEASIBLE) and model.question.branch != "best":
+        # a path that goes straight first may turn to one side and arrive, where the word cannot
+        reason = unreachable(local(scenario), model.question.branch)
+        if reason is not None:
+            claim, message = Claim.FAILED, reason
     path = None
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
-        if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
-            reason = one_sided_only(model.question, course.target, path)
-            if reason is not None:
-                claim, message = Claim.FAILED, reason
     duals = best.result.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
@@ -272,14 +261,6 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     )
 
 
-# arcs (rad) of RL and LR: the second exceeds pi where it can be shortest, the first is at most
-# pi/3 (docs/derivation.md, section 4)
-_TWO_ARCS = ((0.5, 4.5), (0.1, 6.0), (0.9, 3.5))
-# rad, added to the turn towards the target where the first guess fails
-_SWINGS = (0.7, -0.7)
-# rad, to which the rounding of the bearing is added: a bearing so near to a full turn is straight
-# ahead
-_STRAIGHT = 1e-9
 _SAMPLES = 200  # a leg, of a path that is cut where it is nearest to the points
 
 
@@ -315,7 +296,7 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
             paths = islice(_shaped(word, target), most)
             return (Guess(word, cut(path, n, share)) for path in paths)
 
-        cold = [shaped(word) for word in nearer_first(question.branch, target, solver.presolve)]
+        cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
         signs = [(np.sign(turn), 0.0, np.sign(last)) for turn, _, last in course.turned()]
         legs = zip(signs, np.abs(course.turned()), strict=True)
@@ -377,22 +358,7 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
 
 
 def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Paths shaped like a word: two arcs, or a turn and a straight.
-
-    The first turn faces the target; the second is larger by half the apparent size of a turning
-    circle there; others follow.
-    """
-    sign = 1.0 if word[0] == "L" else -1.0
-    if word[1] != "S":
-        yield from (Path(HERE, (sign, -sign), arcs) for arcs in _TWO_ARCS)
-        return
-    distance = math.hypot(target.X, target.Y)
-    facing = (sign * math.atan2(target.Y, target.X)) % TWO_PI
-    if facing > TWO_PI - _STRAIGHT - 2 * target.delta / distance:
-        facing = 0.0
-    distance = max(distance, LEAST)
-    aim = facing + math.atan(1 / distance)
-    for turn in (facing, aim, *(aim + swing for swing in _SWINGS)):
-        arc = turn % TWO_PI
-        lengths = (max(arc, LEAST), distance)
-        yield Path(HERE, (sign * arc / lengths[0], 0.0), lengths)
+    """Paths shaped like a word, from the start at heading 0."""
+    case = case_of(word, target)
+    for z in bearing_guesses(case, prescribed=False):
+        yield Path(HERE, case.subproblem.turns, np.array(z) * case.subproblem.mask)

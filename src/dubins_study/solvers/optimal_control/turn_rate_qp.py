@@ -23,9 +23,15 @@ from dubins_study.solvers.arcs import (
 )
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.engines import names
-from dubins_study.solvers.optimal_control.transcription import Guess, Transcribed, Transcription
+from dubins_study.solvers.optimal_control.transcription import (
+    Guess,
+    Template,
+    Transcribed,
+    Transcription,
+)
 from dubins_study.solvers.optimal_control.turn_rate_template import (
     EngineError,
+    Numbers,
     QpAnswer,
     QpTemplate,
     template,
@@ -75,16 +81,16 @@ class TurnRateQp(Transcription):
 
     def template(self, course: Course) -> Qps:
         qp = template(self.n, course.legs, course.last is not None, self.engine)
-        return Qps(self, qp, step_shares(self.n, self.mesh, course))
+        return Qps(step_shares(self.n, self.mesh, course), self, qp)
 
 
 @dataclass(frozen=True, eq=False)
-class Qps:
+class Qps(Template):
     """The QP of a course, compiled."""
 
+    shares: FloatArray
     solver: TurnRateQp
     qp: QpTemplate
-    shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
 
     def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
         """As `transcription.Template.solve`: one sequence."""
@@ -139,15 +145,12 @@ class Sequence:
                 break
         if claim is Claim.LOCAL and not self._arrived():
             claim, status = Claim.FEASIBLE, "a dead end off the target"
-        elements, miss, _, used = corrected(self.now, self.rates, self.course)
+        elements, _, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used
-        if claim in (Claim.LOCAL, Claim.FEASIBLE) and miss > CLOSE:
-            claim, status = Claim.FAILED, f"{status}, {miss:.1e} radii off"
-        duals = self.duals[-1] if claim is Claim.LOCAL else None
         result = EngineResult(
             np.append(elements.turn, elements.length),
             claim,
-            duals,
+            duals=self.duals[-1] if claim is Claim.LOCAL else None,
             iterations=self.qps,
             evaluations=self.rollouts,
             status=status,
@@ -163,7 +166,7 @@ class Sequence:
 
     def _ask(self) -> QpAnswer:
         """Write the linearisation at the present point into the QP, and solve it."""
-        qp, now, rolled, legs = self.qp, self.now, self.rolled, self.course.legs
+        now, rolled, legs = self.now, self.rolled, self.course.legs
         self.scale = scale = now.total / legs
         self.unit = unit = min(1.0, scale)  # a short path's headings change by about its length
         chords = rolled.chords.reshape(2, legs, -1)
@@ -174,21 +177,27 @@ class Sequence:
         by_before = rolled.by_before.reshape(2, legs, -1)
         G = rolled.by_after.reshape(2, legs, -1).copy()
         G[:, :, :-1] += by_before[:, :, 1:]
-        gaps = rolled.gaps(now, self.course).T
         lengths, turns = now.length / unit, now.turn / unit
         upper, lower = self.rates.upper * lengths, self.rates.lower * lengths
-        qp.G[:] = G.reshape(2, -1) * (unit / scale)
-        qp.P[:] = by_before[:, :, 0] * (unit / scale)
-        qp.q[:] = chords.sum(axis=2) / scale
-        qp.r[:] = gaps / scale
-        qp.w[:] = now.length.reshape(legs, -1).sum(axis=1) / scale
-        qp.upper[:], qp.above[:] = upper, upper - turns
-        qp.lower[:], qp.below[:] = lower, turns - lower
-        qp.c[:] = np.maximum(curvature * self.ease, floor) * unit**2
-        qp.penalty[:] = self.penalty
-        qp.reach[:], qp.stretch[:] = self.reach / unit, min(self.reach, 0.5)
-        qp.h[:], qp.r_h[:] = unit / scale, turn_left(now, self.course) / scale
-        return qp.solve(self.options, max(self.deadline - time.perf_counter(), 1e-3))
+        numbers = Numbers(
+            G=G * (unit / scale),
+            P=by_before[:, :, 0] * (unit / scale),
+            q=chords.sum(axis=2) / scale,
+            r=rolled.gaps(now, self.course).T / scale,
+            w=now.length.reshape(legs, -1).sum(axis=1) / scale,
+            upper=upper,
+            lower=lower,
+            above=upper - turns,
+            below=turns - lower,
+            c=np.maximum(curvature * self.ease, floor) * unit**2,
+            penalty=np.array([self.penalty]),
+            reach=np.array([self.reach / unit]),
+            stretch=np.array([min(self.reach, 0.5)]),
+            h=np.array([unit / scale]),
+            r_h=np.array([turn_left(now, self.course) / scale]),
+        )
+        seconds = max(self.deadline - time.perf_counter(), 1e-3)
+        return self.qp.solve(numbers, self.options, seconds)
 
     def _merit(self, elements: Elements, rolled: Rollout) -> float:
         gaps = float(np.abs(rolled.gaps(elements, self.course)).sum())
@@ -207,7 +216,7 @@ class Sequence:
         if answer.slack < 1e-6 and gain < 0.7 * promised:
             # second-order correction, one step (Nocedal and Wright 2006, Numerical Optimization,
             # sec. 15.6): a good step must not fail for the linearisation's error
-            closer, _, bent, used = corrected(trial, self.rates, self.course, rollouts=2)
+            closer, _, used, bent = corrected(trial, self.rates, self.course, steps=1)
             self.rollouts += used
             better = before - self._merit(closer, bent)
             if better > gain:
@@ -242,7 +251,7 @@ class Sequence:
         if self.restored:
             return False
         self.restored = True
-        elements, miss, _, used = corrected(self.now, self.rates, self.course)
+        elements, miss, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used + 1
         if miss > CLOSE:
             return False

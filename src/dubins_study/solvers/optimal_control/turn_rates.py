@@ -20,7 +20,12 @@ from dubins_study.solvers.arcs import (
 )
 from dubins_study.solvers.course import Course, heading_gap
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program
-from dubins_study.solvers.optimal_control.transcription import Guess, NlpTranscription, Transcribed
+from dubins_study.solvers.optimal_control.transcription import (
+    Guess,
+    NlpTranscription,
+    Template,
+    Transcribed,
+)
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.study.arrays import FloatArray
 
@@ -61,10 +66,10 @@ class TurnRates(NlpTranscription):
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class Steps(Template):
     """The program over n turn rates a leg, and its engine."""
 
-    shares: FloatArray  # of each leg's length, shape (legs, n), each row summing to 1
+    shares: FloatArray
     most: FloatArray  # the largest turn rates, shape (N,), at most 1
     engine: NlpCall
 

@@ -34,7 +34,7 @@ def program(case: Case) -> Program:
         p=unit * np.array(given),
         lower=np.zeros(len(free)),
         upper=unit * case.upper[case.subproblem.mask],
-        written=_written(case) if scaled else _written_in_radii(case),
+        written=None if scaled else _written(case),
         magnitude=unit * math.hypot(X, Y),
     )
 
@@ -63,7 +63,7 @@ def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
     return DeferredExpressions(write)
 
 
-def _written_in_radii(case: Case) -> Functions:
+def _written(case: Case) -> Functions:
     """The functions written by hand, for the unit of one radius."""
     X, Y, _ = case.target
     free = case.subproblem.free
@@ -82,18 +82,6 @@ def _written_in_radii(case: Case) -> Functions:
         lambda z: equations(lengths(z), X, Y),
         lambda z: jacobian(lengths(z))[:, places],
         lambda z, weights: hessian(lengths(z), weights)[places, places],
-    )
-
-
-def _written(case: Case) -> Functions:
-    """The same functions, their variables and equations in another unit."""
-    unit, radii = case.unit, _written_in_radii(case)
-    return Functions(
-        radii.objective,
-        radii.gradient,
-        lambda z: unit * radii.equations(z / unit),
-        lambda z: radii.jacobian(z / unit),
-        lambda z, weights: radii.hessian(z / unit, weights) / unit,
     )
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.engines import (
@@ -28,11 +28,12 @@ from dubins_study.solvers.one_leg.model import (
     MODELS,
     ORDERS,
     UNITS,
+    Case,
     PosedLeg,
     formulation,
     posed_leg,
 )
-from dubins_study.solvers.one_leg.search import attempts, choose
+from dubins_study.solvers.one_leg.search import searched
 from dubins_study.solvers.paper_nlp.case_program import solve
 from dubins_study.solvers.paper_nlp.pyomo_model import (
     Adapter,
@@ -41,7 +42,7 @@ from dubins_study.solvers.paper_nlp.pyomo_model import (
     solve_in_pyomo,
 )
 from dubins_study.solvers.protocol import Method, Question, Solution
-from dubins_study.solvers.runs import at_start, tried
+from dubins_study.solvers.runs import at_start
 from dubins_study.solvers.setting_checks import (
     iterations,
     one_of,
@@ -50,6 +51,7 @@ from dubins_study.solvers.setting_checks import (
     whole,
     within,
 )
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.values import did_you_mean
 from dubins_study.study.words import BRANCHES, NLP
 
@@ -121,20 +123,13 @@ class PaperNlp(EngineSolver):
         # at z = 0 no constraint qualification holds, so that no NLP method can certify this point
         if there := at_start(question.scenario, leg.target):
             return there
-        until = perf_counter() + limit
         seed = self.seed + question.repeat
-        guesses = partial(initial_guesses, question, both=len(leg.cases) > 1)
-        each = (
-            attempts(
-                question,
-                case,
-                kind,
-                guesses(case, kind, seed, self.count),
-                partial(model.adapter, case),
-            )
-            for case in leg.cases
-        )
-        return choose(leg, tried(each, until))
+        both = len(leg.cases) > 1
+
+        def guesses(case: Case) -> Iterator[FloatArray]:
+            return initial_guesses(question, case, kind, seed, self.count, both=both)
+
+        return searched(leg, kind, guesses, model.adapter, limit)
 
 
 @dataclass(frozen=True)

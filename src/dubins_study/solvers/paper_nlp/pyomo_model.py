@@ -18,7 +18,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
 from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
-from dubins_study.solvers.one_leg.model import Case
+from dubins_study.solvers.one_leg.model import Case, end_point
 from dubins_study.solvers.runs import EngineResult, no_point
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
@@ -34,20 +34,21 @@ def pyomo_model(units: str = "radius") -> Any:
 
     In the scenario's unit, as in the paper, the radius R = 1 / b is one more.
     """
-    from pyomo.environ import ConcreteModel, Constraint, Objective, Var, cos, sin
+    from pyomo import environ
 
-    m = ConcreteModel(name="dubins-4.12")
-    m.z = Var((1, 2, 3), bounds=(0, None), initialize=1.0)
-    m.X = Var(initialize=1.0)
-    m.Y = Var(initialize=1.0)
+    m = environ.ConcreteModel(name="dubins-4.12")
+    m.z = environ.Var((1, 2, 3), bounds=(0, None), initialize=1.0)
+    m.X = environ.Var(initialize=1.0)
+    m.Y = environ.Var(initialize=1.0)
     z1, z2, z3 = m.z[1], m.z[2], m.z[3]
     R: Any = 1.0
     if units == "scenario":
-        R = m.R = Var(initialize=1.0)
+        R = m.R = environ.Var(initialize=1.0)
         z1, z2 = z1 / R, z2 / R
-    m.x_end = Constraint(expr=m.X - R * (2 * sin(z1) - sin(z1 - z2)) - z3 * cos(z1 - z2) == 0)
-    m.y_end = Constraint(expr=m.Y - R * (1 - 2 * cos(z1) + cos(z1 - z2)) - z3 * sin(z1 - z2) == 0)
-    m.length = Objective(expr=m.z[1] + m.z[2] + z3)
+    x, y = end_point(z1, z1 - z2, z3, environ, R)
+    m.x_end = environ.Constraint(expr=m.X - x == 0)
+    m.y_end = environ.Constraint(expr=m.Y - y == 0)
+    m.length = environ.Objective(expr=sum(m.z.values()))
     return m
 
 
@@ -128,30 +129,39 @@ def solve_in_pyomo(case: Case, guess: FloatArray, seconds: float, interface: str
         )
     except (ApplicationError, PyomoException, RuntimeError) as error:  # the last from KNITRO
         return no_point(3, Claim.FAILED, type(error).__name__, str(error))
-    return _loaded(model, results)
+    condition = results.termination_condition.name
+    counted = "number_iters" in results.extra_info
+    return _ended(
+        model,
+        results.solution_loader,
+        claim_of("pyomo", condition),
+        status=condition,
+        message=f"{results.solver_name}: {results.solution_status.name} solution",
+        iterations=int(results.extra_info.number_iters) if counted else None,
+    )
 
 
-def _loaded(model: Any, results: Any) -> EngineResult:
+def _ended(
+    model: Any, loader: Any, claim: Claim, status: str, message: str, iterations: int | None = None
+) -> EngineResult:
+    """The end of a run whose point and duals one of Pyomo's loaders has, if there are any."""
     from pyomo.common.errors import PyomoException
 
-    condition = results.termination_condition.name
-    claim = claim_of("pyomo", condition)
-    message = f"{results.solver_name}: {results.solution_status.name} solution"
     free = [z for z in model.z.values() if not z.fixed]
     try:
-        values = results.solution_loader.get_vars(free)
-    except PyomoException:  # each interface has its own way to say that there is no point
-        return no_point(3, claim, condition, message)
+        values = loader.get_vars(free)
+    except (PyomoException, AssertionError, LookupError):
+        # each loader has its own way to say that there is no point, which some claims do not need
+        pointless = claim if claim in (Claim.INFEASIBLE, Claim.LIMIT) else Claim.FAILED
+        return no_point(3, pointless, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
     try:
-        of_row = results.solution_loader.get_duals([model.x_end, model.y_end])
-        # Pyomo's dual is the objective's change per unit of right-hand side, the paper's minus that
+        of_row = loader.get_duals([model.x_end, model.y_end])
+        # the dual is the objective's change per unit of right-hand side, the paper's minus that
         duals = -np.array([of_row[model.x_end], of_row[model.y_end]])
-    except (PyomoException, NotImplementedError):
+    except (PyomoException, NotImplementedError, LookupError):
         duals = None
-    counted = "number_iters" in results.extra_info
-    iterations = int(results.extra_info.number_iters) if counted else None
-    return EngineResult(z, claim, duals, iterations, status=condition, message=message)
+    return EngineResult(z, claim, duals, iterations, status=status, message=message)
 
 
 _STUB = "model"
@@ -165,7 +175,10 @@ def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str
     Nothing but the file that it leaves is read.
     """
     from pyomo.common.errors import PyomoException
-    from pyomo.contrib.solver.solvers.asl_sol_reader import parse_asl_sol_file
+    from pyomo.contrib.solver.solvers.asl_sol_reader import (
+        ASLSolFileSolutionLoader,
+        parse_asl_sol_file,
+    )
     from pyomo.repn.plugins.nl_writer import NLWriter
 
     model = posed(case, guess)
@@ -187,25 +200,14 @@ def solve_by_ampl(case: Case, guess: FloatArray, seconds: float, executable: str
         except (PyomoException, ValueError, LookupError, AssertionError) as error:
             message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
             return no_point(3, Claim.FAILED, status, message)
-    return _read(model, info, solution)
-
-
-def _read(model: Any, info: Any, solution: Any) -> EngineResult:
-    code, message = solution.solve_code, " ".join(solution.message.split())
-    claim = claim_of("ampl", str(code // 100))
-    status = f"solve_result_num {code}"
-    if len(solution.primals) != len(info.variables):
-        if claim is not Claim.INFEASIBLE:  # which needs no point
-            claim = Claim.FAILED
-        return no_point(3, claim, status, message)
-    values = {id(v): x for v, x in zip(info.variables, solution.primals, strict=True)}
-    z = np.array([values.get(id(v), 0.0) for v in model.z.values()])
-    duals = None
-    if len(solution.duals) == len(info.constraints):
-        of_row = {id(c): y for c, y in zip(info.constraints, solution.duals, strict=True)}
-        # AMPL's dual is the objective's change per unit of right-hand side, the paper's minus that
-        duals = -np.array([of_row[id(model.x_end)], of_row[id(model.y_end)]])
-    return EngineResult(z, claim, duals, status=status, message=message)
+    code = solution.solve_code
+    return _ended(
+        model,
+        ASLSolFileSolutionLoader(solution, info, model),
+        claim_of("ampl", str(code // 100)),
+        status=f"solve_result_num {code}",
+        message=" ".join(solution.message.split()),
+    )
 
 
 def _run(executable: str, folder: FilePath, seconds: float) -> int | None:

@@ -128,59 +128,70 @@ class Headings(SearchSolver):
     ) -> Iterator[Run[FloatArray]]:
         """Runs of the engine, which add to the trace; a point has the unknown headings, (k,)."""
         random = np.random.default_rng(self.seed + repeat)
-        nothing_unknown = route.unknowns == 0
-        drawn = self.initial_guess == "random" and not nothing_unknown
+        solve = partial(self._solved, route, random, trace)
+        run = timed("headings", solve, partial(route_length, route))
+        drawn = self.initial_guess == "random" and route.unknowns > 0
         for _ in range(self.count if drawn else 1):
-            began = perf_counter()
-            if began > until:
+            if perf_counter() > until:
                 return
             guess = route.toward_next()
             if drawn:
                 guess = random.uniform(0.0, TWO_PI, route.unknowns)
-            if nothing_unknown:
-                length = route_length(route, guess)
-                message = "no heading is unknown"
-                result = EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
-                yield Run("headings", perf_counter() - began, result, guess, length=length)
-            elif self.library.kind == NLP:
-                yield self._descend(route, guess, until, trace)
-            else:
-                yield self._search(route, guess, random, until, trace)
+            yield run(guess, until)
+
+    def _solved(
+        self,
+        route: Route,
+        random: np.random.Generator,
+        trace: Trace,
+        guess: FloatArray,
+        seconds: float,
+    ) -> EngineResult:
+        """The unknown headings, (k,), that the engine reaches from a guess."""
+        if route.unknowns == 0:
+            message = "no heading is unknown"
+            return EngineResult(guess, Claim.FEASIBLE, evaluations=1, message=message)
+        if self.library.kind == NLP:
+            return self._descend(route, trace, guess, seconds)
+        return self._search(route, random, trace, guess, seconds)
 
     def _descend(
-        self, route: Route, guess: FloatArray, until: float, trace: Trace
-    ) -> Run[FloatArray]:
-        """A run of an engine of nonlinear programs."""
+        self, route: Route, trace: Trace, guess: FloatArray, seconds: float
+    ) -> EngineResult:
+        """The end of an engine of nonlinear programs."""
         engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         functions = _functions(route)
-        if self.trace:
-            whole_plane = LengthInBox(route, np.zeros(route.unknowns))
-            counted = CountedFunction(whole_plane, math.inf, math.inf, traced=True)
-            functions = functions._replace(objective=counted)
-        solve = partial(engine, program(route, functions))
-        run = timed("headings", solve, partial(route_length, route))(guess, until)
-        if self.trace:
-            _add(trace, counted, 0.0)
-        return run
+        if not self.trace:
+            return engine(program(route, functions), guess, seconds)
+        whole_plane = LengthInBox(route, np.zeros(route.unknowns))
+        counted = CountedFunction(whole_plane, math.inf, math.inf)
+        functions = functions._replace(objective=counted)
+        result = engine(program(route, functions), guess, seconds)
+        _add(trace, counted, 0.0)
+        return result
 
     def _search(
         self,
         route: Route,
-        guess: FloatArray,
         random: np.random.Generator,
-        until: float,
         trace: Trace,
-    ) -> Run[FloatArray]:
-        """A search of the box of a full turn a heading, about the guess if the engine takes one."""
-        began, k = perf_counter(), route.unknowns
-        low = guess - _HALF_TURN if self.guided else np.full(k, route.first)
+        guess: FloatArray,
+        seconds: float,
+    ) -> EngineResult:
+        """The end of a search of the box of a full turn a heading.
+
+        It is about the guess if the engine takes one.
+        """
+        k, until = route.unknowns, perf_counter() + seconds
+        low, begin = np.full(k, route.first), None
+        if self.guided:
+            low, begin = guess - _HALF_TURN, np.full(k, _HALF_TURN)
         budget = self.evaluations or min(self.library.evaluations * k, _MOST_EVALUATIONS)
-        function = CountedFunction(LengthInBox(route, low), budget, until, self.trace)
-        begin = np.full(k, _HALF_TURN) if self.guided else None
+        function = CountedFunction(LengthInBox(route, low), budget, until)
         result = Task(function, begin, random).search(self.engine, self.options)
-        seconds = perf_counter() - began
-        _add(trace, function, low)
-        return Run("headings", seconds, result, low + result.x, length=function.value)
+        if self.trace:
+            _add(trace, function, low)
+        return result._replace(x=low + result.x)
 
 
 class LengthInBox:

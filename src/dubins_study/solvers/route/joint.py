@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import islice
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -21,7 +20,6 @@ import numpy as np
 from dubins_study.solvers.course import heading_gap, path_of
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.nlp_engines.program import (
-    DeferredExpressions,
     Expressions,
     NlpCall,
     Program,
@@ -218,34 +216,32 @@ def expressions(arcs: tuple[int, ...], final_heading: bool, known: bool) -> Expr
     sequences share a program; else the arcs are L R S L R.
     """
 
-    def write() -> Expressions:
-        import casadi
+    import casadi
 
-        legs, n = len(arcs), sum(arcs)
-        x = casadi.SX.sym("x", n + legs)
-        p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
-        turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
-        unknown, heading = iter(casadi.vertsplit(x)), p[2 * legs]
-        equations, length, turned = [], casadi.SX(0), iter(turns)
-        for leg, count in enumerate(arcs):
-            along, across, after = 0, 0, heading
-            for arc, turn in zip(islice(unknown, count), islice(turned, count), strict=True):
-                # an arc's chord, 2 sin(arc / 2), or a straight, along the mean heading
-                half = turn * arc / 2
-                chord = (1 - turn * turn) * arc + 2 * turn * casadi.sin(half)
-                along += chord * casadi.cos(after + half)
-                across += chord * casadi.sin(after + half)
-                after += turn * arc
-                length += arc
-            heading = next(unknown)
-            equations += [heading - after, p[2 * leg] - along, p[2 * leg + 1] - across]
-        if final_heading:
-            equations.append(heading_gap(heading, p[2 * legs + 1]))
-        # a control problem: the heading is its state, the arcs of a leg are its controls
-        stages = Stages((0, *(1,) * legs), (*arcs, 0), (*(2,) * legs, int(final_heading)))
-        return Expressions(x, p, length, casadi.vertcat(*equations), stages)
-
-    return DeferredExpressions(write)
+    legs, n = len(arcs), sum(arcs)
+    x = casadi.SX.sym("x", n + legs)
+    p = casadi.SX.sym("p", 2 * legs + 1 + final_heading + n * known)
+    turns: Any = casadi.vertsplit(p[p.numel() - n :]) if known else _TURNS * legs
+    unknown, turned = iter(casadi.vertsplit(x)), iter(turns)
+    heading, length, equations = p[2 * legs], casadi.SX(0), []
+    for leg, count in enumerate(arcs):
+        along, across, after = 0, 0, heading
+        for _ in range(count):
+            arc, turn = next(unknown), next(turned)
+            # an arc's chord, 2 sin(arc / 2), or a straight, along the mean heading
+            half = turn * arc / 2
+            chord = (1 - turn * turn) * arc + 2 * turn * casadi.sin(half)
+            along += chord * casadi.cos(after + half)
+            across += chord * casadi.sin(after + half)
+            after += turn * arc
+            length += arc
+        heading = next(unknown)
+        equations += [heading - after, p[2 * leg] - along, p[2 * leg + 1] - across]
+    if final_heading:
+        equations.append(heading_gap(heading, p[2 * legs + 1]))
+    # a control problem: the heading is its state, the arcs of a leg are its controls
+    stages = Stages((0, *(1,) * legs), (*arcs, 0), (*(2,) * legs, int(final_heading)))
+    return Expressions(x, p, length, casadi.vertcat(*equations), stages)
 
 
 def word_places(route: Route, headings: FloatArray) -> Places:

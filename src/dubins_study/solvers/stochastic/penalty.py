@@ -28,7 +28,7 @@ from dubins_study.solvers.one_leg.model import (
 )
 from dubins_study.solvers.one_leg.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import Run, at_start, best_of, spent
+from dubins_study.solvers.runs import Run, at_start, spent
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
@@ -173,7 +173,9 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
         return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
-    best = best_of(arriving, begun)
+    best = min(begun, key=lambda run: run.miss)
+    if arriving:
+        best = min(arriving, key=lambda run: run.length)
     stopped = {run.claim for run in begun} == {Claim.LIMIT}
     return Solution(
         Claim.FEASIBLE if arriving else Claim.LIMIT if stopped else Claim.FAILED,

@@ -54,18 +54,20 @@ class PenaltyFunction:
         z = [0.0, 0.0, 0.0]
         for index, length in zip(self._free, free.tolist(), strict=True):
             z[index] = length
-        z1, z2, z3 = z
-        (X, Y), (x, y) = self._target, end_point(z1, z1 - z2, z3, math)
-        return z1 + z2 + z3 + self._weight * math.hypot(X - x, Y - y)
+        return float(self._phi(z, math))
 
     def at_each(self, free: FloatArray) -> FloatArray:
         """phi at each of several points, shape (n, points) -> (points,)."""
         z = np.zeros((3, free.shape[1]))
         z[self._free] = free
-        z1, z2, z3 = z
-        (X, Y), (x, y) = self._target, end_point(z1, z1 - z2, z3, np)
-        values: FloatArray = z1 + z2 + z3 + self._weight * np.hypot(X - x, Y - y)
+        values: FloatArray = self._phi(z, np)
         return values
+
+    def _phi(self, z: Any, functions: Any) -> Any:
+        z1, z2, z3 = z
+        X, Y = self._target
+        x, y = end_point(z1, z1 - z2, z3, functions)
+        return z1 + z2 + z3 + self._weight * functions.hypot(X - x, Y - y)
 
     def lengths(self, free: FloatArray) -> FloatArray:
         """All three lengths z of a point of the free ones, cut to the box; shape (n,) -> (3,)."""
@@ -86,12 +88,9 @@ class CountedFunction:
     has seen.
     """
 
-    def __init__(
-        self, function: BoxFunction, budget: float, until: float, traced: bool = False
-    ) -> None:
+    def __init__(self, function: BoxFunction, budget: float, until: float) -> None:
         self.function, self.budget, self._until = function, budget, until
-        self._traced = traced
-        # if traced: evaluations until then, and the best point
+        # evaluations until then, and the best point
         self.trace: list[tuple[int, FloatArray]] = []
         self.evaluations = 0
         self.value = math.inf
@@ -116,8 +115,7 @@ class CountedFunction:
 
     def _improve(self, value: float, point: FloatArray) -> None:
         self.value, self.best = value, np.array(point)
-        if self._traced:
-            self.trace.append((self.evaluations, self.best))
+        self.trace.append((self.evaluations, self.best))
 
     def _spend(self, evaluations: int) -> None:
         if self.evaluations + evaluations > self.budget:
