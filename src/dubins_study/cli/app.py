@@ -32,7 +32,7 @@ try:
     )
     from dubins_study.cli.terminal.arguments import PAIRS
     from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
-    from dubins_study.cli.terminal.slips import arranged, unreadable
+    from dubins_study.cli.terminal.slips import arranged
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
 
@@ -91,7 +91,7 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 
 
 class _Command(TyperCommand):
-    """A command with --quiet and --verbose; its refusals name the option that was meant."""
+    """A command with --quiet and --verbose, which takes negative numbers."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -101,12 +101,7 @@ class _Command(TyperCommand):
                 option.nargs = 2
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        try:
-            rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
-        except typer.BadParameter as error:
-            if reason := unreadable(error):
-                ctx.fail(reason)
-            raise
+        rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
         shared = {name: ctx.params.pop(name, False) for name in ("quiet", "verbose")}
         if any(shared.values()):  # otherwise what stands before the command's name holds
             _verbosity(**shared)

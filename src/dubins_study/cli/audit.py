@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 import typer
@@ -41,7 +41,11 @@ def _audit_kaya(as_json: bool) -> bool:
     blocks = read("kaya").experiment.scenarios
     routes = [scenario for block in blocks for scenario in scenarios(block, block.label)]
     records = audit_routes(routes)
-    text = _table(_ROUTES, records) + "\n\n" + "\n".join(_route_lines(records))
+    exact = [
+        record | {name: repr(record[name]) for name in ("length", "low", "high")}
+        for record in records
+    ]
+    text = "\n".join([_table(_ROUTES, exact), "", *_route_lines(records)])
     print(json.dumps(records, indent=1, allow_nan=False) if as_json else text, flush=True)
     contradicted = [record for record in records if record["verdict"] != record["expected"]]
     for record in contradicted:
@@ -81,21 +85,35 @@ def _audit_paper(as_json: bool) -> bool:
     return bool(lines)
 
 
-# column titles and the format of a record's values below them
-_CELLS = (
-    *(("table", "{table}"), ("scenario", "{label}"), ("path", "{path}"), ("cell", "{quantity}")),
-    *(("printed", "{printed}"), ("exact", "{exact}")),
-    *(("printed - exact", "{difference:+.6f}"), ("verdict", "{verdict}")),
-)
-_ROUTES = (
-    *(("source", "{source}"), ("route", "{label}"), ("legs", "{legs}"), ("printed", "{printed}")),
-    *(("ours", "{length!r}"), ("proven: at least", "{low!r}"), ("at most", "{high!r}")),
-    *(("printed - ours", "{difference:+.2g}"), ("verdict", "{verdict}")),
-)
-_TIMES = (
-    *(("scenario", "{label}"), ("path", "{path}"), ("seconds", "{printed}")),
-    *(("ticks", "{ticks}"), ("rounded to it", "{is_ticks}")),
-)
+# Titles of columns -> keys of the records below them.
+_CELLS = {
+    "table": "table",
+    "scenario": "label",
+    "path": "path",
+    "cell": "quantity",
+    "printed": "printed",
+    "exact": "exact",
+    "printed - exact": "difference",
+    "verdict": "verdict",
+}
+_ROUTES = {
+    "source": "source",
+    "route": "label",
+    "legs": "legs",
+    "printed": "printed",
+    "ours": "length",
+    "proven: at least": "low",
+    "at most": "high",
+    "printed - ours": "difference",
+    "verdict": "verdict",
+}
+_TIMES = {
+    "scenario": "label",
+    "path": "path",
+    "seconds": "printed",
+    "ticks": "ticks",
+    "rounded to it": "is_ticks",
+}
 
 
 def audit_text(record: Record) -> str:
@@ -104,29 +122,18 @@ def audit_text(record: Record) -> str:
 
     summary = record["summary"]
     counts = ", ".join(f"{n} {verdict}" for verdict, n in summary["verdicts"].items() if n)
-    paths = (
-        f"{summary['paths_beyond_rounding']} printed paths miss by more than rounding allows, "
-        f"{summary['totals_that_do_not_add_up']} do not add up"
-    )
-    ticks = (
-        f"{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
-        "whole ticks of a clock of 64 a second"
-    )
-    parts = [
-        (f"{summary['cells']} printed lengths: {counts}", _table(_CELLS, record["cells"])),
-        (ticks, _table(_TIMES, record["times"])),
-        *(
-            (each.caption, table([column.title for column in each.columns], each.texts()))
-            for each in audit_tables(record)
-        ),
+    lines = [
+        f"{summary['cells']} printed lengths: {counts}",
+        _table(_CELLS, record["cells"]),
+        f"\n{summary['times_that_are_ticks']} of {len(record['times'])} printed solve times are "
+        "whole ticks of a clock of 64 a second",
+        _table(_TIMES, record["times"]),
     ]
-    return "\n\n".join([*(f"{title}\n{body}" for title, body in parts), paths])
+    for each in audit_tables(record):
+        titles = [column.title for column in each.columns]
+        lines += [f"\n{each.caption}", table(titles, each.texts())]
+    return "\n".join(lines)
 
 
-def _table(columns: Sequence[tuple[str, str]], records: Sequence[Record]) -> str:
-    words = {True: "yes", False: "no"}
-    rows = []
-    for record in records:
-        shown = {k: words[v] if isinstance(v, bool) else v for k, v in record.items()}
-        rows.append([text.format(**shown) for _, text in columns])
-    return table([title for title, _ in columns], rows)
+def _table(columns: Mapping[str, str], records: Sequence[Record]) -> str:
+    return table([*columns], [[record[key] for key in columns.values()] for record in records])

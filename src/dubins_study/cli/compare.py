@@ -64,15 +64,15 @@ def _text(comparison: Comparison) -> str:
 
     head = ["solver", "verdict", "right, base", "right, new", "lost", "gained", "time, new / base"]
     rows = [
-        [
-            plain(row["solver"]),
+        (
+            row["solver"],
             row["verdict"],
             _percent(row["right_base"], row["questions"]),
             _percent(row["right_new"], row["questions"]),
-            str(row["lost"]),
-            str(row["gained"]),
+            row["lost"],
+            row["gained"],
             ratio(row),
-        ]
+        )
         for row in comparison.with_verdicts().to_dict("records")
     ]
     speed = comparison.speed
@@ -94,35 +94,31 @@ def _text(comparison: Comparison) -> str:
     return "\n".join(lines)
 
 
-_MOST_LINES, _MOST_NAMES = 20, 8
+_MOST_LINES = 20
 
 
 def _unpaired(comparison: Comparison) -> list[str]:
-    """What only one run was asked: nothing is said of it."""
-    lines = []
-    for side in ("base", "new"):
-        counts = comparison.unpaired.set_index("solver")[f"only_{side}"]
-        counts = counts[counts > 0]
-        names = [f"{plain(str(solver))} {n}" for solver, n in counts.head(_MOST_NAMES).items()]
-        more = [f"{len(counts) - _MOST_NAMES} more solvers"] if len(counts) > _MOST_NAMES else []
-        if names:
-            lines.append(f"Not compared, questions of {side} only: {', '.join(names + more)}.")
-    return lines
+    """How much only one run was asked: nothing is said of it."""
+    return [
+        f"Not compared: {count} questions of {side} only."
+        for side in ("base", "new")
+        if (count := comparison.unpaired[f"only_{side}"].sum())
+    ]
 
 
 def _regressions(comparison: Comparison) -> list[str]:
     frame = comparison.regressions
     if frame.empty:
         return ["Nothing became worse."]
-    shown = []
+    lines = [f"Worse ({len(frame)}):"]
     for row in frame.head(_MOST_LINES).to_dict("records"):
-        place = ", ".join(filter(None, (row["solver"], row["scenario"])))
-        change = " -> ".join(filter(None, (row["base"], row["new"])))
-        command = f"\n    {plain(row['command'])}" if row["command"] else ""
-        shown.append(plain(f"  {row['kind']}: {place}: {change}") + command)
-    more = len(frame) - len(shown)
-    rest = [f"  and {more} more: --json or --out has them all"] if more else []
-    return [f"Worse ({len(frame)}):", *shown, *rest]
+        place = f"{row['solver']}, {row['scenario']}"
+        lines.append(plain(f"  {row['kind']}: {place}: {row['base']} -> {row['new']}"))
+        if row["command"]:
+            lines.append(f"    {plain(row['command'])}")
+    if len(frame) > _MOST_LINES:
+        lines.append(f"  and {len(frame) - _MOST_LINES} more: --json or --out has them all")
+    return lines
 
 
 def _percent(value: float, questions: int) -> str:

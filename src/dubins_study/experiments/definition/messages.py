@@ -16,23 +16,22 @@ KeyPath = tuple[str | int, ...]
 
 
 def line_of(path: KeyPath, text: str) -> int | None:
-    """The line, from 1, of a value, or of the innermost key around it that a search finds."""
+    """The line, from 1, of a value, or of the innermost key around it that a search finds.
+
+    The search goes from key to key, and reads no TOML: a key in a comment may mislead it.
+    """
     place = 0
     for depth, step in enumerate(path):
-        before = path[depth - 1] if depth else None
-        name = rf"""["']?{re.escape(str(before if isinstance(step, int) else step))}["']?"""
         if isinstance(step, int):  # of a list of tables; no other list has keys in its items
+            name = re.escape(str(path[depth - 1]))
             headers = [*re.finditer(rf"^[ \t]*\[\[[ \t]*{name}[ \t]*\]", text, re.MULTILINE)]
-            place = headers[step].end() if step < len(headers) else place
+            if step < len(headers):
+                place = headers[step].end()
             continue
-        begins_line = rf"^[ \t]*(?:\[(?:[^\]\n]*[\[. \t])?)?{name}[ \t]*[.=\]]"
-        within_line = re.compile(rf"""[{{,.][ \t]*{name}[ \t]*[.=]|["']{re.escape(step)}["']""")
-        found = re.compile(begins_line, re.MULTILINE).search(text, place)
-        beside = within_line.search(text, place)
-        if beside and (
-            not found or (isinstance(before, str) and "\n" not in text[place : beside.start()])
-        ):
-            found = beside  # in a table or a list that is written within a line
+        name = re.escape(step)
+        key = rf"""(?<![\w-])["']?{name}["']?[ \t]*[.=\]]"""
+        item = rf"""["']{name}["']"""
+        found = re.compile(f"{key}|{item}").search(text, place)
         if found is None:
             break
         place = found.end() - 1

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
     Field,
     ValidationInfo,
-    ValidatorFunctionWrapHandler,
     create_model,
     field_validator,
     model_validator,
@@ -54,47 +52,32 @@ else:
 Branches = Annotated[list[Branch], Field(min_length=1)]
 _MOST_LEGS = 10**7  # of all routes of a block: 160 MB
 
-_MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
-# Field -> the rule of its values.
-_RULES: dict[str, tuple[Callable[[float], bool], str]] = {
-    "radius": (lambda value: value > 0, "above 0"),
-    "speed": (lambda value: value > 0, "above 0"),
-    "distance": (lambda value: value >= 0, "of at least 0 (a target behind has bearing 180deg)"),
-    "margin": (lambda value: value >= -1, "of at least -1, the circle's centre"),
-    **dict.fromkeys(
-        ("z1", "z2", "z3"),
-        (lambda value: 0 <= value <= _MAX_GUESS_LENGTH, f"from 0 to {_MAX_GUESS_LENGTH:g} radii"),
-    ),
-}
+
+def _numbers(written: Any) -> list[Any]:
+    """What stands for numbers in an axis or a range; of evenly spaced ones not their count."""
+    if isinstance(written, dict):
+        ends = next(iter(written.values()), None)
+        return ends[:2] if isinstance(ends, list) else []
+    return written if isinstance(written, list) else [written]
 
 
 class _Fields(StrictModel):
-    """A table with fields of scenarios or of guesses, whose values keep the rules of the field."""
+    """A table with fields of scenarios, of which only angles may be texts."""
 
-    @field_validator("*", mode="wrap")
+    @field_validator("*", mode="before")
     @classmethod
-    def _check_values(
-        cls, written: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
-    ) -> Any:
+    def _check_texts(cls, written: Any, info: ValidationInfo) -> Any:
         name = str(info.field_name)
-        items = next(iter(written.values()), None) if isinstance(written, dict) else written
-        items = items if isinstance(items, list) else [items]
-        if name in _ANGLES:
-            for number in items[:2] if isinstance(written, dict) else items:
-                if isinstance(number, int | float) and abs(number) > LARGEST_BARE:
-                    parse_angle(number)  # refuses it, and says what to write
-        elif name in FIELDS and any(isinstance(item, str) for item in items):
-            angles = ", ".join(_ANGLES)
-            raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
-        axis = validate(written)
-        holds, rule = _RULES.get(name, (None, ""))
-        if axis is None or holds is None:
-            return axis
-        [values] = [axis] if isinstance(axis, tuple) else vars(axis).values()  # a range's ends
-        wrong = ", ".join(str(value) for value in values if not holds(value))
-        if wrong:
-            raise ValueError(f"expected a number {rule}; got {wrong}")
-        return axis
+        for item in _numbers(written):
+            beyond = isinstance(item, int | float) and abs(item) > LARGEST_BARE
+            if name in _ANGLES and beyond:
+                parse_angle(item)  # refuses it, and says what to write
+            if name in FIELDS and name not in _ANGLES and isinstance(item, str):
+                angles = ", ".join(_ANGLES)
+                raise ValueError(
+                    f"expected a number; texts such as '120deg' are for angles: {angles}"
+                )
+        return written
 
 
 _Ranges = create_model(  # type: ignore[call-overload]
@@ -148,7 +131,7 @@ class Route(StrictModel):
         return self
 
 
-class GuessLengths(_Fields):
+class GuessLengths(StrictModel):
     """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
 
     z1 is the length of the left turn, z2 of the right turn, z3 of the straight. The initial guesses
@@ -161,6 +144,13 @@ class GuessLengths(_Fields):
     """Length of the right turn."""
     z3: Axis
     """Length of the straight."""
+
+    @field_validator("z1", "z2", "z3")
+    @classmethod
+    def _check_lengths(cls, lengths: Axis) -> Axis:
+        if min(lengths) < 0:
+            raise ValueError("expected lengths of at least 0")
+        return lengths
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -200,7 +190,7 @@ class Block(_Fields):
     target_y: Axis | None = None
     """Target position."""
     distance: Axis | None = None
-    """Distance of the target, in radii; at least 0."""
+    """Distance of the target, in radii."""
     bearing: Axis | None = None
     """Direction of the target from the start's heading: radians, or a text."""
     arc: Axis | None = None
