@@ -74,7 +74,7 @@ REFUSALS = {
     "export 1 2 --raduis 25": "No such option: --raduis (Possible options: --radius)",
     "run paper --jobs 0": "jobs is 0",
     "run paper --repeats 0": "dubins-study: repeats is 0: expected greater than or equal to 1",
-    "run paper --memory-limit 0": "dubins-study: memory_limit is 0.0: expected greater than",
+    "run paper --memory-limit 0": "dubins-study: memory_limit_gib is 0.0: expected greater than",
     "report /nowhere": "/nowhere",
     # the nearest name
     "solve 1 2 --solver iptop": "no solver named 'iptop'; did you mean 'ipopt'? choose one of: ana",

@@ -30,7 +30,6 @@ from dubins_study.study.scenario import Scenario
 
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
-_MOST_SEARCHED = 100_000  # scenarios of a block that are looked through for more problems
 
 
 class BlockPlan(NamedTuple):
@@ -158,15 +157,13 @@ def chains(experiment: Experiment, file: str = "the experiment", text: str = "")
     """All cells of an experiment in the order of its file, grouped into chains.
 
     A cell that several blocks ask for is listed once. Blocks that are not valid are refused
-    together, by their lines in the file's text. Once there is a problem, large blocks are not
-    looked through.
+    together, by their lines in the file's text.
     """
     plans, problems = block_plans(experiment)
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
     for plan in plans:
-        repeats_others = plan.path == ("first",)
-        if problems and (repeats_others or block_size(plan.block) > _MOST_SEARCHED):
+        if problems and plan.path == ("first",):  # whose problems are those of others
             continue
         try:
             for chain in _block_chains(plan, experiment.profile):

@@ -26,8 +26,8 @@ from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
     check_spec,
+    describe_solver,
     expand_solvers,
-    why_unavailable,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
@@ -177,7 +177,8 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
     named = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(named, profile):
-        if reason := why_unavailable(spec, profile):
+        reason = describe_solver(spec, profile).reason
+        if reason is not None:
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
@@ -219,16 +220,19 @@ def _listed_blocks(
         settings.append({key: value for key, value in given.items() if value is not None})
     if not any(settings):
         return [ListedBlock(listed=listed)]
-    ids = [scenario_id(each) for each in listed]
-    known: set[str] = set()
-    blocks = []
-    for number, (block, own) in enumerate(zip(experiment.scenarios, settings, strict=True)):
-        asked = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
-        among = [each for each, id_ in zip(listed, ids, strict=True) if id_ in asked]
-        if among:
-            blocks.append(ListedBlock(listed=among, **own))
-        known |= asked
-    rest = [each for each, id_ in zip(listed, ids, strict=True) if id_ not in known]
+    blocks_of: dict[str, list[int]] = {}  # a scenario's id -> the blocks that ask about it
+    for number, block in enumerate(experiment.scenarios):
+        for scenario in scenarios(block, f"scenarios.{number}"):
+            blocks_of.setdefault(scenario_id(scenario), []).append(number)
+    asked: dict[int, list[Scenario]] = {}  # by block
+    rest = []
+    for scenario in listed:
+        numbers = blocks_of.get(scenario_id(scenario), [])
+        for number in dict.fromkeys(numbers):
+            asked.setdefault(number, []).append(scenario)
+        if not numbers:
+            rest.append(scenario)
+    blocks = [ListedBlock(listed=among, **settings[n]) for n, among in sorted(asked.items())]
     if rest:
         blocks.append(ListedBlock(listed=rest))
         _LOG.warning(
@@ -274,11 +278,5 @@ def _checked(
 def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
     """The mistakes of a request, which are not the file's; without any, those of the file."""
     problems = problems_of(error, TABLE_KEYS)
-    requested = [each for each in problems if {*each.path[:1]} & _ARGUMENTS.keys() & changes.keys()]
-    if not requested:
-        return refusal(path, problems, text)
-    sentences = []
-    for problem in requested:
-        key = str(problem.path[0])
-        sentences.append(problem.sentence.replace(key, _ARGUMENTS[key], 1))
-    return "; ".join(sentences)
+    requested = [each.sentence for each in problems if {*each.path[:1]} & changes.keys()]
+    return "; ".join(requested) or refusal(path, problems, text)
