@@ -14,7 +14,7 @@ import typer
 
 from dubins_study.cli.status import status_text
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import CommandError, number
+from dubins_study.cli.terminal.arguments import number
 from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
@@ -67,14 +67,9 @@ def run(
         stop.check()
         if engine is not None:
             print(f"dubins-study: {OLD_WORD}", file=sys.stderr)
-        if experiment is None and scenarios is None:
-            raise CommandError(
-                "run: no experiment; expected a name (dubins-study experiments lists them), a "
-                ".toml file, or --scenarios FILE with --solver SPEC"
-            )
         with (
             output.solvers_to_stderr(),
-            output.progress(experiment or str(scenarios), counts) as progress,
+            output.progress(str(experiment or scenarios), counts) as progress,
         ):
             folder = run_experiment(
                 experiment,

@@ -52,7 +52,7 @@ REFUSALS = {
     "run paper --out --restart": "--out is '--restart'; expected DIR: default: results/<",
     "run paper --solver slsqp --solver --json": "--solver is '--json'; expected SPEC: instead of",
     "run paper slsqp": "Got unexpected extra argument(s) (slsqp)",
-    "run": "run: no experiment; expected a name (dubins-study experiments lists them), a .toml fi",
+    "run": "experiment is None; expected a name or the path of a .toml file",
     "run papr": "no experiment named 'papr'; did you mean 'paper'? choose one of",
     "run paper --executor desk": "executor is 'desk'; did you mean 'dask'? expected",
     "compare a": "Missing argument 'NEW'",

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dubins_study.experiments.definition import scenario_file
 from dubins_study.experiments.definition.scenario_file import read_scenarios
 from dubins_study.experiments.definition.table_file import TableFileError
+from dubins_study.experiments.plan import run_plan
 from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.study.scenario import COLUMNS, Scenario
 
@@ -306,4 +306,4 @@ def test_files_with_other_routes_have_another_comment(tmp_path):
     posed = replace(plain, final_heading=1)
     files = ([plain, plain], [via, plain], [plain, via], [posed, plain])
 
-    assert len({scenario_file.comment_on(file) for file in files}) == 4
+    assert len({run_plan._comment_on(file) for file in files}) == 4

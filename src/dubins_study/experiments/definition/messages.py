@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from dubins_study.experiments.definition.axes import WAY
 from dubins_study.study.values import did_you_mean, nearest, plain, short
 
 # Steps from the file to a value: keys of tables, numbers of items of lists, or an item's text.
@@ -67,7 +66,7 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
 
 def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
     """Every mistake that pydantic found."""
-    errors = [(_path(each["loc"]), each) for each in error.errors(include_url=False)]
+    errors = [(each["loc"], each) for each in error.errors(include_url=False)]
     misspelt = {
         (*path[:-1], nearest(path[-1], _keys_beside(path, known)))
         for path, each in errors
@@ -83,11 +82,6 @@ def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
         elif path not in misspelt:  # a key that is missing because it is misspelt is one mistake
             problems.append(Problem(path[:-1], f"{_key(path)}: missing"))
     return problems
-
-
-def _path(location: KeyPath) -> KeyPath:
-    """The steps of a location that are keys and numbers of the file."""
-    return tuple(step for step in location if not str(step).startswith(WAY))
 
 
 def _keys_beside(path: KeyPath, known: TableKeys) -> Iterable[str]:

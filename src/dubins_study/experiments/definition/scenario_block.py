@@ -6,10 +6,8 @@ import itertools
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
-    BeforeValidator,
     Field,
     ValidationInfo,
-    create_model,
     field_validator,
     model_validator,
 )
@@ -46,9 +44,12 @@ SPACINGS = {
 }
 if TYPE_CHECKING:
     Branch = str
+    FieldName = str
     SpacingName = str
 else:
-    Branch, SpacingName = Literal[EVERY_BRANCH], Literal[tuple(SPACINGS)]
+    Branch = Literal[EVERY_BRANCH]
+    FieldName = Literal[FIELDS]
+    SpacingName = Literal[tuple(SPACINGS)]
 Branches = Annotated[list[Branch], Field(min_length=1)]
 _MOST_LEGS = 10**7  # of all routes of a block: 160 MB
 
@@ -61,35 +62,15 @@ def _numbers(written: Any) -> list[Any]:
     return written if isinstance(written, list) else [written]
 
 
-class _Fields(StrictModel):
-    """A table with fields of scenarios, of which only angles may be texts."""
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _check_texts(cls, written: Any, info: ValidationInfo) -> Any:
-        name = str(info.field_name)
-        for item in _numbers(written):
-            beyond = isinstance(item, int | float) and abs(item) > LARGEST_BARE
-            if name in _ANGLES and beyond:
+def _check_texts(name: str, written: Any) -> None:
+    """Refuse a text for a number, and an angle that is no text beyond a full turn."""
+    for item in _numbers(written):
+        if name in _ANGLES:
+            if isinstance(item, int | float) and abs(item) > LARGEST_BARE:
                 parse_angle(item)  # refuses it, and says what to write
-            if name in FIELDS and name not in _ANGLES and isinstance(item, str):
-                angles = ", ".join(_ANGLES)
-                raise ValueError(
-                    f"expected a number; texts such as '120deg' are for angles: {angles}"
-                )
-        return written
-
-
-_Ranges = create_model(  # type: ignore[call-overload]
-    "_Ranges", __base__=_Fields, **dict.fromkeys(FIELDS, (Range | None, None))
-)
-
-
-def _check_ranges(ranges: object) -> object:
-    """Check ranges field by field; they keep their order, in which a sample is drawn."""
-    if isinstance(ranges, dict):
-        _Ranges.model_validate(ranges)
-    return ranges
+        elif isinstance(item, str):
+            angles = ", ".join(_ANGLES)
+            raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
 
 
 class Sample(StrictModel):
@@ -101,8 +82,16 @@ class Sample(StrictModel):
     """Number of scenarios."""
     seed: Seed
     """The same seed draws the same points."""
-    ranges: Annotated[dict[str, Range], Field(min_length=1), BeforeValidator(_check_ranges)]
+    ranges: Annotated[dict[FieldName, Range], Field(min_length=1)]
     """Field -> its range; a field of the block that is not named here has the block's value."""
+
+    @field_validator("ranges", mode="before")
+    @classmethod
+    def _check_ranges(cls, ranges: Any) -> Any:
+        if isinstance(ranges, dict):
+            for name, written in ranges.items():
+                _check_texts(name, written)
+        return ranges
 
 
 class Route(StrictModel):
@@ -161,7 +150,7 @@ _ZERO: Any = 0.0  # as a file writes it
 _ONE: Any = 1.0
 
 
-class Block(_Fields):
+class Block(StrictModel):
     """Scenarios: all combinations of the fields' values, or a sample.
 
     The target is written in one of these ways:
@@ -217,6 +206,12 @@ class Block(_Fields):
     """Replaces the experiment's time limit for this block."""
     guess_lengths: GuessLengths | None = None
     """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
+
+    @field_validator(*FIELDS, mode="before")
+    @classmethod
+    def _check_field(cls, written: Any, info: ValidationInfo) -> Any:
+        _check_texts(str(info.field_name), written)
+        return written
 
     @model_validator(mode="after")
     def _check_target(self) -> Block:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
-from operator import attrgetter
 from pathlib import Path as FilePath
 from typing import Any
-
-import numpy as np
 
 from dubins_study.experiments.definition.messages import Problem, refusal
 from dubins_study.experiments.definition.table_file import (
@@ -18,7 +14,7 @@ from dubins_study.experiments.definition.table_file import (
     note_passed_over,
     read_table,
 )
-from dubins_study.study.scenario import COLUMNS, DEFAULTS, NUMBERS, VIA, Scenario, ScenarioError
+from dubins_study.study.scenario import COLUMNS, DEFAULTS, VIA, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import column_problems, scenario_of
 from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import nearest, number_of_text, plain, short
@@ -115,16 +111,3 @@ def text_about(scenarios: str) -> tuple[str, str, str]:
     question = "How well do the chosen solvers answer these scenarios?"
     keys = {"title": f"Scenarios of {name}", "question": question}
     return name, scenarios, "".join(f"{key} = {json.dumps(text)}\n" for key, text in keys.items())
-
-
-_numbers = attrgetter(*NUMBERS)
-_route = attrgetter("via", "final_heading")
-
-
-def comment_on(scenarios: list[Scenario]) -> str:
-    """A comment that tells scenarios apart, since a folder with rows about others is another's."""
-    digest = hashlib.sha256(np.array([_numbers(each) for each in scenarios]).tobytes())
-    digest.update("\0".join(each.label for each in scenarios).encode())
-    if not all(each.one_free_leg for each in scenarios):
-        digest.update(repr([_route(each) for each in scenarios]).encode())
-    return f"# about {len(scenarios)} scenarios with the digest {digest.hexdigest()[:16]}\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import shlex
 from collections.abc import Iterable, Mapping
@@ -21,7 +22,7 @@ from dubins_study.experiments.definition.experiment import (
 )
 from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import ListedBlock
-from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
+from dubins_study.experiments.definition.scenario_file import read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
@@ -157,15 +158,10 @@ def plan_run(request: Request) -> RunPlan:
     request.check()
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
-    listed_in = None if request.scenarios is None else str(request.scenarios)
-    if request.experiment is None:
-        source = text_about(str(listed_in))
+    if request.scenarios is None:
+        file = _checked(text_of(str(request.experiment)), request.trust_plugins, changes)
     else:
-        source = text_of(str(request.experiment))
-    if listed_in is None:
-        file = _checked(source, request.trust_plugins, changes)
-    else:
-        file = _about_a_file(listed_in, source, request, changes)
+        file = _about_a_file(str(request.scenarios), request, changes)
     cell_chains = chains(file.experiment, file.path, file.text)
     if request.executor == "local":
         _refuse_unavailable(request.solvers or (), file.experiment.profile)
@@ -182,41 +178,44 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
-def _about_a_file(
-    listed_in: str, source: tuple[str, str, str], request: Request, changes: dict[str, Any]
-) -> ExperimentFile:
+def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> ExperimentFile:
     """An experiment about the scenarios of a file instead of its own."""
     listed = read_scenarios(listed_in)
-    blocks = _listed_blocks(listed, source, changes)
-    replaced = {"scenarios": blocks, "first": None, "section": None, "matrix": False}
-    file = _checked(source, request.trust_plugins, changes | replaced)
     name = FilePath(listed_in).stem
-    title = file.experiment.title
-    if request.experiment is not None:
-        title = f"{title}: scenarios of {name}"
-    experiment = file.experiment.model_copy(update={"title": title})
-    return ExperimentFile(name, listed_in, comment_on(listed) + file.text, experiment)
+    blocks = [ListedBlock(listed=listed)]
+    if request.experiment is None:
+        given = changes | {"scenarios": blocks}
+        file = _checked(text_about(listed_in), request.trust_plugins, given)
+        title = file.experiment.title
+    else:
+        file = _checked(text_of(str(request.experiment)), request.trust_plugins, changes)
+        blocks = _listed_blocks(listed, file)
+        title = f"{file.experiment.title}: scenarios of {name}"
+    replaced = {"title": title, "scenarios": blocks, "first": None, "section": None}
+    experiment = file.experiment.model_copy(update=replaced | {"matrix": False})
+    return ExperimentFile(name, listed_in, _comment_on(listed) + file.text, experiment)
+
+
+def _comment_on(listed: list[Scenario]) -> str:
+    """A comment that tells scenarios apart, since a folder with rows about others is another's."""
+    ids = " ".join(map(scenario_id, listed))
+    digest = hashlib.sha256(ids.encode()).hexdigest()[:16]
+    return f"# about {len(listed)} scenarios with the digest {digest}\n"
 
 
 # Keys of a block that say how its scenarios are asked.
 _HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
 
 
-def _listed_blocks(
-    listed: list[Scenario], source: tuple[str, str, str], changes: Mapping[str, Any]
-) -> list[ListedBlock]:
+def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
     """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
 
     A sample of a suite so keeps the time limit and the branches of each of its questions.
     """
-    name, path, text = source
-    try:
-        experiment = Experiment.model_validate(fields_of(path, text))
-    except ValidationError:  # it has no scenarios, or mistakes that are told later
-        return [ListedBlock(listed=listed)]
+    experiment = file.experiment
     settings = []
     for block in experiment.scenarios:
-        given = {key: getattr(block, key) for key in _HOW_ASKED if key not in changes}
+        given = {key: getattr(block, key) for key in _HOW_ASKED}
         settings.append({key: value for key, value in given.items() if value is not None})
     if not any(settings):
         return [ListedBlock(listed=listed)]
@@ -238,8 +237,7 @@ def _listed_blocks(
         _LOG.warning(
             "dubins-study: %d of %d scenarios are none of %s; they are asked with its general "
             "settings (time_limit_s = %g)",
-            *(len(rest), len(listed), name),
-            changes.get("time_limit_s", experiment.time_limit_s),
+            *(len(rest), len(listed), file.name, experiment.time_limit_s),
         )
     return blocks
 

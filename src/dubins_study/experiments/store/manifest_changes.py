@@ -68,7 +68,6 @@ class RunRecord:
         self._entry = request.with_changes(
             machine=provenance.machine(),
             governor=provenance.governor(),
-            thread_limits=provenance.thread_limits(),
             git=provenance.source(),
             load_start=provenance.load_average(),
             started=provenance.now(),
