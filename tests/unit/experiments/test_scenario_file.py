@@ -307,3 +307,12 @@ def test_files_with_other_routes_have_another_comment(tmp_path):
     files = ([plain, plain], [via, plain], [plain, via], [posed, plain])
 
     assert len({run_plan._comment_on(file) for file in files}) == 4
+
+
+def test_an_experiment_without_scenarios_is_asked_about_a_file(tmp_path):
+    """Its own are optional then."""
+    (tmp_path / "mine.toml").write_text('title = "t"\nquestion = "q"\nsolvers = ["analytic"]\n')
+    plan = plan_run(Request(tmp_path / "mine.toml", scenarios=written(tmp_path, GOOD)))
+
+    assert {cell.scenario for chain in plan.chains for cell in chain} == set(EXPECTED)
+    assert plan.experiment_file.experiment.title == "t: scenarios of drive"

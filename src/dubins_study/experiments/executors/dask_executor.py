@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-import math
 import pickle
 from collections import deque
 from collections.abc import Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from time import monotonic, sleep
+from time import sleep
 from typing import Any
 
 from dubins_study.asking.reply import exception_text
@@ -33,9 +32,7 @@ _UNITS_PER_THREAD = 2
 # (`allowed-failures`).
 _RETRIES = 1
 # Seconds between two looks for replies; each yields, so that the caller can write rows.
-_POLL_INTERVAL_S = 0.05
-# Seconds between two counts of the threads, since workers come and go.
-_COUNT_INTERVAL_S = 1.0
+_POLL_INTERVAL_S = 0.1
 # Seconds to wait for a result, and for an answer of the scheduler or of every worker.
 _FETCH_WAIT_S, _ANSWER_WAIT_S = 30.0, 10.0
 _LOST = "the connection to the Dask scheduler is lost"
@@ -91,7 +88,6 @@ class _Submission:
         self._units: dict[Any, WorkUnit] = {}  # by Dask's future
         self._sent = 0
         self._threads = 0
-        self._counted_s = -math.inf
         self._warned = False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
         self._machines: dict[str, int] = {}
@@ -131,13 +127,10 @@ class _Submission:
                     self._before |= rest.before
 
     def _count_threads(self) -> None:
-        if monotonic() - self._counted_s < _COUNT_INTERVAL_S:
-            return
         if self._client.status not in ("running", "connecting"):
             raise RunError(_LOST)
         with suppress(OSError, TimeoutError):  # perhaps lost for a moment: count again later
             self._threads = sum(self._client.nthreads().values())
-        self._counted_s = monotonic()
         if self._threads == 0 and not self._warned:
             self._warned = True
             _LOG.warning("dubins-study: the Dask scheduler has no workers; waiting for the first")

@@ -182,17 +182,19 @@ def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> 
     """An experiment about the scenarios of a file instead of its own."""
     listed = read_scenarios(listed_in)
     name = FilePath(listed_in).stem
-    blocks = [ListedBlock(listed=listed)]
-    if request.experiment is None:
-        given = changes | {"scenarios": blocks}
-        file = _checked(text_about(listed_in), request.trust_plugins, given)
-        title = file.experiment.title
-    else:
-        file = _checked(text_of(str(request.experiment)), request.trust_plugins, changes)
-        blocks = _listed_blocks(listed, file)
-        title = f"{file.experiment.title}: scenarios of {name}"
-    replaced = {"title": title, "scenarios": blocks, "first": None, "section": None}
-    experiment = file.experiment.model_copy(update=replaced | {"matrix": False})
+    about = request.experiment
+    source = text_about(listed_in) if about is None else text_of(str(about))
+    defaults = {"scenarios": [ListedBlock(listed=listed)]}
+    file = _checked(source, request.trust_plugins, changes, defaults)
+    title = file.experiment.title
+    replaced = {
+        "title": title if about is None else f"{title}: scenarios of {name}",
+        "scenarios": _listed_blocks(listed, file),
+        "first": None,
+        "section": None,
+        "matrix": False,
+    }
+    experiment = file.experiment.model_copy(update=replaced)
     return ExperimentFile(name, listed_in, _comment_on(listed) + file.text, experiment)
 
 
@@ -248,11 +250,14 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
 
 
 def _checked(
-    source: tuple[str, str, str], trust_plugins: bool, changes: dict[str, Any]
+    source: tuple[str, str, str],
+    trust_plugins: bool,
+    changes: Mapping[str, Any],
+    defaults: Mapping[str, Any] | None = None,
 ) -> ExperimentFile:
     """The experiment of a file with some of its keys changed; its scenarios are not looked at."""
     _, path, text = source
-    fields = fields_of(path, text) | changes
+    fields = {**(defaults or {}), **fields_of(path, text), **changes}
     if "solvers" in changes:
         fields.pop("first", None)
     blocks = fields.get("scenarios")
