@@ -155,7 +155,7 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("mine")
-    with pytest.raises(ResultsError, match=r"holds something else and no manifest\.json"):
+    with pytest.raises(ResultsError, match=r"holds other files and no manifest\.json"):
         run(small, other)
     assert [f.name for f in other.iterdir()] == ["thesis.txt"]
 
