@@ -39,10 +39,11 @@ def arranged(
         if option.name in seen and not option.multiple:
             refuse(f"{name} is given twice; expected it once")
         seen.add(option.name)
-        values = [value] if equals else []
-        values += islice(rest, option.nargs - len(values))
-        if len(values) < option.nargs or any(each.startswith("--") for each in values):
+        given_first = [value] if equals else []
+        following = list(islice(rest, option.nargs - len(given_first)))
+        values = given_first + following
+        if len(values) < option.nargs or any(each.startswith("--") for each in following):
             given = " ".join(values)
             refuse(f"{name} is {given!r:.60}; expected {option.metavar}: {option.help}")
-        taken += [name, *values]
+        taken += [word, *following]
     return [*taken, "--", *arguments]
