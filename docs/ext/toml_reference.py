@@ -77,7 +77,7 @@ def _kind(schema: dict[str, Any]) -> str:
     """The values that a key takes, in a few words."""
     if "anyOf" in schema:
         kinds = [_kind(one) for one in schema["anyOf"] if one.get("type") != "null"]
-        return "[axis](#axes)" if "Linear" in "".join(kinds) else " or ".join(kinds)
+        return "[axis](#axes)" if "table" in kinds else " or ".join(kinds)
     if "$ref" in schema:
         return f"table `{schema['$ref'].rpartition('/')[2]}`"
     if "enum" in schema:

@@ -1,12 +1,10 @@
 """Plug-ins that change what a process shares, and a witness that tells what reached it."""
 
 import atexit
-import decimal
 import gc
 import locale
 import os
 import random
-import resource
 import signal
 import sys
 import threading
@@ -28,10 +26,6 @@ SEED = 424242
 def _seed():
     random.seed(SEED)
     np.random.seed(SEED)  # noqa: NPY002
-
-
-def _files():
-    resource.setrlimit(resource.RLIMIT_NOFILE, (61, 4096))
 
 
 def _burn():
@@ -60,13 +54,6 @@ def _named(name):
     return any(thread.name == name for thread in threading.enumerate())
 
 
-def _no_files():
-    """None can be opened, by a library that looks around after the solve either."""
-    import wave  # noqa: F401  a module more makes it look
-
-    resource.setrlimit(resource.RLIMIT_NOFILE, (0, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
-
-
 # what is changed, how, and how one sees that it is
 STATES = {
     "seed": (_seed, _seeded),
@@ -92,23 +79,13 @@ STATES = {
         lambda: signal.setitimer(signal.ITIMER_REAL, 3600),
         lambda: signal.getitimer(signal.ITIMER_REAL)[0] > 0,
     ),
-    "no files": (_no_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 0),
     "locale": (
         lambda: locale.setlocale(locale.LC_ALL, "C"),
         lambda: locale.setlocale(locale.LC_CTYPE) == "C",
     ),
     "recursion": (lambda: sys.setrecursionlimit(345), lambda: sys.getrecursionlimit() == 345),
     "sys.path": (lambda: sys.path.insert(0, "/faults"), lambda: "/faults" in sys.path),
-    "decimal": (
-        lambda: setattr(decimal.getcontext(), "prec", 3),
-        lambda: decimal.getcontext().prec == 3,
-    ),
-    "files": (_files, lambda: resource.getrlimit(resource.RLIMIT_NOFILE)[0] == 61),
     "gc": (gc.disable, lambda: not gc.isenabled()),
-    "hooks": (
-        lambda: setattr(sys, "excepthook", os._exit),
-        lambda: sys.excepthook is os._exit,
-    ),
     "thread": (_burn, lambda: _named("faults-burner")),
     "closed": (lambda: os.close(1), _unprintable),
     "opened": (lambda: os.dup2(os.open("/dev/zero", os.O_RDWR), 1), _unprintable),

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from dubins_study.experiments.isolation.worker_process import Allowance
 from dubins_study.experiments.plan import solver_description
 from dubins_study.solvers.protocol import MAX_ARCS
 from dubins_study.solvers.registry import SolverError
@@ -155,7 +156,7 @@ def refused(folder, file, clean):
 
 
 def test_a_plugin_that_never_ends_to_load_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(solver_description, "_LOAD_LIMIT_S", 2.0)
+    monkeypatch.setattr(solver_description, "_LOADING", Allowance(2.0, activity="loading it"))
     file = tmp_path / "plugin.py"
     file.write_text("while True: pass")
 

@@ -41,12 +41,12 @@ def test_the_new_solver_passes_as_it_is():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("mine.txt", r"expected a name of letters, .* that ends in \.py, such as my_solver\.py"),
-        ("my-solver.py", "expected a name of letters, digits and underscores"),
-        ("12.py", "expected a name of letters"),
-        ("class.py", "did you mean class_solver.py"),
-        ("numpy.py", "instead of numpy; did you mean numpy_solver.py"),
-        ("math.py", "instead of math; did you mean math_solver.py"),
+        ("mine.txt", r"expected a name of plain characters, such as my_solver\.py"),
+        ("my-solver.py", "expected a name of plain characters"),
+        ("12.py", "expected a name of plain characters"),
+        ("class.py", "hides no module"),
+        ("numpy.py", "hides no module"),
+        ("math.py", "hides no module"),
         ("nowhere/mine.py", "cannot write nowhere/mine.py: No such file"),
     ],
 )

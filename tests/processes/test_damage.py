@@ -83,7 +83,7 @@ def test_a_damaged_part_is_put_aside_and_its_cells_are_solved_again(folder, expe
     part = folder / "parts" / "b.parquet"
     spoilt = DAMAGE[damage](part.read_bytes())
     part.write_bytes(spoilt)
-    assert "1 damaged part; run again, and its" in status_text(status(folder))
+    assert "parts: 1; run again, and their" in status_text(status(folder))
     with pytest.raises(ResultsError, match=r"b\.parquet"):
         load([folder])
 

@@ -155,7 +155,7 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     (other / "thesis.txt").write_text("mine")
-    with pytest.raises(ResultsError, match=r"holds something else and no manifest\.json"):
+    with pytest.raises(ResultsError, match=r"holds other files and no manifest\.json"):
         run(small, other)
     assert [f.name for f in other.iterdir()] == ["thesis.txt"]
 
@@ -175,7 +175,7 @@ def test_folders_that_cannot_be_used(small, folder, tmp_path):
         ({"jobs": 0}, "jobs is 0"),
         ({"jobs": 1.5}, "jobs is 1.5; expected a whole number"),
         ({"experiment": None}, "experiment is None; expected a name or the path"),
-        ({"time_limit": "long"}, "^time_limit is 'long': expected a valid number"),
+        ({"time_limit": "long"}, "^time_limit_s is 'long': expected a valid number"),
         ({"solvers": "slsqp"}, "^solvers is 'slsqp': expected a valid list"),
         ({"experiment": None, "scenarios": "a.csv"}, r"without solvers; expected solvers \(--sol"),
         ({"executor": "ray"}, "executor is 'ray'; expected one of: local, dask"),

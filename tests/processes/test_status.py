@@ -1,6 +1,7 @@
 """What `status` says of a folder: counted by hand, and estimated from what the folder holds."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
 
@@ -79,7 +80,7 @@ def test_a_folder_that_has_lost_rows_is_not_finished(folder):
 
 
 def test_the_time_left_is_that_of_the_cells_so_far(folder):
-    """8 cells of 2 s done in 20 s by one job, with the overhead; 2 left. Or else their solves."""
+    """8 cells of 2 s done, 2 left."""
 
     def edit(rows):
         rows = [row for row in rows if row["solver"] == "slsqp"][: CELLS - 2]
@@ -89,17 +90,14 @@ def test_the_time_left_is_that_of_the_cells_so_far(folder):
     solvers = {"slsqp": manifest(folder)["solvers"]["slsqp"]}
     entry = {"run_id": "r", "seconds": 20.0, "jobs": 1, "state": "finished"}
     amend(folder, solvers=solvers, cells=CELLS, runs=[entry])
-    assert status(folder).seconds_left == pytest.approx(5.0)
-
-    amend(folder, runs=[entry | {"jobs": 2, "seconds": 10.0}])
-    assert status(folder).seconds_left == pytest.approx(2.5)
-    assert status(folder).jobs == 2
-
-    amend(folder, runs=[])
     assert status(folder).seconds_left == pytest.approx(4.0)
     text = finished("status", folder).stdout
-    assert "time left about 4 s with 1 job" in text
-    assert "left      2: slsqp 2" in text
+    assert "time left   about 4 s; jobs: 1" in text
+    assert "left        2: slsqp 2" in text
+
+    amend(folder, runs=[entry | {"jobs": 2}])
+    assert status(folder).seconds_left == pytest.approx(2.0)
+    assert status(folder).jobs == 2
 
 
 def test_how_long_a_killed_run_took_is_not_known(folder):
@@ -116,7 +114,7 @@ def test_of_many_solvers_the_text_names_the_five_with_most_cells_left(folder):
     left = {f"s{number}": number for number in range(1, 10)}
     text = status_text(replace(status(folder), left=left))
 
-    assert "left      45: s9 9, s8 8, s7 7, s6 6, s5 5 and 4 more\n" in text
+    assert "left        45: s9 9, s8 8, s7 7, s6 6, s5 5 and 4 more\n" in text
 
 
 def test_without_rows_no_time_is_made_up(folder):
@@ -125,7 +123,9 @@ def test_without_rows_no_time_is_made_up(folder):
     found = status(folder)
 
     assert found.seconds_left is None
-    assert "time left unknown: no row is done yet to judge by" in finished("status", folder).stdout
+    assert (
+        "time left   unknown: no row is done yet to judge by" in finished("status", folder).stdout
+    )
 
 
 def test_json_is_one_object_with_the_same(folder):
@@ -149,7 +149,7 @@ def test_a_noisy_run_says_so(folder):
     amend(folder, runs=runs)
     said = finished("status", folder).stdout
 
-    assert f"the machine's speed varied by 26.1 % during run {runs[0]['run_id']}" in said
+    assert re.search(rf"{runs[0]['run_id']} .* 26.1 %", said)
 
 
 @pytest.mark.slow

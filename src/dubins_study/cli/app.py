@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
 from dubins_study.errors import DubinsStudyError
@@ -32,7 +32,7 @@ try:
     )
     from dubins_study.cli.terminal.arguments import PAIRS
     from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
-    from dubins_study.cli.terminal.slips import arranged, unreadable
+    from dubins_study.cli.terminal.slips import arranged
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
 
@@ -91,7 +91,7 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 
 
 class _Command(TyperCommand):
-    """A command with --quiet and --verbose; its refusals name the option that was meant."""
+    """A command with --quiet and --verbose, which takes negative numbers."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -101,43 +101,11 @@ class _Command(TyperCommand):
                 option.nargs = 2
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        try:
-            rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
-        except typer.BadParameter as error:
-            if reason := unreadable(error):
-                ctx.fail(reason)
-            raise
+        rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))
         shared = {name: ctx.params.pop(name, False) for name in ("quiet", "verbose")}
         if any(shared.values()):  # otherwise what stands before the command's name holds
             _verbosity(**shared)
         return rest
-
-
-class CommandLine(typer.Typer):
-    """A group of commands: each takes --quiet and --verbose, and its help ends with examples.
-
-    Args:
-        words: the words before a command's own name: empty, or `new`.
-        text: the help of the group.
-    """
-
-    def __init__(self, words: str, text: str):
-        self._words = words
-        super().__init__(
-            help=text,
-            no_args_is_help=True,
-            pretty_exceptions_enable=False,
-            rich_markup_mode=None,
-            context_settings={"help_option_names": ["-h", "--help"]},
-            epilog=_epilog(words),
-        )
-
-    def add(self, function: Callable[..., None]) -> None:
-        """Add a command, called like its function."""
-        name = function.__name__.replace("_", "-")
-        epilog = _epilog(f"{self._words} {name}".strip())
-        add = self.command(name, cls=_Command, epilog=epilog)
-        add(function)
 
 
 def examples(words: str) -> list[str]:
@@ -160,7 +128,43 @@ def _print_version(asked: bool) -> None:
         raise typer.Exit
 
 
-app = CommandLine("", _HELP)
+def _group(words: str, text: str, functions: Sequence[Callable[..., None]]) -> typer.Typer:
+    """Commands that are called like their functions, behind `words`; help ends with examples."""
+    group = typer.Typer(
+        help=text,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        rich_markup_mode=None,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        epilog=_epilog(words),
+    )
+    for function in functions:
+        name = function.__name__.replace("_", "-")
+        epilog = _epilog(f"{words} {name}".strip())
+        group.command(name, cls=_Command, epilog=epilog)(function)
+    return group
+
+
+app = _group(
+    "",
+    _HELP,
+    [
+        solve.solve,
+        solvers.solvers,
+        experiments.experiments,
+        run.run,
+        status.status,
+        merge.merge,
+        report.report,
+        compare.compare,
+        audit.audit,
+        export.export,
+        check_solver.check_solver,
+    ],
+)
+app.add_typer(
+    _group("new", "Write a file to begin with.", [new.solver, new.experiment]), name="new"
+)
 
 
 @app.callback()
@@ -173,23 +177,6 @@ def _options(
     verbose: Verbose = False,
 ) -> None:
     _verbosity(quiet, verbose)
-
-
-app.add(solve.solve)
-app.add(solvers.solvers)
-app.add(experiments.experiments)
-app.add(run.run)
-app.add(status.status)
-app.add(merge.merge)
-app.add(report.report)
-app.add(compare.compare)
-app.add(audit.audit)
-app.add(export.export)
-app.add(check_solver.check_solver)
-_new = CommandLine("new", "Write a file to begin with.")
-_new.add(new.solver)
-_new.add(new.experiment)
-app.add_typer(_new, name="new")
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import Json, Profile, lone_number
+from dubins_study.cli.terminal.arguments import Json, Profile, number
 
 
 def check_solver(
@@ -18,15 +18,11 @@ def check_solver(
     ] = None,
     time_limit: Annotated[
         float,
-        typer.Option(
-            metavar="SECONDS", parser=lone_number, help="seconds that a question may take"
-        ),
+        typer.Option(metavar="SECONDS", parser=number, help="seconds that a question may take"),
     ] = 5.0,
     total_time_limit: Annotated[
         float,
-        typer.Option(
-            metavar="SECONDS", parser=lone_number, help="seconds that all of them may take"
-        ),
+        typer.Option(metavar="SECONDS", parser=number, help="seconds that all of them may take"),
     ] = 600.0,
     profile: Profile = "default",
     as_json: Json = False,

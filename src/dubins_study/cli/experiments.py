@@ -35,8 +35,7 @@ def experiments(
     elif experiment is None:
         head = ("experiment", "cells", "solvers", "title")
         rows = [
-            (each["name"], str(each["cells"]), str(len(each["solvers"])), each["title"])
-            for each in overviews
+            (each["name"], each["cells"], len(each["solvers"]), each["title"]) for each in overviews
         ]
         print(f"{table(head, rows)}\n\n{_OF_YOUR_OWN}")
     else:
@@ -45,18 +44,17 @@ def experiments(
 
 def experiment_text(asked: Mapping[str, Any]) -> str:
     """One experiment: its question, its numbers, and its solvers, one a line."""
-    lines = listing(
-        {
-            "experiment": plain(asked["name"]),
-            "title": plain(asked["title"]),
-            "question": plain(asked["question"]),
-            "scenarios": str(asked["scenarios"]),
-            "branches": ", ".join(asked["branches"]),
-            "repeats": str(asked["repeats"]),
-            "cells": str(asked["cells"]),
-            "limits": f"{asked['time_limit_s']:g} s and {asked['memory_limit_gib']:g} GiB a solve",
-            "profile": asked["profile"],
-            "solvers": str(len(asked["solvers"])),
-        }
-    )
-    return "\n".join([lines, *(f"  {plain(spec)}" for spec in asked["solvers"])])
+    limits = f"{asked['time_limit_s']:g} s and {asked['memory_limit_gib']:g} GiB a solve"
+    fields = {
+        "experiment": asked["name"],
+        "title": asked["title"],
+        "question": asked["question"],
+        "scenarios": asked["scenarios"],
+        "branches": ", ".join(asked["branches"]),
+        "repeats": asked["repeats"],
+        "cells": asked["cells"],
+        "limits": limits,
+        "profile": asked["profile"],
+        "solvers": len(asked["solvers"]),
+    }
+    return "\n".join([listing(fields), *(f"  {plain(spec)}" for spec in asked["solvers"])])

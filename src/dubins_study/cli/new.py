@@ -20,12 +20,9 @@ def solver(
     file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_solver.py")],
 ) -> None:
     """Write a solver that works, with comments."""
-    _check_name(file, r"[A-Za-z]\w*\.py", "letters, digits and underscores", "my_solver.py")
+    _check_name(file, r"[A-Za-z]\w*\.py", "my_solver.py")
     if keyword.iskeyword(file.stem) or (not file.exists() and find_spec(file.stem) is not None):
-        raise CommandError(
-            f"{file}: expected a name that hides no module: Python would import this file instead "
-            f"of {file.stem}; did you mean {file.stem}_solver.py?"
-        )
+        raise CommandError(f"{file}: expected a name that hides no module, as my_solver.py")
     title = class_name(file.stem)
     name = file.stem.replace("_", "-")
     _write(file, "solver.py.txt", {"file": file.name, "Class": title, "name": name})
@@ -37,8 +34,7 @@ def experiment(
     file: Annotated[FilePath, typer.Argument(metavar="FILE", help="such as my_experiment.toml")],
 ) -> None:
     """Write an experiment that runs, with comments."""
-    characters = "letters, digits, hyphens, underscores and dots"
-    _check_name(file, r"[A-Za-z0-9][\w.-]*\.toml", characters, "my-experiment.toml")
+    _check_name(file, r"[A-Za-z0-9][\w.-]*\.toml", "my-experiment.toml")
     title = file.stem.replace("-", " ").replace("_", " ").capitalize()
     values = {"file": plain(str(file)), "name": file.stem, "title": title}
     _write(file, "experiment.toml.txt", values)
@@ -52,12 +48,9 @@ def class_name(stem: str) -> str:
     return "".join(part[:1].upper() + part[1:] for part in stem.split("_"))
 
 
-def _check_name(file: FilePath, pattern: str, characters: str, example: str) -> None:
+def _check_name(file: FilePath, pattern: str, example: str) -> None:
     if not re.fullmatch(pattern, file.name, re.ASCII):
-        suffix = FilePath(example).suffix
-        raise CommandError(
-            f"{file}: expected a name of {characters} that ends in {suffix}, such as {example}"
-        )
+        raise CommandError(f"{file}: expected a name of plain characters, such as {example}")
 
 
 def _write(file: FilePath, template: str, values: dict[str, str]) -> None:

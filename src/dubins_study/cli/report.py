@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -76,6 +75,6 @@ def report_text(page: FilePath) -> str:
         frame["wall_s"] = (frame["wall_s"] * 1e3).map("{:.3g}".format, na_action="ignore")
     # the report leaves out a column that its runs do not need
     shown = {name: title for name, title in _SUMMARY.items() if frame.empty or name in frame}
-    rows = frame.reindex(columns=list(shown)).astype(object).fillna("").astype(str).to_numpy()
-    lines = [[plain(re.sub(r"[\n\u202f]", " ", text)) for text in row] for row in rows]
+    rows = frame.reindex(columns=list(shown)).astype(object).fillna("").astype(str)
+    lines = rows.replace(r"[\n\u202f]", " ", regex=True).to_numpy().tolist()
     return f"{output.table(list(shown.values()), lines)}\n\npage: {plain(str(page))}"

@@ -14,7 +14,7 @@ import typer
 
 from dubins_study.cli.status import status_text
 from dubins_study.cli.terminal import output
-from dubins_study.cli.terminal.arguments import CommandError, lone_number
+from dubins_study.cli.terminal.arguments import number
 from dubins_study.cli.terminal.output import plain
 
 if TYPE_CHECKING:
@@ -40,11 +40,11 @@ def run(
     solver: Annotated[list[str] | None, typer.Option(metavar="SPEC", help=_SOLVERS)] = None,
     jobs: Annotated[int, typer.Option(metavar="N", help="processes; 1 where times are quoted")] = 1,
     time_limit: Annotated[
-        float | None, typer.Option(metavar="SECONDS", parser=lone_number, help=_LIMIT)
+        float | None, typer.Option(metavar="SECONDS", parser=number, help=_LIMIT)
     ] = None,
     memory_limit: Annotated[
         float | None,
-        typer.Option(metavar="GIB", parser=lone_number, help="GiB that a solve may hold"),
+        typer.Option(metavar="GIB", parser=number, help="GiB that a solve may hold"),
     ] = None,
     repeats: Annotated[int | None, typer.Option(metavar="N", help="attempts per cell")] = None,
     restart: Annotated[bool, typer.Option("--restart", help="throw away earlier rows")] = False,
@@ -67,14 +67,9 @@ def run(
         stop.check()
         if engine is not None:
             print(f"dubins-study: {OLD_WORD}", file=sys.stderr)
-        if experiment is None and scenarios is None:
-            raise CommandError(
-                "run: no experiment; expected a name (dubins-study experiments lists them), a "
-                ".toml file, or --scenarios FILE with --solver SPEC"
-            )
         with (
             output.solvers_to_stderr(),
-            output.progress(experiment or str(scenarios), counts) as progress,
+            output.progress(str(experiment or scenarios), counts) as progress,
         ):
             folder = run_experiment(
                 experiment,

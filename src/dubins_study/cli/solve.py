@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import sys
-import textwrap
 from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,11 +13,11 @@ import typer
 
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
-from dubins_study.cli.terminal.points import read_points
 from dubins_study.study.words import Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
+    from dubins_study.experiments.definition.point_file import NamedPoint
     from dubins_study.study.path import Path
 
 # Fields of an answer in the JSON object, which also has `via`, `final_heading`, `segments` and
@@ -38,7 +37,6 @@ _GEOJSON = (
 )
 
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
-_AFTER_FROM = "; --from takes X Y HEADING"  # two numbers too, and the third is the target's x
 
 
 def solve(
@@ -56,7 +54,7 @@ def solve(
     time_limit: Annotated[
         float,
         typer.Option(
-            metavar="SECONDS", parser=arguments.lone_number, help="seconds that the solve may take"
+            metavar="SECONDS", parser=arguments.number, help="seconds that the solve may take"
         ),
     ] = 60.0,
     as_json: arguments.Json = False,
@@ -83,12 +81,14 @@ def solve(
     from dubins_study.study.tolerances import SEARCH_S
     from dubins_study.study.values import unwritable
 
-    target, via, names = _points(x, y, via, via_file)
-    scenario = arguments.scenario_of(*target, start, radius, speed, via, final_heading)
+    points = _points(x, y, via, via_file)
+    target = points[-1]
+    passed = [arguments.Point(each.x, each.y) for each in points[:-1]]
+    scenario = arguments.scenario_of(
+        target.x, target.y, start, radius, speed, via=passed, final_heading=final_heading
+    )
     check_request(branch, time_limit, "--time-limit")
     for option, file in (("--plot", plot), ("--geojson", geojson)):
-        if file is not None and file in (via_file, None if option == "--plot" else plot):
-            raise arguments.CommandError(f"{option}: {file} is given twice; expected another file")
         if file is not None and (reason := unwritable(file)):  # before a solve that takes long
             raise arguments.CommandError(f"{option}: cannot write {file}: {reason}")
     if geojson is not None and geojson.suffix.lower() not in (".json", ".geojson"):
@@ -98,7 +98,7 @@ def solve(
 
         check_format(plot)
     at_most = time_limit + min(time_limit, SEARCH_S)
-    with output.solvers_to_stderr(), output.waiting("seconds, of at most", at_most):
+    with output.solvers_to_stderr(), output.steps(f"solving, at most {at_most:g} s"):
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
@@ -109,51 +109,54 @@ def solve(
     flown = answer
     if shortest:
         flown = shorter_answer(answer) or answer
-    drawn = plot is None or _save(flown, plot, None)
-    written = geojson is None or _save(flown, geojson, names)
-    ended = answer.outcome == Outcome.RETURNED
-    if not (ended and drawn and written) or (strict and answer.verdict != "optimal"):
+    written = [file for file in (plot, geojson) if file is not None]
+    drivable = flown.length is not None and flown.path is not None
+    if drivable:
+        _draw(flown, plot)
+        _write_geojson(flown, geojson, [each.name for each in points])
+    for file in () if drivable else written:
+        print(f"dubins-study: {file} is not written: there is no finite path", file=sys.stderr)
+    ended = answer.outcome == Outcome.RETURNED and (drivable or not written)
+    if not ended or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
 
 
 def _points(
     x: float | None, y: float | None, via: list[arguments.Point], file: FilePath | None
-) -> tuple[arguments.Point, list[arguments.Point], list[str]]:
-    """Target and via points, of which a file may have all; the names that the file gives them."""
-    if file is None:
-        if x is None or y is None:
-            missing = "the target is missing" if x is None else "the target is a single number"
-            raise arguments.CommandError(f"{missing}; expected X Y, or --via-file{_AFTER_FROM}")
-        return arguments.Point(x, y), via, [""] * (len(via) + 1)
-    if via:
+) -> list[NamedPoint]:
+    """Via points and the target, of which a file may have all."""
+    from dubins_study.experiments.definition.point_file import NamedPoint, read_points
+
+    if via and file is not None:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
-    points, names = read_points(file)
-    if x is None:
-        return points[-1], points[:-1], names
-    if y is None:
-        message = f"the target is a single number; expected X Y, or neither{_AFTER_FROM}"
-        raise arguments.CommandError(message)
-    return arguments.Point(x, y), points, [*names, ""]
+    if (x is None and file is None) or (x is not None and y is None):
+        # of `--from 0 0 1 2` the third number is the heading
+        message = "the target is missing, or a single number; expected X Y, or --via-file"
+        raise arguments.CommandError(f"{message}; --from takes X Y HEADING")
+    points = [NamedPoint(*each, "") for each in via] if file is None else read_points(file)
+    if x is not None and y is not None:
+        points.append(NamedPoint(x, y, ""))
+    return points
 
 
-def _save(answer: Answer, file: FilePath, names: Sequence[str] | None) -> bool:
-    """Draw an answer's path, or write it with names as GeoJSON; False, and why, without a path."""
-    if answer.length is None or answer.path is None:
-        reason = "there is no path" if answer.path is None else "the path is not finite"
-        print(f"dubins-study: {file} is not written: {reason}", file=sys.stderr)
-        return False
-    if names is None:
+def _draw(answer: Answer, file: FilePath | None) -> None:
+    """Draw an answer's path, if a file is given."""
+    if file is not None:
         from dubins_study.report.path_plot import plot_path
 
         plot_path(answer, file)
-        return True
+
+
+def _write_geojson(answer: Answer, file: FilePath | None, names: Sequence[str]) -> None:
+    """Write an answer's path and its points, with their names, if a file is given."""
+    if file is None or answer.path is None:
+        return
     features = answer_geojson(answer, answer.path, names)
     try:
         file.write_text(json.dumps(features, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         message = f"--geojson: cannot write {file}: {error.strerror}"
         raise arguments.CommandError(message) from None
-    return True
 
 
 def answer_geojson(answer: Answer, path: Path, names: Sequence[str]) -> dict[str, Any]:
@@ -194,81 +197,83 @@ def _letter(curvature: float) -> str:
 
 def answer_text(answer: Answer) -> str:
     """The answer as a few lines for the terminal."""
-    from dubins_study.study.kinds.table import kind_of
-
-    lines = [
-        _line("verdict", _verdict(answer)),
-        _line("claim", f"{answer.claim}  ({answer.solver})"),
-    ]
-    if answer.presolved and answer.verdict == "none exists":
-        lines.append(_line("presolve", "answered, and the engine was not asked"))
-    proof = str(answer.proof)
-    unchecked = answer.gap is not None and answer.pmp_residual is None
-    if kind_of(answer.scenario, answer.branch).searched and unchecked:
-        proof += "; Pontryagin's conditions were not checked in time"
-    lines.append(_line("proof", proof))
+    fields: dict[str, str] = {}
     if answer.length is not None:
-        ties = [word for word in answer.tied_words if word != answer.reference_word]
-        tied = f"  (tied with {', '.join(ties)})" if ties else ""
-        none = "none" if answer.gap is None else "none: the target is the start"
-        lines = [
-            _line("word", f"{short_word(answer.word or none)}{tied}"),
-            _line("length", f"{answer.length:.12g}"),
-            _line("travel time", f"{answer.travel_time:.12g}"),
-            _line("segments", _segments(answer)),
-            *_optimum(answer),
-            *_shorter(answer),
-            *lines,
-            _line("gap", "–" if answer.gap is None else format(answer.gap, ".3g")),
-            _line("miss", "–" if answer.miss is None else format(answer.miss, ".3g")),
-        ]
+        fields["word"] = _word(answer)
+        fields["length"] = f"{answer.length:.12g}"
+        fields["travel time"] = f"{answer.travel_time:.12g}"
+        fields["segments"] = _segments(answer)
+        fields["optimum"] = _optimum(answer)
+        fields["shorter"] = _shorter(answer)
+    fields["verdict"] = _verdict(answer)
+    fields["claim"] = f"{answer.claim}  ({answer.solver})"
+    if answer.presolved and answer.verdict == "none exists":
+        fields["presolve"] = "answered, and the engine was not asked"
+    fields["proof"] = _proof(answer)
+    if answer.length is not None:
+        fields["gap"] = _number(answer.gap)
+        fields["miss"] = _number(answer.miss)
     if answer.margin is not None:
         circle = f"{answer.margin:.3g} R from the nearer turning circle"
-        lines.append(_line("region", f"{answer.region}, {circle}"))
+        fields["region"] = f"{answer.region}, {circle}"
     if answer.solve_s is not None:
-        built = f", after {_milliseconds(answer.build_s or 0.0)} to build"
-        lines.append(_line("solve time", f"{_milliseconds(answer.solve_s)}{built}"))
+        built = f"after {_milliseconds(answer.build_s or 0.0)} to build"
+        fields["solve time"] = f"{_milliseconds(answer.solve_s)}, {built}"
     elif answer.wall_s is not None:  # it was not solved
-        lines.append(_line("ended after", _milliseconds(answer.wall_s)))
+        fields["ended after"] = _milliseconds(answer.wall_s)
     if answer.false_claim:
-        lines.append("false claim: the claim is stronger than the verdict")
+        fields["false claim:"] = "the claim is stronger than the verdict"
     if answer.false_bound:
-        lines.append("false bound: the solver's lower bound lies above the shortest length")
+        fields["false bound:"] = "the solver's lower bound lies above the shortest length"
     if answer.outcome != Outcome.RETURNED:
-        lines.append(_line("outcome", answer.outcome))
-    if answer.message:
-        lines.append(_line("message", plain(answer.message)))
-    return "\n".join(lines)
+        fields["outcome"] = answer.outcome
+    fields["message"] = answer.message
+    return output.listing(fields)
 
 
-def _optimum(answer: Answer) -> list[str]:
-    """The proven interval around the shortest length of a route, or of a leg to a pose.
+def _word(answer: Answer) -> str:
+    """The word of the path, and the words that are as short."""
+    none = "none" if answer.gap is None else "none: the target is the start"
+    ties = [word for word in answer.tied_words if word != answer.reference_word]
+    tied = f"  (tied with {', '.join(ties)})" if ties else ""
+    return f"{short_word(answer.word or none)}{tied}"
 
-    Of a leg these are several intervals where the length jumps within the rounding of the data.
-    """
-    from dubins_study.study.kinds.table import kind_of, reference_of
 
-    kind = kind_of(answer.scenario, answer.branch)
+def _proof(answer: Answer) -> str:
+    """What is proved of the answer, and what there was no time to check."""
+    from dubins_study.study.kinds.table import kind_of
+
+    unchecked = answer.gap is not None and answer.pmp_residual is None
+    if unchecked and kind_of(answer.scenario, answer.branch).searched:
+        return f"{answer.proof}; Pontryagin's conditions were not checked in time"
+    return str(answer.proof)
+
+
+def _optimum(answer: Answer) -> str:
+    """The proven interval around the shortest length of a route, or of a leg to a pose."""
+    from dubins_study.study.kinds.table import kind_of
+
     low, high = answer.reference_low, answer.reference_high
-    if not kind.by_interval or low is None or high is None:
-        return []
-    parts: tuple[tuple[float, float], ...] = ((low, high),)
-    if not kind.searched:
-        parts = reference_of(answer.scenario, answer.branch).enclosure.parts
+    by_interval = kind_of(answer.scenario, answer.branch).by_interval
+    if low is None or high is None or not by_interval:
+        return ""
+    width = (high - low) / max(high, answer.scenario.radius)
     # as Python writes them: rounded further, they would be no bounds
-    text = " or ".join(f"[{begin!r}, {end!r}]" for begin, end in parts)
-    widest = max(end - begin for begin, end in parts) / max(high, answer.scenario.radius)
-    return [_line("optimum", f"in {text}, relative width {widest:.2g}")]
+    return f"in [{low!r}, {high!r}], relative width {width:.2g}"
 
 
-def _shorter(answer: Answer) -> list[str]:
+def _shorter(answer: Answer) -> str:
     """The length of the check's path where it is shorter than the answer."""
     from dubins_study.asking.attempt import shorter_answer
 
     found = shorter_answer(answer)
     if found is None or found.length is None:
-        return []
-    return [_line("shorter", f"{found.length:.12g}, found by the check: --shortest takes it")]
+        return ""
+    return f"{found.length:.12g}, found by the check: --shortest takes it"
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
 
 
 def _segments(answer: Answer) -> str:
@@ -286,12 +291,6 @@ def _segments(answer: Answer) -> str:
 
 def _milliseconds(seconds: float) -> str:
     return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
-
-
-def _line(name: str, value: str) -> str:
-    """A name and its value, which goes on below itself where the terminal ends."""
-    width = max(output.terminal_width() or 10**6, 40)  # without a terminal, a value is one line
-    return textwrap.fill(f"{name:<12}{value}", width, subsequent_indent=" " * 12, tabsize=1)
 
 
 def _verdict(answer: Answer) -> str:

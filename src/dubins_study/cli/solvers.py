@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dubins_study.cli.terminal.output import listing, plain, table
+from dubins_study.cli.terminal.output import listing, table
 from dubins_study.study.words import FREE_FINAL_HEADING
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def solver_text(entry: Entry) -> str:
             "guarantee": entry.guarantee,
             "takes": ", ".join(entry.takes),
             "branches": ", ".join(entry.branches),
-            "settings": plain(", ".join(f"{k}={v}" for k, v in entry.settings.items())) or "none",
+            "settings": ", ".join(f"{k}={v}" for k, v in entry.settings.items()) or "none",
             "available": _available(entry),
         }
     )
@@ -61,4 +61,4 @@ def _beyond_one_leg(entry: Entry) -> str:
 
 
 def _available(entry: Entry) -> str:
-    return "yes" if entry.reason is None else f"no: {plain(entry.reason)}"
+    return "yes" if entry.reason is None else f"no: {entry.reason}"

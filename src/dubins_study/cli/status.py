@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dubins_study.cli.terminal.arguments import Json
-from dubins_study.cli.terminal.output import duration, plain, table
+from dubins_study.cli.terminal.output import duration, listing, plain, table
 
 if TYPE_CHECKING:
     from dubins_study.experiments.store.status import Status
@@ -36,28 +37,24 @@ def status(
 
 def status_text(progress: Status) -> str:
     """The status as a few lines and two tables for the terminal."""
-    from dubins_study.study.rows.manifest import NOISY
-
-    done = f"{progress.done} of {progress.cells} cells done"
-    lines = [f"{plain(progress.folder)}: {done}, {_state(progress)}"]
-    left = sum(progress.left.values())
-    if left:
-        lines.append(f"left      {left}: {_listed(progress.left)}")
+    fields: dict[str, str] = {}
+    if progress.left:
+        fields["left"] = _largest(progress.left)
+        fields["time left"] = _time_left(progress)
     if progress.failing:
-        lines.append(f"failing   {sum(progress.failing.values())}: {_listed(progress.failing)}")
-    lines += [f"reason    {plain(reason)}" for reason in progress.reasons[:_MOST_NAMES]]
+        fields["failing"] = _largest(progress.failing)
+    fields["reasons"] = "; ".join(progress.reasons[:_MOST_NAMES])
     if progress.stale:
-        lines.append(f"stale     {progress.stale} rows of earlier code, which count for nothing")
+        fields["stale"] = f"{progress.stale} rows of earlier code, which count for nothing"
     if progress.damaged:
-        lines.append(
-            f"damaged   {_some(progress.damaged)}; run again, and its cells are solved again"
+        fields["damaged"] = (
+            f"parts: {progress.damaged}; run again, and their cells are solved again"
         )
     if progress.aside:
-        lines.append(f"set aside {_some(progress.aside)} in damaged/ by earlier runs")
-    if left:
-        lines.append(f"time left {_time_left(progress)}")
-    lines += [_noise(run) for run in progress.runs if run.spread is not None and run.spread > NOISY]
-    return "\n\n".join(["\n".join(lines), *_tables(progress)])
+        fields["set aside"] = f"damaged parts: {progress.aside}, in damaged/ by earlier runs"
+    done = f"{progress.done} of {progress.cells} cells done"
+    head = f"{plain(progress.folder)}: {done}, {_state(progress)}"
+    return "\n\n".join([f"{head}\n{listing(fields)}".rstrip(), *_tables(progress)])
 
 
 def _state(progress: Status) -> str:
@@ -66,54 +63,39 @@ def _state(progress: Status) -> str:
     return "finished" if progress.finished else "not finished: run it again to go on"
 
 
-def _listed(counts: Mapping[str, int]) -> str:
-    """The names with the largest counts, and how many more there are."""
-    largest = sorted(counts.items(), key=lambda item: -item[1])
-    texts = [f"{plain(name)} {number}" for name, number in largest]
-    more = len(texts) - _MOST_NAMES
-    return ", ".join(texts[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
-
-
-def _some(parts: int) -> str:
-    return f"{parts} damaged part{'' if parts == 1 else 's'}"
+def _largest(counts: Mapping[str, int]) -> str:
+    """The sum, the names with the largest counts, and how many more there are."""
+    largest = Counter(counts).most_common(_MOST_NAMES)
+    text = ", ".join(f"{name} {number}" for name, number in largest)
+    more = len(counts) - len(largest)
+    return f"{sum(counts.values())}: {text}" + (f" and {more} more" if more else "")
 
 
 def _time_left(progress: Status) -> str:
-    jobs = f"with {progress.jobs} job{'' if progress.jobs == 1 else 's'}"
     if progress.seconds_left is None:
         return "unknown: no row is done yet to judge by"
-    return f"about {duration(progress.seconds_left)} {jobs}"
-
-
-def _noise(run: RunEntry) -> str:
-    return (
-        f"noise     the machine's speed varied by {100 * (run.spread or 0):.1f} % during run "
-        f"{plain(run.run_id)}: its times are worth that much less"
-    )
+    return f"about {duration(progress.seconds_left)}; jobs: {progress.jobs}"
 
 
 def _tables(progress: Status) -> list[str]:
     tables = []
     kinds = sorted({kind for counts in progress.verdicts.values() for kind in counts})
     if kinds:
-        rows = [
-            (plain(solver), *(str(counts.get(kind, "")) for kind in kinds))
-            for solver, counts in progress.verdicts.items()
-        ]
-        tables.append(table(("solver", *map(plain, kinds)), rows))
+        rows = [(solver, *map(counts.get, kinds)) for solver, counts in progress.verdicts.items()]
+        tables.append(table(("solver", *kinds), rows))
     if progress.runs:
         head = ("run", "started, UTC", "took", "state", "executor", "jobs", "speed varied by")
         tables.append(table(head, [_run(run) for run in progress.runs[-_MOST_RUNS:]]))
     return tables
 
 
-def _run(run: RunEntry) -> tuple[str, ...]:
+def _run(run: RunEntry) -> tuple[object, ...]:
     return (
-        plain(run.run_id),
-        plain(run.started[:19].replace("T", " ")),  # without fractions of a second
-        "" if run.seconds is None else duration(run.seconds),
-        plain(run.state),
-        plain(run.executor),
-        str(run.jobs),
-        "" if run.spread is None else f"{100 * run.spread:.1f} %",
+        run.run_id,
+        run.started[:19].replace("T", " "),  # without fractions of a second
+        None if run.seconds is None else duration(run.seconds),
+        run.state,
+        run.executor,
+        run.jobs,
+        None if run.spread is None else f"{100 * run.spread:.1f} %",
     )

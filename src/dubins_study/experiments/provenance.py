@@ -13,7 +13,6 @@ from pathlib import Path as FilePath
 
 import psutil
 
-THREAD_VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"))
 # Packages that every row depends on, with any solver.
 _BASE_PACKAGES = ("dubins-study", "numpy", "pandas", "pyarrow", "numba")
 
@@ -82,11 +81,6 @@ def governor(cpus: FilePath = FilePath("/sys/devices/system/cpu")) -> str:
 def load_average() -> list[float]:
     """Mean number of processes that wanted a core in the last 1, 5 and 15 minutes."""
     return [round(value, 2) for value in psutil.getloadavg()]
-
-
-def thread_limits() -> dict[str, str]:
-    """The environment variables that are set and limit the threads of numerical libraries."""
-    return {name: value for name in THREAD_VARIABLES if (value := os.environ.get(name))}
 
 
 def _processor() -> str:

@@ -36,7 +36,7 @@ def test_a_drawing_of_no_path(options, tmp_path):
 
     assert done.exit_code == 1
     assert "none exists" in done.stdout
-    assert done.stderr == f"dubins-study: {file} is not written: there is no path\n"
+    assert done.stderr == f"dubins-study: {file} is not written: there is no finite path\n"
     assert not file.exists()
     if "--json" in options:
         answer = json.loads(done.stdout)

@@ -65,14 +65,14 @@ def test_no_plugin_is_loaded_for_a_message(tmp_path):
 
 
 def test_values_of_a_request_have_no_line(tmp_path):
-    """Nor are they the file's: each is named by its argument, and the file's mistakes wait."""
+    """Nor are they the file's: each is named by its key, and the file's mistakes wait."""
     (file := tmp_path / "my.toml").write_text(f"repeats = 3\nseed = -1\n{HEAD}{BLOCK}")
     with pytest.raises(ExperimentError) as error:
         plan_run(Request(file, repeats=0, time_limit=-1.0))
 
     assert str(error.value) == (
         "repeats is 0: expected greater than or equal to 1; "
-        "time_limit is -1.0: expected greater than 0"
+        "time_limit_s is -1.0: expected greater than 0"
     )
 
 

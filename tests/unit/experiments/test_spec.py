@@ -162,7 +162,7 @@ def test_sizes_are_counted_exactly():
         patched.setattr(cells_module, "MOST_CELLS", len(cells))
         chains(experiment)
         patched.setattr(cells_module, "MOST_CELLS", len(cells) - 1)
-        with pytest.raises(ExperimentError, match="40 scenarios and 240 cells"):
+        with pytest.raises(ExperimentError, match="240 cells"):
             chains(experiment)
 
 
@@ -178,11 +178,17 @@ def test_sizes_are_counted_exactly():
         # a key by the name that it had before has no alias
         (HEAD + BLOCK + "begin = {z1 = 0, z2 = 0, z3 = 1}\n", "scenarios.0.begin: unknown key"),
         (HEAD + "time_limit_s = nan\n" + BLOCK, "time_limit_s is nan"),
-        (HEAD + BLOCK + "radius = 2026-01-01\n", "): expected a number, a list of numbers, { lin"),
+        (
+            HEAD + BLOCK + "radius = 2026-01-01\n",
+            "scenarios.0.radius.0 is datetime.date(2026, 1, 1): expected a valid number",
+        ),
         (HEAD + BLOCK + "radius = " + "9" * 5000 + "\n", "not TOML"),
-        (HEAD + BLOCK + sample(10**9, 1), "scenarios.0: 1000000000 scenarios and 1000000000 cel"),
-        (HEAD + "repeats = 1000000000\n" + BLOCK, "scenarios.0: 1 scenarios and 1000000000 cells"),
-        (HEAD + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"), "3000000 cells up to here"),
+        (HEAD + BLOCK + sample(10**9, 1), "1000000000 cells (a cell for every scenario"),
+        (HEAD + "repeats = 1000000000\n" + BLOCK, "1000000000 cells (a cell for every scenario"),
+        (
+            HEAD + 2 * (BLOCK + "x = { linear = [1, 2, 1500000] }\n"),
+            "3000000 cells (a cell for every",
+        ),
     ],
 )
 def test_mistakes_name_file_key_and_value(text, message):

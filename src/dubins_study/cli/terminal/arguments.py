@@ -19,23 +19,13 @@ class CommandError(DubinsStudyError, ValueError):
 
 
 def number(text: str | float) -> float:
-    """A number among the words of an option, or in a file of points."""
+    """The number that a word is."""
     from dubins_study.study.values import number_of_text  # numpy, which no help waits for
 
     try:
         return number_of_text(str(text))
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
-
-
-def lone_number(text: str | float) -> float:
-    """The value of an option that is one number; refused as typer refuses what is none."""
-    from pydantic_core import PydanticKnownError
-
-    try:
-        return number(text)
-    except typer.BadParameter:
-        raise PydanticKnownError("float_parsing") from None
 
 
 class Point(NamedTuple):
@@ -56,14 +46,14 @@ def point(words: Sequence[str] | Point) -> Point:
 
 
 # the question of a solve
-TargetX = Annotated[float, typer.Argument(metavar="X", parser=lone_number, help="target position")]
-TargetY = Annotated[float, typer.Argument(metavar="Y", parser=lone_number, help="target position")]
+TargetX = Annotated[float, typer.Argument(metavar="X", parser=number, help="target position")]
+TargetY = Annotated[float, typer.Argument(metavar="Y", parser=number, help="target position")]
 _OR_LAST = "target position; default: the last point of --via-file"
 MaybeX = Annotated[
-    float | None, typer.Argument(metavar="X", parser=lone_number, help=_OR_LAST, show_default=False)
+    float | None, typer.Argument(metavar="X", parser=number, help=_OR_LAST, show_default=False)
 ]
 MaybeY = Annotated[
-    float | None, typer.Argument(metavar="Y", parser=lone_number, help=_OR_LAST, show_default=False)
+    float | None, typer.Argument(metavar="Y", parser=number, help=_OR_LAST, show_default=False)
 ]
 _FROM = (
     "start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad; headings run counterclockwise from +x (east), "
@@ -84,9 +74,9 @@ FinalHeading = Annotated[
     typer.Option(metavar="HEADING", help="heading at the target, e.g. 90deg; default: free"),
 ]
 Radius = Annotated[
-    float, typer.Option(metavar="NUMBER", parser=lone_number, help="minimum turning radius")
+    float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
-Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=lone_number, help="constant speed")]
+Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
 _BRANCH = "best, LS, RS, LR or RL; with a final heading best, LSL, RSR, LSR, RSL, RLR or LRL"
 Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 # who answers
@@ -114,7 +104,4 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    if via and via[0] == pose[:2]:  # as of a recorded track
-        first = f"the first point, {via[0].x:g},{via[0].y:g}, is the start"
-        raise CommandError(f"{first}; expected the points after it: leave it out, or change --from")
     return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)

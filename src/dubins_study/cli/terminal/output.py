@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import logging
-import math
 import os
 import re
 import shutil
 import sys
+import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stdout
 from enum import IntEnum
 from io import StringIO
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-_INTERVAL_S, _VERBOSE_INTERVAL_S = 30.0, 5.0  # between lines of progress, without a terminal
+_INTERVAL_S = 30.0  # between lines of progress, without a terminal
 _MOMENT_S = 2.0  # that nobody is told about
-_POLL_INTERVAL_S = 0.2
-_NO_TERMINAL_WIDTH = 100_000  # a row of a table is one line
+# Characters in a line: without a terminal, so that a row of a table is one line, and at least.
+_NO_TERMINAL_WIDTH, _LEAST_WIDTH = 100_000, 40
+_NAME_WIDTH = 12  # of a name in a listing, with the space behind it
 _NUMBER = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+)?\s?%?")
 
 
@@ -79,46 +76,55 @@ def terminal_width() -> int | None:
     return shutil.get_terminal_size().columns if is_terminal or os.environ.get("COLUMNS") else None
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """Rows as aligned text, numbers on the right; texts are broken where the terminal ends."""
     from rich import box
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
+    lines = [[_cell(value) for value in row] for row in rows]
     shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for place, name in enumerate(head):
-        number = all(_NUMBER.fullmatch(row[place]) for row in rows if row[place])
+        number = all(_NUMBER.fullmatch(line[place]) for line in lines if line[place])
         shown.add_column(
-            Text(name),  # a name from a results folder may look like markup
+            Text(plain(name)),  # a name from a results folder may look like markup
             justify="right" if number else "left",
             no_wrap=number,
             overflow="ellipsis" if number else "fold",
         )
-    for row in rows:
-        shown.add_row(*map(Text, row))
-    return _printed(shown)
-
-
-def listing(fields: Mapping[str, str]) -> str:
-    """Lines of a name and its value; empty values are left out."""
-    from rich.table import Table
-    from rich.text import Text
-
-    shown = Table.grid(padding=(0, 2, 0, 0))
-    shown.add_column(no_wrap=True)
-    shown.add_column(overflow="fold")
-    for name, value in fields.items():
-        if value:
-            shown.add_row(name, Text(value))
-    return _printed(shown)
-
-
-def _printed(shown: Table) -> str:
-    from rich.console import Console
-
-    written, width = StringIO(), terminal_width() or _NO_TERMINAL_WIDTH
+    for line in lines:
+        shown.add_row(*map(Text, line))
+    written = StringIO()
+    width = terminal_width() or _NO_TERMINAL_WIDTH
     Console(file=written, width=width, highlight=False, no_color=True).print(shown)
     return "\n".join(line.rstrip() for line in written.getvalue().splitlines()).strip("\n")
+
+
+def _cell(value: object) -> str:
+    """A value as a table shows it; nothing where it is missing."""
+    if value is None or value != value:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return plain(str(value))
+
+
+def listing(fields: Mapping[str, object]) -> str:
+    """Lines of a name and its value; empty values are left out.
+
+    A value goes on below itself where the terminal ends.
+    """
+    width = max(terminal_width() or _NO_TERMINAL_WIDTH, _LEAST_WIDTH)
+    indent = " " * _NAME_WIDTH
+    lines = []
+    for name, value in fields.items():
+        if text := _cell(value):
+            line = f"{name:<{_NAME_WIDTH}}{text}"
+            lines.append(textwrap.fill(line, width, subsequent_indent=indent))
+    return "\n".join(lines)
 
 
 @contextmanager
@@ -140,10 +146,10 @@ def solvers_to_stderr() -> Iterator[None]:
 
 @contextmanager
 def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None]]:
-    """One line on stderr about what is done and the time left; yields a function of both numbers.
+    """One line on stderr about what is done; yields a function of the numbers done and to do.
 
-    Without a terminal it is a plain line every half minute, every few seconds if the command is
-    verbose. Nothing is written if it is quiet. `counts` is set to the numbers done and to do.
+    Without a terminal it is a plain line every half minute. Nothing is written if the command is
+    quiet. `counts` is set to the numbers done and to do.
     """
     moved = _bar(what) if is_terminal() else nullcontext(_lines(what))
     with nullcontext(None) if verbosity() == Verbosity.QUIET else moved as move:
@@ -156,29 +162,6 @@ def progress(what: str, counts: list[int]) -> Iterator[Callable[[int, int], None
         yield note
 
 
-@contextmanager
-def waiting(what: str, seconds: float) -> Iterator[None]:
-    """Show progress while a block takes longer than a moment, by the seconds that it may take."""
-    ended = threading.Event()
-    began = time.monotonic()
-
-    def show(move: Callable[[int, int], None]) -> None:
-        pause = _MOMENT_S
-        while not ended.wait(pause):
-            passed = time.monotonic() - began
-            move(min(round(passed), math.ceil(seconds)), math.ceil(seconds))
-            pause = _POLL_INTERVAL_S
-
-    with progress(what, [0, 0]) as move:
-        watch = threading.Thread(target=show, args=(move,), daemon=True)
-        watch.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            watch.join()
-
-
 def is_terminal() -> bool:
     """Whether stderr is a terminal that moves its cursor."""
     return sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
@@ -186,6 +169,7 @@ def is_terminal() -> bool:
 
 @contextmanager
 def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar, and the time left."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Remaining
@@ -210,21 +194,15 @@ def _bar(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 def _lines(what: str) -> Callable[[int, int], None]:
-    interval_s = _VERBOSE_INTERVAL_S if verbosity() == Verbosity.VERBOSE else _INTERVAL_S
-    started = written = time.monotonic()
-    first: int | None = None
+    """A line every half minute."""
+    written = time.monotonic()
 
     def move(done: int, total: int) -> None:
-        nonlocal first, written
+        nonlocal written
         now = time.monotonic()
-        if first is None:
-            first = done
-        if now - written < interval_s or done >= total or sys.stderr is None:
-            return
-        written = now
-        left = (now - started) / (done - first) * (total - done) if done > first else None
-        text = "" if left is None else f", about {duration(left)} left"
-        print(f"dubins-study: {plain(what)}: {done} of {total} done{text}", file=sys.stderr)
+        if now - written >= _INTERVAL_S and done < total and sys.stderr is not None:
+            written = now
+            print(f"dubins-study: {plain(what)}: {done} of {total} done", file=sys.stderr)
 
     return move
 
@@ -239,9 +217,10 @@ def duration(seconds: float) -> str:
 
 @contextmanager
 def steps(what: str) -> Iterator[Callable[[str], None]]:
-    """One line on stderr that names the step of a command which cannot count; nothing if quiet.
+    """One line on stderr about a command that takes longer than a moment and cannot count.
 
-    Without a terminal the steps are lines of a verbose command only.
+    Yields a function that shows the name of the next step. Without a terminal the steps are lines
+    of a verbose command only.
     """
     if verbosity() == Verbosity.QUIET or not is_terminal():
 
@@ -254,5 +233,12 @@ def steps(what: str) -> Iterator[Callable[[str], None]]:
     from rich.console import Console
     from rich.text import Text
 
-    with Console(stderr=True).status(Text(plain(what))) as status:
+    status = Console(stderr=True).status(Text(plain(what)))
+    timer = threading.Timer(_MOMENT_S, status.start)
+    timer.start()
+    try:
         yield lambda text: status.update(Text(f"{plain(what)}: {plain(text)}"))
+    finally:
+        timer.cancel()
+        timer.join()
+        status.stop()

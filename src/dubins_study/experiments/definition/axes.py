@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -11,21 +11,22 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
-    Discriminator,
     Field,
-    Tag,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
     WithJsonSchema,
+    WrapValidator,
+    model_validator,
 )
 
 from dubins_study.study.angle import parse_angle
-from dubins_study.study.values import real_number
 
+_NUMBER_SCHEMA = {"type": ["number", "string"]}  # a text is an angle, such as "120deg"
 Number = Annotated[
     float,
     BeforeValidator(lambda value: parse_angle(value) if isinstance(value, str) else value),
     Field(allow_inf_nan=False, strict=True),
-    WithJsonSchema({"type": ["number", "string"]}),  # a text is an angle, such as "120deg"
+    WithJsonSchema(_NUMBER_SCHEMA),
 ]
 _AboveZero = Annotated[Number, Field(gt=0)]
 Count = Annotated[int, Field(ge=1, le=10**9, strict=True)]
@@ -58,115 +59,92 @@ class StrictModel(BaseModel):
     )
 
 
-class Linear(StrictModel):
-    """`[first, last, count]`: `count` evenly spaced values from the first to the last."""
+class Spaced(StrictModel):
+    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
 
-    linear: tuple[Number, Number, _AxisCount]
-    """First value, last value, and how many."""
+    linear: tuple[Number, Number, _AxisCount] | None = None
+    log: tuple[_AboveZero, _AboveZero, _AxisCount] | None = None
 
+    @model_validator(mode="after")
+    def _check_law(self) -> Spaced:
+        if (self.linear is None) == (self.log is None):
+            raise ValueError(
+                "expected { linear = [first, last, count] } or { log = [first, last, count] }"
+            )
+        return self
 
-class Log(StrictModel):
-    """`[first, last, count]`: `count` values whose logarithms are evenly spaced."""
-
-    log: tuple[_AboveZero, _AboveZero, _AxisCount]
-    """First value, last value, and how many; both values are above 0."""
-
-
-class LinearRange(StrictModel):
-    """`[low, high]`: sampled values are spread uniformly between the two."""
-
-    linear: tuple[Number, Number]
-    """Least and largest value."""
-
-
-class LogRange(StrictModel):
-    """`[low, high]`: the logarithms of sampled values are spread uniformly; both are above 0."""
-
-    log: tuple[_AboveZero, _AboveZero]
-    """Least and largest value, both above 0."""
-
-
-# A value is written in one of several ways. A step of an error's location with this beginning
-# names the way and is no key of the file.
-WAY = "way:"
-
-
-def _way(value: Any) -> str | None:
-    """The way in which a value of an axis or a range is written; None if it is none of them."""
-    if isinstance(value, dict):
-        return next((f"{WAY}{key}" for key in ("linear", "log") if key in value), None)
-    if isinstance(value, list):
-        return f"{WAY}list"
-    return f"{WAY}number" if isinstance(value, bool | int | float | str) else None
-
-
-def _written_as(expected: str) -> Discriminator:
-    return Discriminator(_way, custom_error_type="way", custom_error_message=expected)
-
-
-def _written_out(axis: Any) -> tuple[Any, ...]:
-    """All values of an axis."""
-    if isinstance(axis, Linear):
-        return tuple(np.linspace(*axis.linear).tolist())
-    if isinstance(axis, Log):
-        first, last, count = axis.log
+    def values(self) -> list[float]:
+        """All values, the first and the last included."""
+        if self.log is None:
+            assert self.linear is not None
+            return list(np.linspace(*self.linear).tolist())
+        first, last, count = self.log
         powers = np.linspace(math.log10(first), math.log10(last), count).tolist()
         # not by numpy, whose powers differ in the last bit between processors
         values = [10.0**power for power in powers]
-        values[-1], values[0] = last, first
-        return tuple(values)
-    return tuple(axis) if isinstance(axis, list) else (axis,)
+        values[-1] = last
+        values[0] = first
+        return values
 
 
-if TYPE_CHECKING:
-    Axis = tuple[float, ...]
-    LegCounts = tuple[int, ...]
-else:
-    # The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
-    Axis = Annotated[
-        Annotated[Number, Tag(f"{WAY}number")]
-        | Annotated[list[Number], Field(min_length=1), Tag(f"{WAY}list")]
-        | Annotated[Linear, Tag(f"{WAY}linear")]
-        | Annotated[Log, Tag(f"{WAY}log")],
-        _written_as(
-            "expected a number, a list of numbers, { linear = [first, last, count] } "
-            "or { log = [first, last, count] }"
-        ),
-        AfterValidator(_written_out),
-    ]
-    # Numbers of legs, written as one or several.
-    LegCounts = Annotated[
-        Annotated[LegCount, Tag(f"{WAY}number")]
-        | Annotated[list[LegCount], Field(min_length=1), Tag(f"{WAY}list")],
-        _written_as("expected a whole number or a list of whole numbers"),
-        AfterValidator(_written_out),
-    ]
-Range = Annotated[
-    Annotated[LinearRange, Tag(f"{WAY}linear")] | Annotated[LogRange, Tag(f"{WAY}log")],
-    _written_as("expected { linear = [low, high] } or { log = [low, high] }"),
+class Range(StrictModel):
+    """Sampled values are spread uniformly (`linear`), or their logarithms are (`log`)."""
+
+    linear: tuple[Number, Number] | None = None
+    """Least and largest value."""
+    log: tuple[_AboveZero, _AboveZero] | None = None
+    """Least and largest value, both above 0."""
+
+    @model_validator(mode="after")
+    def _check_law(self) -> Range:
+        if (self.linear is None) == (self.log is None):
+            raise ValueError("expected { linear = [low, high] } or { log = [low, high] }")
+        return self
+
+
+def _written_out(written: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+    """The list of all values of an axis."""
+    if isinstance(written, dict):
+        return Spaced.model_validate(written).values()
+    return validate(written if isinstance(written, list) else [written])
+
+
+_NUMBERS_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}
+_SPACED_SCHEMA = {
+    "type": "object",
+    "properties": {"linear": _NUMBERS_SCHEMA, "log": _NUMBERS_SCHEMA},
+    "additionalProperties": False,
+}
+_LEGS_SCHEMA = {"type": "integer", "minimum": 1}
+# The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
+Axis = Annotated[
+    list[Number],
+    Field(min_length=1),
+    WrapValidator(_written_out),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _NUMBERS_SCHEMA, _SPACED_SCHEMA]}),
+]
+# Numbers of legs, written as one or several.
+LegCounts = Annotated[
+    list[LegCount],
+    Field(min_length=1),
+    WrapValidator(_written_out),
+    WithJsonSchema({"anyOf": [_LEGS_SCHEMA, {"type": "array", "items": _LEGS_SCHEMA}]}),
 ]
 
 
-def _via_lists(value: Any) -> Any:
+def _as_lists(value: Any) -> Any:
     """The via points of each scenario: one list of points is that of all."""
-    expected = "expected points such as [[1, 2], [3, 4]], or a list of such lists"
-    if not isinstance(value, list) or not all(isinstance(item, list) for item in value):
-        raise ValueError(expected)
-    one = all(item and not any(isinstance(part, list) for part in item) for item in value)
-    try:
-        return [
-            [(real_number(x), real_number(y)) for x, y in via]
-            for via in ([value] if one else value)
-        ]
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError(expected) from None
+    items = value if isinstance(value, list) else [None]
+    one = all(isinstance(item, list) and item and type(item[0]) is not list for item in items)
+    return [value] if one else value
 
 
+_Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 _POINTS_SCHEMA = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
-Points = tuple[tuple[float, float], ...]
+Points = tuple[tuple[_Coordinate, _Coordinate], ...]
 # The via points of a scenario, or of several.
 ViaLists = Annotated[
     tuple[Points, ...],
-    BeforeValidator(_via_lists),
+    BeforeValidator(_as_lists),
     WithJsonSchema({"anyOf": [_POINTS_SCHEMA, {"type": "array", "items": _POINTS_SCHEMA}]}),
 ]

@@ -21,7 +21,6 @@ from dubins_study.experiments.definition.axes import (
 )
 from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import (
-    FIELDS,
     Block,
     Branches,
     GuessLengths,
@@ -169,7 +168,6 @@ TABLE_KEYS = {
     "first": tuple(First.model_fields),
     "scenarios": tuple(Block.model_fields),
     "sample": tuple(Sample.model_fields),
-    "ranges": FIELDS,
     "route": tuple(Route.model_fields),
     "guess_lengths": tuple(GuessLengths.model_fields),
 }

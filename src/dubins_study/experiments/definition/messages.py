@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from dubins_study.experiments.definition.axes import WAY
 from dubins_study.study.values import did_you_mean, nearest, plain, short
 
 # Steps from the file to a value: keys of tables, numbers of items of lists, or an item's text.
@@ -16,23 +15,22 @@ KeyPath = tuple[str | int, ...]
 
 
 def line_of(path: KeyPath, text: str) -> int | None:
-    """The line, from 1, of a value, or of the innermost key around it that a search finds."""
+    """The line, from 1, of a value, or of the innermost key around it that a search finds.
+
+    The search goes from key to key, and reads no TOML: a key in a comment may mislead it.
+    """
     place = 0
     for depth, step in enumerate(path):
-        before = path[depth - 1] if depth else None
-        name = rf"""["']?{re.escape(str(before if isinstance(step, int) else step))}["']?"""
         if isinstance(step, int):  # of a list of tables; no other list has keys in its items
+            name = re.escape(str(path[depth - 1]))
             headers = [*re.finditer(rf"^[ \t]*\[\[[ \t]*{name}[ \t]*\]", text, re.MULTILINE)]
-            place = headers[step].end() if step < len(headers) else place
+            if step < len(headers):
+                place = headers[step].end()
             continue
-        begins_line = rf"^[ \t]*(?:\[(?:[^\]\n]*[\[. \t])?)?{name}[ \t]*[.=\]]"
-        within_line = re.compile(rf"""[{{,.][ \t]*{name}[ \t]*[.=]|["']{re.escape(step)}["']""")
-        found = re.compile(begins_line, re.MULTILINE).search(text, place)
-        beside = within_line.search(text, place)
-        if beside and (
-            not found or (isinstance(before, str) and "\n" not in text[place : beside.start()])
-        ):
-            found = beside  # in a table or a list that is written within a line
+        name = re.escape(step)
+        key = rf"""(?<![\w-])["']?{name}["']?[ \t]*[.=\]]"""
+        item = rf"""["']{name}["']"""
+        found = re.compile(f"{key}|{item}").search(text, place)
         if found is None:
             break
         place = found.end() - 1
@@ -68,7 +66,7 @@ def refusal(file: str, problems: list[Problem], text: str = "") -> str:
 
 def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
     """Every mistake that pydantic found."""
-    errors = [(_path(each["loc"]), each) for each in error.errors(include_url=False)]
+    errors = [(each["loc"], each) for each in error.errors(include_url=False)]
     misspelt = {
         (*path[:-1], nearest(path[-1], _keys_beside(path, known)))
         for path, each in errors
@@ -84,11 +82,6 @@ def problems_of(error: ValidationError, known: TableKeys) -> list[Problem]:
         elif path not in misspelt:  # a key that is missing because it is misspelt is one mistake
             problems.append(Problem(path[:-1], f"{_key(path)}: missing"))
     return problems
-
-
-def _path(location: KeyPath) -> KeyPath:
-    """The steps of a location that are keys and numbers of the file."""
-    return tuple(step for step in location if not str(step).startswith(WAY))
 
 
 def _keys_beside(path: KeyPath, known: TableKeys) -> Iterable[str]:

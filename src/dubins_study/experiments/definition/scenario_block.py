@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
-    BeforeValidator,
     Field,
     ValidationInfo,
-    ValidatorFunctionWrapHandler,
-    create_model,
     field_validator,
     model_validator,
 )
@@ -48,65 +44,33 @@ SPACINGS = {
 }
 if TYPE_CHECKING:
     Branch = str
+    FieldName = str
     SpacingName = str
 else:
-    Branch, SpacingName = Literal[EVERY_BRANCH], Literal[tuple(SPACINGS)]
+    Branch = Literal[EVERY_BRANCH]
+    FieldName = Literal[FIELDS]
+    SpacingName = Literal[tuple(SPACINGS)]
 Branches = Annotated[list[Branch], Field(min_length=1)]
 _MOST_LEGS = 10**7  # of all routes of a block: 160 MB
 
-_MAX_GUESS_LENGTH = 1e6  # radii; longer than any useful path
-# Field -> the rule of its values.
-_RULES: dict[str, tuple[Callable[[float], bool], str]] = {
-    "radius": (lambda value: value > 0, "above 0"),
-    "speed": (lambda value: value > 0, "above 0"),
-    "distance": (lambda value: value >= 0, "of at least 0 (a target behind has bearing 180deg)"),
-    "margin": (lambda value: value >= -1, "of at least -1, the circle's centre"),
-    **dict.fromkeys(
-        ("z1", "z2", "z3"),
-        (lambda value: 0 <= value <= _MAX_GUESS_LENGTH, f"from 0 to {_MAX_GUESS_LENGTH:g} radii"),
-    ),
-}
+
+def _numbers(written: Any) -> list[Any]:
+    """What stands for numbers in an axis or a range; of evenly spaced ones not their count."""
+    if isinstance(written, dict):
+        ends = next(iter(written.values()), None)
+        return ends[:2] if isinstance(ends, list) else []
+    return written if isinstance(written, list) else [written]
 
 
-class _Fields(StrictModel):
-    """A table with fields of scenarios or of guesses, whose values keep the rules of the field."""
-
-    @field_validator("*", mode="wrap")
-    @classmethod
-    def _check_values(
-        cls, written: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
-    ) -> Any:
-        name = str(info.field_name)
-        items = next(iter(written.values()), None) if isinstance(written, dict) else written
-        items = items if isinstance(items, list) else [items]
+def _check_texts(name: str, written: Any) -> None:
+    """Refuse a text for a number, and an angle that is no text beyond a full turn."""
+    for item in _numbers(written):
         if name in _ANGLES:
-            for number in items[:2] if isinstance(written, dict) else items:
-                if isinstance(number, int | float) and abs(number) > LARGEST_BARE:
-                    parse_angle(number)  # refuses it, and says what to write
-        elif name in FIELDS and any(isinstance(item, str) for item in items):
+            if isinstance(item, int | float) and abs(item) > LARGEST_BARE:
+                parse_angle(item)  # refuses it, and says what to write
+        elif isinstance(item, str):
             angles = ", ".join(_ANGLES)
             raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
-        axis = validate(written)
-        holds, rule = _RULES.get(name, (None, ""))
-        if axis is None or holds is None:
-            return axis
-        [values] = [axis] if isinstance(axis, tuple) else vars(axis).values()  # a range's ends
-        wrong = ", ".join(str(value) for value in values if not holds(value))
-        if wrong:
-            raise ValueError(f"expected a number {rule}; got {wrong}")
-        return axis
-
-
-_Ranges = create_model(  # type: ignore[call-overload]
-    "_Ranges", __base__=_Fields, **dict.fromkeys(FIELDS, (Range | None, None))
-)
-
-
-def _check_ranges(ranges: object) -> object:
-    """Check ranges field by field; they keep their order, in which a sample is drawn."""
-    if isinstance(ranges, dict):
-        _Ranges.model_validate(ranges)
-    return ranges
 
 
 class Sample(StrictModel):
@@ -118,8 +82,16 @@ class Sample(StrictModel):
     """Number of scenarios."""
     seed: Seed
     """The same seed draws the same points."""
-    ranges: Annotated[dict[str, Range], Field(min_length=1), BeforeValidator(_check_ranges)]
+    ranges: Annotated[dict[FieldName, Range], Field(min_length=1)]
     """Field -> its range; a field of the block that is not named here has the block's value."""
+
+    @field_validator("ranges", mode="before")
+    @classmethod
+    def _check_ranges(cls, ranges: Any) -> Any:
+        if isinstance(ranges, dict):
+            for name, written in ranges.items():
+                _check_texts(name, written)
+        return ranges
 
 
 class Route(StrictModel):
@@ -148,7 +120,7 @@ class Route(StrictModel):
         return self
 
 
-class GuessLengths(_Fields):
+class GuessLengths(StrictModel):
     """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
 
     z1 is the length of the left turn, z2 of the right turn, z3 of the straight. The initial guesses
@@ -162,6 +134,13 @@ class GuessLengths(_Fields):
     z3: Axis
     """Length of the straight."""
 
+    @field_validator("z1", "z2", "z3")
+    @classmethod
+    def _check_lengths(cls, lengths: Axis) -> Axis:
+        if min(lengths) < 0:
+            raise ValueError("expected lengths of at least 0")
+        return lengths
+
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
         return self.z1, self.z2, self.z3
@@ -171,7 +150,7 @@ _ZERO: Any = 0.0  # as a file writes it
 _ONE: Any = 1.0
 
 
-class Block(_Fields):
+class Block(StrictModel):
     """Scenarios: all combinations of the fields' values, or a sample.
 
     The target is written in one of these ways:
@@ -200,7 +179,7 @@ class Block(_Fields):
     target_y: Axis | None = None
     """Target position."""
     distance: Axis | None = None
-    """Distance of the target, in radii; at least 0."""
+    """Distance of the target, in radii."""
     bearing: Axis | None = None
     """Direction of the target from the start's heading: radians, or a text."""
     arc: Axis | None = None
@@ -227,6 +206,12 @@ class Block(_Fields):
     """Replaces the experiment's time limit for this block."""
     guess_lengths: GuessLengths | None = None
     """Initial guesses of the local solvers with `initial_guess=given`, instead of cold ones."""
+
+    @field_validator(*FIELDS, mode="before")
+    @classmethod
+    def _check_field(cls, written: Any, info: ValidationInfo) -> Any:
+        _check_texts(str(info.field_name), written)
+        return written
 
     @model_validator(mode="after")
     def _check_target(self) -> Block:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import logging
-import math
 import pickle
 from collections import deque
 from collections.abc import Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from queue import Empty, SimpleQueue
-from time import monotonic
+from time import sleep
 from typing import Any
 
 from dubins_study.asking.reply import exception_text
@@ -33,10 +31,8 @@ _UNITS_PER_THREAD = 2
 # Retries of a unit that raised an exception. Dask itself counts workers that die
 # (`allowed-failures`).
 _RETRIES = 1
-# After this many seconds without a reply, yield an empty list, so that the caller can write rows.
-_YIELD_INTERVAL_S = 0.2
-# Seconds between two counts of the threads, since workers come and go.
-_COUNT_INTERVAL_S = 1.0
+# Seconds between two looks for replies; each yields, so that the caller can write rows.
+_POLL_INTERVAL_S = 0.1
 # Seconds to wait for a result, and for an answer of the scheduler or of every worker.
 _FETCH_WAIT_S, _ANSWER_WAIT_S = 30.0, 10.0
 _LOST = "the connection to the Dask scheduler is lost"
@@ -89,9 +85,10 @@ class _Submission:
         self._client, self._settings, self._probed = client, unit.settings, probed
         self._waiting: deque[Chain] = deque(unit.chains)
         self._before = dict(unit.before)
-        self._units: dict[str, tuple[Any, WorkUnit]] = {}  # Dask's key -> (future, unit)
-        self._ended: SimpleQueue[Any] = SimpleQueue()
-        self._sent, self._threads, self._counted_s, self._warned = 0, 0, -math.inf, False
+        self._units: dict[Any, WorkUnit] = {}  # by Dask's future
+        self._sent = 0
+        self._threads = 0
+        self._warned = False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
         self._machines: dict[str, int] = {}
 
@@ -107,37 +104,33 @@ class _Submission:
             if stopping and not self._threads:
                 return
             self._submit()
-            try:
-                future = self._ended.get(timeout=_YIELD_INTERVAL_S)
-            except Empty:
+            ended = [future for future in self._units if future.done()]
+            if not ended:
+                sleep(_POLL_INTERVAL_S)
                 yield []
-                continue
-            reply = self._reply(future)
-            if reply is None:
-                continue
-            _, unit = self._units.pop(future.key)
-            if reply.probes_s:
+            for future in ended:
+                reply = self._reply(future)
+                if reply is None:
+                    continue
+                unit = self._units.pop(future)
                 number = self._machines.setdefault(reply.machine, len(self._machines) + 1)
                 for seconds in reply.probes_s:
                     self._probed(seconds, number)
-            rows: list[Row] = reply.rows.to_pylist()
-            yield rows
-            if reply.refusal:
-                raise RunError(reply.refusal)
-            if not (stopping or stop.requested):
-                # what the worker has not solved comes first again
-                rest = unit.remaining({row_key(row): row_path(row) for row in rows})
-                self._waiting.extendleft(reversed(rest.chains))
-                self._before |= rest.before
+                rows: list[Row] = reply.rows.to_pylist()
+                yield rows
+                if reply.refusal:
+                    raise RunError(reply.refusal)
+                if not (stopping or stop.requested):
+                    # what the worker has not solved comes first again
+                    rest = unit.remaining({row_key(row): row_path(row) for row in rows})
+                    self._waiting.extendleft(reversed(rest.chains))
+                    self._before |= rest.before
 
     def _count_threads(self) -> None:
-        if monotonic() - self._counted_s < _COUNT_INTERVAL_S:
-            return
         if self._client.status not in ("running", "connecting"):
             raise RunError(_LOST)
         with suppress(OSError, TimeoutError):  # perhaps lost for a moment: count again later
             self._threads = sum(self._client.nthreads().values())
-        self._counted_s = monotonic()
         if self._threads == 0 and not self._warned:
             self._warned = True
             _LOG.warning("dubins-study: the Dask scheduler has no workers; waiting for the first")
@@ -160,26 +153,19 @@ class _Submission:
             future = self._client.submit(
                 function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
             )
-            self._units[key] = future, unit
-            future.add_done_callback(self._ended.put)
+            self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:
-        """A worker's reply; None if it did not arrive, in which case another reply will come."""
-        if future.key not in self._units:
-            return None
+        """A worker's reply; None if the worker that held it has died: another solves the unit."""
         if future.status == "cancelled":
             raise RunError(_LOST)
         try:
-            if future.done():
-                reply: UnitReply = future.result(timeout=_FETCH_WAIT_S)
-                return reply
+            reply: UnitReply = future.result(timeout=_FETCH_WAIT_S)
         except TimeoutError:
-            pass
+            return None
         except Exception as error:  # any error of Dask, in this process or in a worker
             raise RunError(_explanation(error)) from None
-        # The worker that held the rows has died: another worker solves the unit.
-        future.add_done_callback(self._ended.put)
-        return None
+        return reply
 
     def _call_workers(self, name: str) -> None:
         """Call a function of `dask_worker` with the run's id in every worker that answers."""
@@ -195,7 +181,7 @@ class _Submission:
         """Stop all solves of this run on the cluster."""
         if self._units:
             with suppress(Exception):
-                self._client.cancel([future for future, _ in self._units.values()])
+                self._client.cancel([*self._units])
             self._units.clear()
         self._call_workers("end_run")
 

@@ -151,7 +151,8 @@ def fork(function: str, arguments: list[Any]) -> ForkedProcess:
     hold. The new process gets the caller's environment and working directory, and the caller's
     `sys.path` without the working directory.
     """
-    message = [function, arguments, _search_path(), dict(os.environ), _directory()]
+    directory = os.getcwd()  # noqa: PTH109
+    message = [function, arguments, _search_path(), dict(os.environ), directory]
     reason: OSError | None = None
     for _attempt in range(2):  # the server may have been killed just now
         try:
@@ -190,15 +191,8 @@ def _forked(message: list[Any]) -> ForkedProcess:
 def _search_path() -> list[str]:
     """The caller's `sys.path` without its working directory, whose files may hide a package."""
     entries = [os.path.abspath(entry) for entry in sys.path if entry]  # noqa: PTH100
-    entries = [entry for entry in entries if entry != _directory()]
+    entries = [entry for entry in entries if entry != os.getcwd()]  # noqa: PTH109
     return entries if _PACKAGE_FOLDER in entries else [*entries, _PACKAGE_FOLDER]
-
-
-def _directory() -> str:
-    try:
-        return os.getcwd()  # noqa: PTH109
-    except OSError:  # the working directory was removed
-        return "/"
 
 
 # The server's own process.
@@ -303,8 +297,7 @@ def _run_child(server: int, output: int, line: int) -> None:
         sys.path[:] = path
         os.environ.clear()
         os.environ.update(environment)
-        with suppress(OSError):  # the directory was removed meanwhile
-            os.chdir(directory)
+        os.chdir(directory)
         module, _, name = function.partition(":")
         getattr(import_module(module), name)(channel, *arguments)
         code = 0

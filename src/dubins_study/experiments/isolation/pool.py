@@ -276,13 +276,11 @@ class WorkerPool:
         """The job that was answered with its reply, if the task was to solve one."""
         self._false_starts = 0
         task, value, _ = answer
-        waited_s = monotonic() - task.put_s
-        possible = task.allowance is _PROBING and 0 < value <= waited_s
-        if possible and self._probed is not None:  # else a library has replaced the worker's clock
+        if task.allowance is _PROBING and self._probed is not None:
             self._probed(value)
         if not _solves(task):
             return []
-        reply = with_possible_times(decode_reply(value), waited_s)
+        reply = with_possible_times(decode_reply(value), monotonic() - task.put_s)
         self._expected_s[task.tag.solver_key] = reply.times.wall_s or 0.0
         return [(task.tag, reply)]
 

@@ -7,7 +7,6 @@ that we forget to restore would affect later answers. Our own solvers are not wa
 
 from __future__ import annotations
 
-import decimal
 import gc
 import locale
 import os
@@ -39,7 +38,6 @@ _MARGIN_BYTES = 512 * 2**20
 SEED = 0
 
 _SIGNALS = [s for s in signal.Signals if s not in (signal.SIGKILL, signal.SIGSTOP)]
-_RLIMITS = sorted({getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")})
 # Share of the memory limit that solves may leave allocated, and number of files that they may leave
 # open.
 _MAX_LEAK_SHARE, _MAX_OPEN_FILES = 0.25, 64
@@ -60,7 +58,6 @@ def bound_process(memory_bytes: int) -> None:
 
 def _state() -> dict[str, Any]:
     """What libraries change for the whole process, but for their thread counts."""
-    context = decimal.getcontext()
     return {
         "working directory": os.getcwd(),  # noqa: PTH109
         "environment variables": os.environ.copy(),
@@ -68,15 +65,12 @@ def _state() -> dict[str, Any]:
         "warnings filters": warnings.filters[:],
         "numpy's error handling": np.geterr(),
         "locale": locale.setlocale(locale.LC_ALL),
-        "decimal context": (id(context), context.prec, context.rounding),
         "recursion limit": sys.getrecursionlimit(),
         "garbage collector": gc.isenabled(),
-        "exception hooks": (sys.excepthook, sys.unraisablehook, threading.excepthook),
         "threads": threading.enumerate(),
         "signal handlers": [signal.getsignal(number) for number in _SIGNALS],
         "clock": _clocks(time),
         "timers": signal.getitimer(signal.ITIMER_REAL)[0] > 0,
-        "resource limits": [resource.getrlimit(number) for number in _RLIMITS],
         "standard streams": (sys.stdin, sys.stdout, sys.stderr, *map(_file, range(3))),
         "processor affinity": (
             os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None

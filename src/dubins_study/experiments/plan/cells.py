@@ -30,7 +30,6 @@ from dubins_study.study.scenario import Scenario
 
 # A cell takes about 700 bytes of memory until its row is written.
 MOST_CELLS = 2_000_000
-_MOST_SEARCHED = 100_000  # scenarios of a block that are looked through for more problems
 
 
 class BlockPlan(NamedTuple):
@@ -74,10 +73,12 @@ class BlockPlan(NamedTuple):
             yield " ".join(repr(length) for length in point)
 
 
-def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]:
-    """The plans of all blocks, and a problem for each block that has too many cells to be one."""
-    plans, problems = [], []
-    total = 0
+def block_plans(
+    experiment: Experiment, file: str = "the experiment", text: str = ""
+) -> list[BlockPlan]:
+    """The plans of all blocks; solvers that take no guess, and too many cells, are refused."""
+    plans: list[BlockPlan] = []
+    problems: list[Problem] = []
     for number, block in enumerate(experiment.blocks):
         path: KeyPath = ("scenarios", number) if number < len(experiment.scenarios) else ("first",)
         profile = experiment.profile
@@ -96,25 +97,20 @@ def block_plans(experiment: Experiment) -> tuple[list[BlockPlan], list[Problem]]
         if block.guess_lengths is not None and cold and "*" not in named:
             sentence = f"{plan.key}: {cold[0]} takes no initial guess"
             problems.append(Problem(path, f"{sentence}; expected only solvers that do, or *"))
-        if total + plan.cells <= MOST_CELLS:
-            plans.append(plan)
-            total += plan.cells
-        else:  # told before it is expanded, since it may be too large for the memory
-            sentence = (
-                f"{plan.key}: {block_size(block)} scenarios and {plan.cells} cells (a cell for "
-                "every solver, branch, initial guess and repeat), "
-                f"{total + plan.cells} cells up to here; expected at most {MOST_CELLS} in all"
-            )
-            problems.append(Problem(path, sentence))
-    return plans, problems
+        plans.append(plan)
+    total = sum(plan.cells for plan in plans)
+    if total > MOST_CELLS:  # told before it is expanded, since it may be too large for the memory
+        sentence = f"{total} cells (a cell for every scenario, solver, branch, initial guess and"
+        problems.append(Problem((), f"{sentence} repeat); expected at most {MOST_CELLS}"))
+    if problems:
+        raise ExperimentError(refusal(file, problems, text))
+    return plans
 
 
 def overview(file: ExperimentFile) -> dict[str, Any]:
     """An experiment in numbers; its scenarios count once for every block that asks about them."""
     experiment = file.experiment
-    plans, problems = block_plans(experiment)
-    if problems:
-        raise ExperimentError(refusal(file.path, problems, file.text))
+    plans = block_plans(experiment, file.path, file.text)
     keys = {"title", "question", "repeats", "time_limit_s", "memory_limit_gib", "profile"}
     return {
         "name": file.name,
@@ -158,15 +154,13 @@ def chains(experiment: Experiment, file: str = "the experiment", text: str = "")
     """All cells of an experiment in the order of its file, grouped into chains.
 
     A cell that several blocks ask for is listed once. Blocks that are not valid are refused
-    together, by their lines in the file's text. Once there is a problem, large blocks are not
-    looked through.
+    together, by their lines in the file's text.
     """
-    plans, problems = block_plans(experiment)
+    problems: list[Problem] = []
     unique: dict[tuple[Key, ...], Chain] = {}
     sweeps: dict[Key, str] = {}  # warm cell -> the block whose sweep it is in
-    for plan in plans:
-        repeats_others = plan.path == ("first",)
-        if problems and (repeats_others or block_size(plan.block) > _MOST_SEARCHED):
+    for plan in block_plans(experiment, file, text):
+        if problems and plan.path == ("first",):  # whose problems are those of others
             continue
         try:
             for chain in _block_chains(plan, experiment.profile):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import shlex
 from collections.abc import Iterable, Mapping
@@ -21,13 +22,13 @@ from dubins_study.experiments.definition.experiment import (
 )
 from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import ListedBlock
-from dubins_study.experiments.definition.scenario_file import comment_on, read_scenarios, text_about
+from dubins_study.experiments.definition.scenario_file import read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
     check_spec,
+    describe_solver,
     expand_solvers,
-    why_unavailable,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
@@ -157,15 +158,10 @@ def plan_run(request: Request) -> RunPlan:
     request.check()
     replaced = {key: getattr(request, argument) for key, argument in _ARGUMENTS.items()}
     changes = {key: value for key, value in replaced.items() if value is not None}
-    listed_in = None if request.scenarios is None else str(request.scenarios)
-    if request.experiment is None:
-        source = text_about(str(listed_in))
+    if request.scenarios is None:
+        file = _checked(text_of(str(request.experiment)), request.trust_plugins, changes)
     else:
-        source = text_of(str(request.experiment))
-    if listed_in is None:
-        file = _checked(source, request.trust_plugins, changes)
-    else:
-        file = _about_a_file(listed_in, source, request, changes)
+        file = _about_a_file(str(request.scenarios), request, changes)
     cell_chains = chains(file.experiment, file.path, file.text)
     if request.executor == "local":
         _refuse_unavailable(request.solvers or (), file.experiment.profile)
@@ -177,65 +173,73 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
     named = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(named, profile):
-        if reason := why_unavailable(spec, profile):
+        reason = describe_solver(spec, profile).reason
+        if reason is not None:
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 
-def _about_a_file(
-    listed_in: str, source: tuple[str, str, str], request: Request, changes: dict[str, Any]
-) -> ExperimentFile:
+def _about_a_file(listed_in: str, request: Request, changes: dict[str, Any]) -> ExperimentFile:
     """An experiment about the scenarios of a file instead of its own."""
     listed = read_scenarios(listed_in)
-    blocks = _listed_blocks(listed, source, changes)
-    replaced = {"scenarios": blocks, "first": None, "section": None, "matrix": False}
-    file = _checked(source, request.trust_plugins, changes | replaced)
     name = FilePath(listed_in).stem
+    about = request.experiment
+    source = text_about(listed_in) if about is None else text_of(str(about))
+    defaults = {"scenarios": [ListedBlock(listed=listed)]}
+    file = _checked(source, request.trust_plugins, changes, defaults)
     title = file.experiment.title
-    if request.experiment is not None:
-        title = f"{title}: scenarios of {name}"
-    experiment = file.experiment.model_copy(update={"title": title})
-    return ExperimentFile(name, listed_in, comment_on(listed) + file.text, experiment)
+    replaced = {
+        "title": title if about is None else f"{title}: scenarios of {name}",
+        "scenarios": _listed_blocks(listed, file),
+        "first": None,
+        "section": None,
+        "matrix": False,
+    }
+    experiment = file.experiment.model_copy(update=replaced)
+    return ExperimentFile(name, listed_in, _comment_on(listed) + file.text, experiment)
+
+
+def _comment_on(listed: list[Scenario]) -> str:
+    """A comment that tells scenarios apart, since a folder with rows about others is another's."""
+    ids = " ".join(map(scenario_id, listed))
+    digest = hashlib.sha256(ids.encode()).hexdigest()[:16]
+    return f"# about {len(listed)} scenarios with the digest {digest}\n"
 
 
 # Keys of a block that say how its scenarios are asked.
 _HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
 
 
-def _listed_blocks(
-    listed: list[Scenario], source: tuple[str, str, str], changes: Mapping[str, Any]
-) -> list[ListedBlock]:
+def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
     """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
 
     A sample of a suite so keeps the time limit and the branches of each of its questions.
     """
-    name, path, text = source
-    try:
-        experiment = Experiment.model_validate(fields_of(path, text))
-    except ValidationError:  # it has no scenarios, or mistakes that are told later
-        return [ListedBlock(listed=listed)]
+    experiment = file.experiment
     settings = []
     for block in experiment.scenarios:
-        given = {key: getattr(block, key) for key in _HOW_ASKED if key not in changes}
+        given = {key: getattr(block, key) for key in _HOW_ASKED}
         settings.append({key: value for key, value in given.items() if value is not None})
     if not any(settings):
         return [ListedBlock(listed=listed)]
-    ids = [scenario_id(each) for each in listed]
-    known: set[str] = set()
-    blocks = []
-    for number, (block, own) in enumerate(zip(experiment.scenarios, settings, strict=True)):
-        asked = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
-        among = [each for each, id_ in zip(listed, ids, strict=True) if id_ in asked]
-        if among:
-            blocks.append(ListedBlock(listed=among, **own))
-        known |= asked
-    rest = [each for each, id_ in zip(listed, ids, strict=True) if id_ not in known]
+    blocks_of: dict[str, list[int]] = {}  # a scenario's id -> the blocks that ask about it
+    for number, block in enumerate(experiment.scenarios):
+        for scenario in scenarios(block, f"scenarios.{number}"):
+            blocks_of.setdefault(scenario_id(scenario), []).append(number)
+    asked: dict[int, list[Scenario]] = {}  # by block
+    rest = []
+    for scenario in listed:
+        numbers = blocks_of.get(scenario_id(scenario), [])
+        for number in dict.fromkeys(numbers):
+            asked.setdefault(number, []).append(scenario)
+        if not numbers:
+            rest.append(scenario)
+    blocks = [ListedBlock(listed=among, **settings[n]) for n, among in sorted(asked.items())]
     if rest:
         blocks.append(ListedBlock(listed=rest))
         _LOG.warning(
             "dubins-study: %d of %d scenarios are none of %s; they are asked with its general "
             "settings (time_limit_s = %g)",
-            *(len(rest), len(listed), name),
-            changes.get("time_limit_s", experiment.time_limit_s),
+            *(len(rest), len(listed), file.name, experiment.time_limit_s),
         )
     return blocks
 
@@ -246,11 +250,14 @@ def read_checked(name: str, trust_plugins: bool) -> ExperimentFile:
 
 
 def _checked(
-    source: tuple[str, str, str], trust_plugins: bool, changes: dict[str, Any]
+    source: tuple[str, str, str],
+    trust_plugins: bool,
+    changes: Mapping[str, Any],
+    defaults: Mapping[str, Any] | None = None,
 ) -> ExperimentFile:
     """The experiment of a file with some of its keys changed; its scenarios are not looked at."""
     _, path, text = source
-    fields = fields_of(path, text) | changes
+    fields = {**(defaults or {}), **fields_of(path, text), **changes}
     if "solvers" in changes:
         fields.pop("first", None)
     blocks = fields.get("scenarios")
@@ -274,11 +281,5 @@ def _checked(
 def _mistakes(error: ValidationError, path: str, text: str, changes: Mapping[str, Any]) -> str:
     """The mistakes of a request, which are not the file's; without any, those of the file."""
     problems = problems_of(error, TABLE_KEYS)
-    requested = [each for each in problems if {*each.path[:1]} & _ARGUMENTS.keys() & changes.keys()]
-    if not requested:
-        return refusal(path, problems, text)
-    sentences = []
-    for problem in requested:
-        key = str(problem.path[0])
-        sentences.append(problem.sentence.replace(key, _ARGUMENTS[key], 1))
-    return "; ".join(sentences)
+    requested = [each.sentence for each in problems if {*each.path[:1]} & changes.keys()]
+    return "; ".join(requested) or refusal(path, problems, text)

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.experiments.definition.axes import LinearRange, Points
+from dubins_study.experiments.definition.axes import Points
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     CIRCULAR,
@@ -64,10 +64,10 @@ def sampled(sample: Sample) -> dict[str, FloatArray]:
         unit = points.random(sample.count)
     scaled: dict[str, FloatArray] = {}
     for (field, over), share in zip(sample.ranges.items(), unit.T, strict=True):
-        if isinstance(over, LinearRange):
+        if over.linear is not None:
             low, high = over.linear
             scaled[field] = low + share * (high - low)
-        else:
+        elif over.log is not None:
             low, high = over.log
             scaled[field] = low * _each(partial(pow, high / low), share)
     return scaled

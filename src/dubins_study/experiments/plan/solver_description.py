@@ -22,7 +22,6 @@ from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.experiments.isolation.worker_process import (
     Allowance,
-    Answer,
     Ended,
     WorkerProcess,
 )
@@ -39,8 +38,7 @@ from dubins_study.solvers.registry import (
 )
 from dubins_study.study.specs import plugin_file, written_out
 
-_LOAD_LIMIT_S = 60.0  # Seconds that the import of a plug-in may take.
-_UNAVAILABLE_LIMIT_S = 10.0  # Seconds that a plug-in may take to say whether it can run.
+_LOADING = Allowance(60.0, activity="loading it")  # of the import of a plug-in
 
 
 class SolverDescription(NamedTuple):
@@ -55,6 +53,7 @@ class SolverDescription(NamedTuple):
     runs: str | None  # the program on PATH that it starts
     keeps_limit: bool  # its own class promises `Solver.keeps_limit`
     whole_frames: bool  # it answers whole frames at once
+    reason: str | None  # why it cannot run here
 
     @property
     def versions(self) -> dict[str, str]:
@@ -67,33 +66,15 @@ def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec; refused as by `solvers.registry.load`."""
     if ours(spec):
         return _describe(spec, profile)
-    event = _asked_apart("serve_description", [spec, profile], _LOAD_LIMIT_S)
-    if isinstance(event, Answer):
-        fields, message = event.value
-        if message is not None:
-            raise SolverError(str(message))
-        packages, method = tuple(fields["packages"]), Method(*fields["method"])
-        return SolverDescription(**(fields | {"packages": packages, "method": method}))
-    raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
-
-
-def why_unavailable(spec: str, profile: str = "default") -> str | None:
-    """Why the solver of a spec cannot run here; None too where a plug-in does not say in time."""
-    if ours(spec):
-        return unavailable(load(spec, profile))
-    event = _asked_apart("serve_availability", [spec, profile], _UNAVAILABLE_LIMIT_S)
-    return event.value[0] if isinstance(event, Answer) else None
-
-
-def _asked_apart(function: str, task: list[Any], limit_s: float) -> Answer | Ended:
-    """What a function of this module says of a plug-in, in a process of its own."""
-    with closing(WorkerProcess(f"{__name__}:{function}", [], sys.maxsize)) as worker:
-        return worker.request(task, Allowance(limit_s, activity="loading it"))
-
-
-def serve_availability(channel: Channel) -> None:
-    """Say of plug-ins why they cannot run, in the process that loads them."""
-    answer_tasks(channel, lambda task: ([unavailable(load(*task))], False))
+    with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
+        event = worker.request([spec, profile], _LOADING)
+    if isinstance(event, Ended):
+        raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
+    fields, message = event.value
+    if message is not None:
+        raise SolverError(str(message))
+    packages, method = tuple(fields["packages"]), Method(*fields["method"])
+    return SolverDescription(**(fields | {"packages": packages, "method": method}))
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -109,6 +90,7 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
         solver.solve_frame is not None,
+        unavailable(solver),
     )
 
 

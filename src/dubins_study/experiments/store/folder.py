@@ -90,12 +90,11 @@ def prepare_folder(folder: FilePath) -> None:
     """Create a folder that can be locked; refuse one that holds anything else than results."""
     with os_errors_as(f"cannot write to {folder}"):
         if folder.exists() and not (folder / MANIFEST).exists():
-            # A run that is killed before its first manifest may leave these files.
-            left = (LOCK, PARTS)
-            empty = all(f.name in left or f.name.endswith(TEMPORARY) for f in folder.iterdir())
-            if not empty or part_files(folder):
-                held = "parts" if empty else "something else"
-                raise ResultsError(f"{folder} holds {held} and no {MANIFEST}; choose another")
+            # A run that is killed before its first manifest may leave a lock and an empty folder.
+            others = [f for f in folder.iterdir() if f.name not in (LOCK, PARTS)]
+            others = [f for f in others if not f.name.endswith(TEMPORARY)]
+            if others or part_files(folder):
+                raise ResultsError(f"{folder} holds other files and no {MANIFEST}; choose another")
         folder.mkdir(parents=True, exist_ok=True)
 
 

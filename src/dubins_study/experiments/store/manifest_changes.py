@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path as FilePath
@@ -24,15 +23,11 @@ _WRITE_INTERVAL_S = 2.0
 # there are more, every second one is dropped, later ones included.
 _MAX_PROBES = 1000
 
-# A list with one number per line. A JSON text cannot match, since its line breaks are escaped.
-_NUMBERS = re.compile(r"\[\n[-+.,\d\seE]+\]")
-
 
 def write_manifest(folder: FilePath, manifest: Manifest) -> None:
     """Replace the manifest in one step; raise `ResultsError` if the folder cannot be written."""
     content = manifest.model_dump(by_alias=True)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    text = _NUMBERS.sub(lambda match: f"[{' '.join(match[0][1:-1].split())}]", text)
     encoded = text.encode("utf-8", "replace")
     with os_errors_as(f"cannot write {folder / MANIFEST}"):
         write_whole(folder / MANIFEST, lambda file: file.write_bytes(encoded))
@@ -73,7 +68,6 @@ class RunRecord:
         self._entry = request.with_changes(
             machine=provenance.machine(),
             governor=provenance.governor(),
-            thread_limits=provenance.thread_limits(),
             git=provenance.source(),
             load_start=provenance.load_average(),
             started=provenance.now(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -16,7 +17,7 @@ from dubins_study.study.rows.parts import ResultsError, folder_paths
 
 # Attempts to read a folder: a running run may replace its parts while they are read.
 _MAX_TRIES = 3
-_COLUMNS = ["outcome", "verdict", "message", "run_id", "wall_s"]  # beside those of the key
+_COLUMNS = ["outcome", "verdict", "message", "wall_s"]  # beside those of the key
 _RUN_FIELDS = {"run_id", "started", "ended", "seconds", "state", "jobs", "executor"}
 
 
@@ -36,8 +37,8 @@ class Status:
         finished: whether a run has come to the end and no cell is left.
         process: pid of the current run, 0 if it is unknown; None if no run is active.
         jobs: number of jobs of the last run.
-        seconds_left: estimated time (s) for the cells that are left, with `jobs` processes: so
-            far a cell took as long in the mean, and their order is random. None without rows.
+        seconds_left: estimated time (s) for the cells that are left, with `jobs` processes: the
+            mean of a solve so far, since their order is random. None without rows.
         runs: the runs, the earliest first; the state of a killed run is `killed`.
     """
 
@@ -105,7 +106,8 @@ def _status(
     }
     runs = _runs(manifest.runs, live)
     jobs = runs[-1].jobs if runs else 1
-    cell_s = _cell_s(current, runs) if left else 0.0
+    waiting = sum(left.values())
+    seconds_left = float(current["wall_s"].mean()) * waiting / jobs if waiting else 0.0
     pid = lock_holder(folder).get("pid", 0) if live else None
     aside = folder / DAMAGED
     return Status(
@@ -122,7 +124,7 @@ def _status(
         finished=bool(manifest.finished) and not live and not left,
         process=pid if pid is None or isinstance(pid, int) else 0,
         jobs=jobs,
-        seconds_left=None if cell_s is None else sum(left.values()) * cell_s / jobs,
+        seconds_left=None if math.isnan(seconds_left) else seconds_left,
         runs=runs,
     )
 
@@ -138,12 +140,3 @@ def _runs(runs: Sequence[RunEntry], live: bool) -> list[RunEntry]:
         for run in (runs[:-1] if live else runs)
     ]
     return [*ended, *runs[len(ended) :]]
-
-
-def _cell_s(rows: pd.DataFrame, runs: Sequence[RunEntry]) -> float | None:
-    """Mean seconds per cell of a job: in the runs that recorded a duration, or else of a solve."""
-    run_s = {run.run_id: run.seconds * run.jobs for run in runs if run.seconds}
-    timed = rows[rows["run_id"].isin(run_s)]
-    if len(timed):
-        return sum(run_s[run_id] for run_id in timed["run_id"].unique()) / len(timed)
-    return float(rows["wall_s"].mean()) if len(rows) else None
