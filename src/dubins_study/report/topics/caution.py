@@ -9,7 +9,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
-from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.report.statistics.intervals import wilson_intervals
 from dubins_study.report.statistics.methods import Compared, compared
 from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Finding
 from dubins_study.report.topics.routes import TITLE
@@ -32,7 +32,7 @@ def overlapping_shares(attempts: Compared) -> Finding | None:
     if asked.empty:
         return None
     questions = int(asked.min())
-    low, high = wilson_interval(_TYPICAL_SHARE * questions, questions)
+    low, high = wilson_intervals(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
     return Finding(
         "Do not rank methods by shares whose intervals overlap: a share of "

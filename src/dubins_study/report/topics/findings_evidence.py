@@ -14,7 +14,7 @@ from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
     bootstrap_of_both,
     medians,
-    wilson_interval,
+    wilson_intervals,
 )
 from dubins_study.report.statistics.methods import Compared
 from dubins_study.report.topics.belief import claims
@@ -82,7 +82,7 @@ def chosen_share(share: float, questions: int, of: int) -> Estimate:
 
     Its interval is that of all at once.
     """
-    low, high = wilson_interval(min(share * questions, questions), questions, of)
+    low, high = wilson_intervals(min(share * questions, questions), questions, of)
     return Estimate(100 * share, 100 * low, 100 * high, questions)
 
 
