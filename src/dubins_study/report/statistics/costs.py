@@ -87,8 +87,7 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     attempt and the shift are in the unit of the table.
 
     Indexed by solver. rank: 1 is best, equal means share the better rank, <NA> if it is none; best
-    and worst: the rank's range; rank_tenth and rank_tenfold: with failures at the limit, at that
-    multiple of the shift.
+    and worst: the rank's range.
     """
     costs = shared_questions(table)
     means = {
@@ -98,10 +97,9 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     # 1 for the smallest; equal means share the better rank, NaN has none (<NA>)
     ranked = {choice: each.rank(method="min") for choice, each in means.items()}
     ranks = pd.DataFrame(ranked).astype("Int64")
-    best, worst = ranks.min(axis=1).astype("Int64"), ranks.max(axis=1).astype("Int64")
-    frame = pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
-    tenth, _, tenfold = (ranks[factor, 1.0] for factor in SHIFT_FACTORS)
-    return frame.assign(rank_tenth=tenth, rank_tenfold=tenfold)
+    best = ranks.min(axis=1).astype("Int64")
+    worst = ranks.max(axis=1).astype("Int64")
+    return pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
 
 
 def performance_profile(table: pd.DataFrame) -> pd.DataFrame:

@@ -155,7 +155,6 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
         interval_column("right", "right"),
         interval_column("mean", "mean time"),
         *columns(kind="cell", place="rank"),
-        *columns(count, rank_tenth="shift / 10", rank_tenfold="shift × 10"),
     )
     caption = (
         f"Mean time: shifted geometric mean, shift {seconds(shift)} (the lower quartile of the "
