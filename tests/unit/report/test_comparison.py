@@ -17,7 +17,6 @@ from dubins_study.report.topics.cost import cost_section, shares, split
 from dubins_study.report.topics.failures import failures
 from dubins_study.report.topics.findings import presolve_pairs
 from dubins_study.report.topics.summary import solver_summary
-from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt
@@ -103,7 +102,7 @@ def test_a_late_answer_is_a_failure_everywhere(asked, limit_s):
 
 
 def test_paired_tests_share_a_formulation(asked):
-    """Twelve wins of twelve: p = 2 / 2^12 by the exact signed rank test."""
+    """Twelve wins of twelve: p = 2 / 2^12 by the exact sign test."""
     made = compared(asked(answers()))
     (test,) = formulation_tests(times(made), mean_ranks(made)[0]).to_dict("records")
 
@@ -141,24 +140,16 @@ def test_the_section_and_what_has_none(asked):
     assert comparison_section(asked(failed, "failed")) is not None
 
 
-WORDS = ("LS", "RS", "LR", "RL")
-
-
 def outside():
-    """Scenarios whose shortest path is LS, to which RS exists too and LR and RL do not."""
-    places = [Scenario(0, 0, 0, 8 + k, 3 + k / 2, 1, label=f"stratum {k % 2}") for k in range(4)]
-    for scenario in places:
-        assert shortest(scenario).word == "LS"
-        exist = {word for word in WORDS if shortest(scenario, word) is not None}
-        assert exist == {"LS", "RS"}
-    return places
+    """Scenarios whose shortest path is LS."""
+    return [Scenario(0, 0, 0, 8 + k, 3 + k / 2, 1, label=f"stratum {k % 2}") for k in range(4)]
 
 
 def costly(scenario, solver="ipopt", **changes):
-    """Four words: 10 of the winner's 30 evaluations count, 20 lose, 50 + 100 are for nothing."""
+    """Four words: 10 of 200 evaluations are those of the winning run, 5 lie outside of all."""
     made = {
         "engine": "Ipopt",
-        "subproblems": " ".join(WORDS),
+        "subproblems": "LS RS LR RL",
         "subproblem_runs": [3.0, 1.0, 5.0, 5.0],
         "subproblem_evaluations": [30.0, 20.0, 50.0, 100.0],
         "subproblem_s": [0.03, 0.02, 0.05, 0.10],
@@ -185,8 +176,8 @@ def test_every_evaluation_and_second_has_one_kind(attempts):
     made = attempts([costly(scenario) for scenario in outside()])
     parts = split(made)
     numbers = {
-        "evaluations": [10, 20, 20, 150, 0, 5, 205],
-        "seconds": [0.01, 0.02, 0.02, 0.15, 0.02, 0.01, 0.23],
+        "evaluations": [10, 190, 0, 5, 205],
+        "seconds": [0.01, 0.19, 0.02, 0.01, 0.23],
     }
 
     for amount, expected in numbers.items():
@@ -197,29 +188,8 @@ def test_every_evaluation_and_second_has_one_kind(attempts):
         assert summed.to_numpy() == pytest.approx(frame["total"].to_numpy())
 
 
-def test_the_winner_is_the_word_of_the_answer_that_took_long_enough(attempts):
-    """A path LS comes from the joint model's order LRS; a tie is decided by the engine's time."""
-    joint = costly(
-        outside()[0],
-        "ipopt[model=joint]",
-        formulation="joint NLP, both orders",
-        subproblems="RLS LRS",
-        subproblem_runs=[1.0, 1.0],
-        subproblem_evaluations=[44.0, 20.0],
-        subproblem_s=[0.03, 0.02],
-        best_run_evaluations=20,
-        best_run_s=0.02,
-        evaluations=64,
-    )
-    made = attempts([joint])
-    line = split(made)["evaluations"].iloc[0]
-
-    assert (line["winning run"], line["restarts"], line["losing words"]) == (20, 0, 44)
-    assert line["words without a path"] == 0
-
-
 def test_shares(load_rows):
-    """150 of 205 evaluations everywhere; the presolve's twin is known."""
+    """190 of 205 evaluations everywhere; the presolve's twin is known."""
     results = load_rows(
         "benchmark", [make(scenario) for scenario in outside() for make in (costly, presolved)]
     )
@@ -229,7 +199,7 @@ def test_shares(load_rows):
 
     assert names == ["cost-evaluations", "cost-seconds"]
     assert presolve_pairs(made.engines) == [("ipopt", "ipopt[presolve=True]")]
-    assert part["words without a path"] == pytest.approx(150 / 205)
+    assert part["other runs"] == pytest.approx(190 / 205)
 
 
 def test_wrong_answers_and_engines_that_do_not_count(attempts):

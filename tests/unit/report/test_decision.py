@@ -1,18 +1,11 @@
 """Where engines err and where they stop; a plug-in's solver: its name, its place, its look."""
 
-import re
-import shlex
-
 import pandas as pd
 import pytest
 from scipy.stats import binomtest
-from typer.testing import CliRunner
 
 from dubins_study import render
-from dubins_study.cli.app import app
-from dubins_study.experiments.run import run
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, own_name
-from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import load
 from dubins_study.report.elements.content import Place, Section
 from dubins_study.report.elements.looks import Palette, labels_of
@@ -91,6 +84,11 @@ def _section(folders):
     return next(sections_of(topic, results))
 
 
+def _asked(section):
+    """The solvers that the table's first suite names."""
+    return {text.partition("\n")[0] for text in section.blocks[0].frame["suite_0"]}
+
+
 def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results):
     """With a benchmark on the page the table is of its rows; its lines name what can be typed."""
     scenarios = paper_scenarios()
@@ -103,9 +101,9 @@ def test_a_report_without_a_benchmark_answers_too_and_a_benchmark_alone(results)
     for folder in (results(name, lines) for name in ("paper", "mine")):
         alone, together = _section([folder]), _section([folder, bench])
         assert alone.key == "decision"
-        assert set(alone.blocks[0].frame["suite_0_solver"]) == {"analytic", "ipopt"}
+        assert _asked(alone) == {"analytic", "ipopt"}
         assert "right in time on 7 of 7 questions" in alone.lead
-        assert set(together.blocks[0].frame["suite_0_solver"]) == {"slsqp"}
+        assert _asked(together) == {"slsqp"}
 
 
 def test_a_report_without_anything_to_compare_says_so(results):
@@ -117,55 +115,6 @@ def test_a_report_without_anything_to_compare_says_so(results):
     assert "Nothing can be compared" in warm.lead
     assert warm.blocks == ()
     assert "right in time on 2 of 2 questions" in only.lead
-
-
-@pytest.mark.parametrize(
-    ("command", "asked"),
-    [
-        ("dubins-study run paper --jobs 2", "paper"),
-        ("dubins-study run my.toml --solver ipopt --time-limit 3", "my.toml --time-limit 3"),
-        (
-            "dubins-study run --scenarios 'my s.csv' --solver a --solver b --repeats 2",
-            "--scenarios 'my s.csv' --repeats 2",
-        ),
-        (
-            "dubins-study run --scenarios s.csv --solver 'nlp[a=1]' --jobs 4 --executor dask",
-            "--scenarios s.csv",
-        ),
-        ("dubins-study run s.toml --engine dask", "s.toml"),  # the old word for the executor
-        ("dubins-study run --scenarios 'no end", "'a b; rm c'"),
-        ("", "'a b; rm c'"),
-    ],
-)
-def test_the_command_asks_what_the_run_was_asked(results, command, asked):
-    """The folder's own arguments, for a name alone names no file; other solvers answer.
-
-    A name from outside is one word of the command.
-    """
-    named = {"name": "a b; rm c", "text": ""}
-    folder = results("s", [attempt(paper_scenarios()[0])], command=command, experiment=named)
-    manifest = load([folder]).folders[0].manifest
-
-    assert run_command(manifest, "--solver X --out Y") == (
-        f"dubins-study run {asked} --solver X --out Y"
-    )
-
-
-@pytest.mark.slow
-def test_the_command_on_the_page_of_a_file_of_scenarios_runs(tmp_path):
-    """The page's line, with a solver and a folder filled in, asks the file's questions again."""
-    file = tmp_path / "my s.csv"
-    file.write_text("x,y,heading,target_x,target_y,radius\n0,0,0,4,1,1\n0,0,0,-2,3,1\n")
-    folder = run(scenarios=file, solvers=["slsqp"], out=tmp_path / "first", time_limit=20)
-    text = " ".join(decision_section(load([folder])).blocks[1].frame["command"])
-    (line,) = re.findall("dubins-study (run .* --out MINE)", text)
-    words = ["shooting" if word == "FILE.py:CLASS" else word for word in shlex.split(line)]
-    done = CliRunner().invoke(app, [*words[:-1], str(tmp_path / "second")])
-
-    assert done.exit_code == 0, done.output
-    first, second = (load([tmp_path / name]).rows for name in ("first", "second"))
-    assert set(second["solver"]) == {"shooting"}
-    assert set(second["scenario_id"]) == set(first["scenario_id"])
 
 
 def test_titles_of_sections_become_links():

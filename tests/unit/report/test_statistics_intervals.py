@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
-from scipy.stats import binomtest, wilcoxon
+from scipy.stats import binomtest
 
 from dubins_study.report.statistics import intervals
 from dubins_study.report.statistics.costs import shifted_geometric_means
@@ -21,8 +21,6 @@ from dubins_study.report.statistics.intervals import (
     medians,
     paired_tests,
     sign_test,
-    wilcoxon_test,
-    wilson_interval,
     wilson_intervals,
 )
 
@@ -40,7 +38,7 @@ STATISTICS = {
 @given(st.integers(1, 1000), st.floats(0.01, 0.99))
 def test_the_ends_are_z_standard_errors_from_the_share(trials, share):
     """The definition: |share - p| = z sqrt(p (1 - p) / n) at both ends p; fractional successes."""
-    low, high = wilson_interval(share * trials, trials)
+    low, high = wilson_intervals(share * trials, trials)
 
     for end in (low, high):
         error = math.sqrt(end * (1 - end) / trials)
@@ -59,20 +57,6 @@ def test_all_none_and_nothing():
     assert wilson_intervals([[1], [2]], [4, 5, 6]).shape == (2, 3, 2)
 
 
-@pytest.mark.parametrize(
-    ("successes", "trials", "message"),
-    [
-        (5, 4, "5 successes of 4 trials"),
-        (-1, 4, "-1 successes"),
-        (math.nan, 4, "nan successes"),
-        (1, math.inf, "inf trials"),
-    ],
-)
-def test_what_is_no_share_is_refused(successes, trials, message):
-    with pytest.raises(ValueError, match=message):
-        wilson_interval(successes, trials)
-
-
 def shares(rows, **names):
     """`scenario_shares` of successes `ok` at scenarios `scenario_id`, in groups of solvers."""
     named = {"by": ["solver"], "success": "ok", "scenario": ["scenario_id"]} | names
@@ -86,7 +70,7 @@ def test_repeats_of_one_scenario_are_one_trial():
     rows = pd.DataFrame({"solver": "x", "scenario_id": [*"aaabb", None], "ok": right})
 
     line = shares(rows).loc["x"].tolist()
-    assert line == [1.5, 3, 0.5, *wilson_interval(1.5, 3)]
+    assert line == [1.5, 3, 0.5, *wilson_intervals(1.5, 3)]
     assert shares(rows.assign(solver=None))["trials"].tolist() == [3]
     assert shares(rows.iloc[:0]).empty
 
@@ -198,7 +182,7 @@ def test_the_extreme_of_several_has_a_wider_interval(of):
     """All of them lie in such intervals at once: each misses its own with 5 % / `of`."""
     for k, n in ((0, 30), (7, 30), (384, 384)):
         expected = stats.binomtest(k, n).proportion_ci(1 - 0.05 / of, "wilson")
-        assert wilson_interval(k, n, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
+        assert wilson_intervals(k, n, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
 
 
 def brute_force(table, engines, draws=2000):
@@ -239,30 +223,6 @@ def test_of_no_values_there_is_no_mean():
     assert bootstrap_of_both(table, ["e"]).isna().all(axis=None)
 
 
-def costs_of(differences):
-    """Costs of a solver and a rival whose logarithms differ by the given amounts."""
-    return np.exp(np.array(differences) / 100.0), np.ones(len(differences))
-
-
-@given(st.lists(st.integers(-9, 9), min_size=1, max_size=13))
-def test_wilcoxon_as_in_scipy(differences):
-    """Of the logarithms that differ; the pairs that do not are counted as ties."""
-    decided = [d for d in differences if d]
-    outcome = wilcoxon_test(*costs_of(differences))
-
-    expected = wilcoxon(decided).pvalue if decided else 1.0
-    assert outcome.p == pytest.approx(expected)
-    assert outcome.ties == len(differences) - len(decided)
-
-
-def test_many_pairs_with_ties_as_in_scipy():
-    """Normal above 50 pairs, with scipy's correction of the variance for ties of ranks."""
-    differences = np.random.default_rng(1).integers(-4, 6, 300)
-    expected = wilcoxon(differences[differences != 0], method="asymptotic").pvalue
-
-    assert wilcoxon_test(*costs_of(differences)).p == pytest.approx(expected)
-
-
 @given(st.integers(0, 400), st.integers(0, 400))
 def test_the_sign_test_as_in_scipy(wins, losses):
     costs = [1.0] * wins + [2.0] * losses
@@ -272,27 +232,15 @@ def test_the_sign_test_as_in_scipy(wins, losses):
     assert sign_test(costs, rivals).p == pytest.approx(expected)
 
 
-def test_a_failure_loses_by_the_largest_rank():
-    """One failure against seven small wins, exactly as one loss larger than all of them: 2^8 sign
-    patterns, of which 2 * 25 have a rank sum at most 8 or at least 28 (partitions of up to 8 into
-    distinct parts up to 8: 1+1+1+2+2+3+4+5+6 = 25)."""
-    costs, rivals = [1.0] * 7 + [INF], [1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.0]
-    failed, rival = wilcoxon_test(costs, rivals), wilcoxon_test(rivals, costs)
-
-    assert (failed.wins, failed.losses) == (rival.losses, rival.wins) == (7, 1)
-    assert [failed.p, rival.p] == pytest.approx([2 * 25 / 2**8] * 2)
-
-
-@pytest.mark.parametrize("test", [sign_test, wilcoxon_test])
-def test_ties_failures_and_what_was_not_asked(test):
+def test_ties_failures_and_what_was_not_asked():
     """Equal costs and two failures tie; a pair with NaN is none; only ties, or nothing: p = 1."""
-    outcome = test([1.0, 2.0, INF, INF, NAN, 0.0, 0.0], [1.0, 3.0, INF, 5.0, 1.0, 0.0, 2.0])
+    outcome = sign_test([1.0, 2.0, INF, INF, NAN, 0.0, 0.0], [1.0, 3.0, INF, 5.0, 1.0, 0.0, 2.0])
 
     assert outcome[:4] == (6, 2, 1, 3)
     assert 0 < outcome.p <= 1
-    assert test([1.0, INF, 0.0], [1.0, INF, 0.0]) == (3, 0, 0, 3, 1.0)
-    assert test([], []) == (0, 0, 0, 0, 1.0)
-    assert test([INF, INF], [1.0, 2.0]).losses == 2
+    assert sign_test([1.0, INF, 0.0], [1.0, INF, 0.0]) == (3, 0, 0, 3, 1.0)
+    assert sign_test([], []) == (0, 0, 0, 0, 1.0)
+    assert sign_test([INF, INF], [1.0, 2.0]).losses == 2
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
 from dubins_study.report.statistics.methods import Compared
-from dubins_study.study.kinds.table import kind_of
-from dubins_study.study.scenario import COLUMNS
-from dubins_study.study.scenario_frame import scenario_of
 
 SHIFT_FACTORS = (0.1, 1.0, 10.0)
 PENALTIES = (1.0, 2.0, 10.0)
@@ -91,8 +87,7 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     attempt and the shift are in the unit of the table.
 
     Indexed by solver. rank: 1 is best, equal means share the better rank, <NA> if it is none; best
-    and worst: the rank's range; rank_tenth and rank_tenfold: with failures at the limit, at that
-    multiple of the shift.
+    and worst: the rank's range.
     """
     costs = shared_questions(table)
     means = {
@@ -102,10 +97,9 @@ def ranking(table: pd.DataFrame, limit: float, shift: float) -> pd.DataFrame:
     # 1 for the smallest; equal means share the better rank, NaN has none (<NA>)
     ranked = {choice: each.rank(method="min") for choice, each in means.items()}
     ranks = pd.DataFrame(ranked).astype("Int64")
-    best, worst = ranks.min(axis=1).astype("Int64"), ranks.max(axis=1).astype("Int64")
-    frame = pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
-    tenth, _, tenfold = (ranks[factor, 1.0] for factor in SHIFT_FACTORS)
-    return frame.assign(rank_tenth=tenth, rank_tenfold=tenfold)
+    best = ranks.min(axis=1).astype("Int64")
+    worst = ranks.max(axis=1).astype("Int64")
+    return pd.DataFrame({"rank": best.where(best == worst), "best": best, "worst": worst})
 
 
 def performance_profile(table: pd.DataFrame) -> pd.DataFrame:
@@ -128,16 +122,14 @@ def performance_profile(table: pd.DataFrame) -> pd.DataFrame:
 
 
 # What evaluations and seconds go to. The run that gave the answer is the floor: the engine called
-# once, from that guess. Restarts are the other runs on the same subproblem. Other subproblems have
-# a path that loses, or no path. The rest lies outside the subproblems, e.g. polishing the answer.
-KINDS = ("winning run", "restarts", "losing words", "words without a path", "building", "rest")
-AMOUNTS = {"evaluations": "subproblem_evaluations", "seconds": "subproblem_s"}
-_RELATIVE_ROUNDING = 1e-9
-_READ = [
-    *("solver", "scenario", "word", "evaluations", "build_s", "wall_s"),
-    *("subproblems", "subproblem_evaluations", "subproblem_s"),
-    *("best_run_evaluations", "best_run_s", *COLUMNS),
-]
+# once, from that guess. Other runs are its restarts and those on other words. The rest lies outside
+# of the runs, e.g. polishing the answer.
+KINDS = ("winning run", "other runs", "building", "rest")
+# The columns of each run, of the winning one, and of the whole attempt.
+AMOUNTS = {
+    "evaluations": ("subproblem_evaluations", "best_run_evaluations", "evaluations"),
+    "seconds": ("subproblem_s", "best_run_s", "wall_s"),
+}
 
 
 def split(compared: Compared) -> dict[str, pd.DataFrame]:
@@ -147,90 +139,18 @@ def split(compared: Compared) -> dict[str, pd.DataFrame]:
     and total (of the whole attempt); NaN where the engine does not count.
     """
     rows = compared.answerable
-    rows = rows.loc[rows["right"] & (rows["best_run_s"] > 0), _READ]
-    lines = _lines(rows)
-    kinds = _kinds(lines, rows)
-    return {
-        amount: _parts(rows, lines, kinds, amount).assign(solver=rows["solver"])
-        for amount in AMOUNTS
-    }
+    rows = rows[rows["right"] & (rows["best_run_s"] > 0)]
+    return {amount: _parts(rows, amount).assign(solver=rows["solver"]) for amount in AMOUNTS}
 
 
-def _parts(
-    rows: pd.DataFrame, lines: pd.DataFrame, kinds: pd.Series[Any], amount: str
-) -> pd.DataFrame:
+def _parts(rows: pd.DataFrame, amount: str) -> pd.DataFrame:
     """Each attempt's evaluations or seconds, by kind, and their total."""
-    summed = lines[amount].groupby([lines["row"], kinds]).sum(min_count=1).unstack()
-    parts = summed.reindex(index=rows.index, columns=list(KINDS)).fillna(0.0)
-    known = summed.sum(axis=1).reindex(rows.index).fillna(0.0)
-    if amount == "evaluations":
-        best, total = rows["best_run_evaluations"], rows["evaluations"]
-        parts["building"] = 0.0
-    else:
-        best, total = rows["best_run_s"], rows["wall_s"]
-        parts["building"] = rows["build_s"].fillna(0.0)
-    parts["winning run"] = best
-    parts["restarts"] = (parts["restarts"] - best).clip(lower=0.0)
-    counted = parts.drop(columns="rest").sum(axis=1, skipna=False)
-    parts["total"] = np.fmax(total.fillna(known), counted)
+    runs, best, total = (rows[name] for name in AMOUNTS[amount])
+    every = runs.map(np.nansum, na_action="ignore").astype(np.float64)
+    parts = pd.DataFrame({"winning run": best.astype(np.float64)})
+    parts["other runs"] = (every - best).clip(lower=0.0).fillna(0.0)
+    parts["building"] = rows["build_s"].fillna(0.0) if amount == "seconds" else 0.0
+    counted = parts.sum(axis=1)
+    parts["total"] = np.fmax(total.astype(np.float64), counted)
     parts["rest"] = parts["total"] - counted
-    return parts.where(best > 0).astype(np.float64)
-
-
-def _lines(rows: pd.DataFrame) -> pd.DataFrame:
-    """One line per attempt and subproblem: row, subproblem, evaluations, seconds.
-
-    Attempts whose lists of subproblems differ in length have no lines.
-    """
-    names = rows["subproblems"].fillna("").map(str.split)
-    lists = rows[list(AMOUNTS.values())].set_axis(list(AMOUNTS), axis=1).assign(subproblem=names)
-    sizes = lists.map(_size)
-    alike = sizes.eq(sizes["subproblem"], axis=0).all(axis=1) & (sizes["subproblem"] > 0)
-    lines = lists[alike].explode(list(lists.columns)).reset_index(names="row")
-    return lines.astype(dict.fromkeys(AMOUNTS, np.float64))
-
-
-def _size(value: object) -> int:
-    return len(value) if isinstance(value, (list, np.ndarray)) else 0
-
-
-def _kinds(lines: pd.DataFrame, rows: pd.DataFrame) -> pd.Series[Any]:
-    """The kind of each line; the winner's line is `restarts`, its best run included."""
-    if lines.empty:
-        return pd.Series("", lines.index)
-    attempts = rows.loc[lines["row"]].set_axis(lines.index)
-    words = zip(attempts["word"].fillna(""), lines["subproblem"], strict=True)
-    order = pd.DataFrame(
-        {
-            "row": lines["row"],
-            # the engine's time on the winner is at least that of its best run
-            "too_short": lines["seconds"] < attempts["best_run_s"] * (1 - _RELATIVE_ROUNDING),
-            "misfit": [not _contains(*pair) for pair in words],
-            "s": lines["seconds"],
-        }
-    ).sort_values(["row", "too_short", "misfit", "s"], kind="stable")
-    winner = ~order["row"].duplicated().sort_index()
-    exists = _exists(attempts.assign(subproblem=lines["subproblem"]))
-    names = np.where(winner, "restarts", np.where(exists, "losing words", KINDS[3]))
-    return pd.Series(names, lines.index)
-
-
-def _contains(word: str, subproblem: str) -> bool:
-    """Whether a subproblem's letters, in order, include a path's word."""
-    letters = iter(subproblem)
-    return all(letter in letters for letter in word)
-
-
-def _exists(lines: pd.DataFrame) -> list[bool]:
-    """Whether each subproblem has a path; true of all that are no words, such as the joint model.
-
-    The closed form decides, once for each scenario and word.
-    """
-    known: dict[tuple[Any, Any], bool] = {}
-    for line in lines.drop_duplicates(["scenario", "subproblem"]).to_dict("records"):
-        scenario = scenario_of(line)
-        kind = kind_of(scenario)
-        word = line["subproblem"]
-        exists = word not in kind.branches or kind.exists(scenario, word)
-        known[line["scenario"], word] = exists
-    return [known[pair] for pair in zip(lines["scenario"], lines["subproblem"], strict=True)]
+    return parts[[*KINDS, "total"]].where(best > 0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import pairwise, zip_longest
+from itertools import zip_longest
 
 import numpy as np
 import pandas as pd
@@ -110,10 +110,3 @@ def fitted_order(n: ArrayLike, gap: ArrayLike, floor: float = 1e-13) -> float:
         return float("nan")
     slope, _ = np.polyfit(np.log(steps[keep]), np.log(gaps[keep]), 1)
     return -float(slope)
-
-
-def runs_of(words: Sequence[str]) -> list[tuple[int, int, str]]:
-    """Runs of equal neighbours: (index of the first, index after the last, value)."""
-    changes = [i for i in range(1, len(words)) if words[i] != words[i - 1]]
-    bounds = [0, *changes, len(words)] if words else []
-    return [(a, b, words[a]) for a, b in pairwise(bounds)]

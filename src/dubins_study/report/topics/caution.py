@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT, legs_of
@@ -9,9 +11,9 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, seconds, share, some
-from dubins_study.report.statistics.intervals import wilson_interval
+from dubins_study.report.statistics.intervals import wilson_intervals
 from dubins_study.report.statistics.methods import Compared, compared
-from dubins_study.report.topics.findings_evidence import ENOUGH, Estimate, Finding
+from dubins_study.report.topics.findings_evidence import ENOUGH
 from dubins_study.report.topics.routes import TITLE
 from dubins_study.study.words import FORMULATIONS, Outcome
 
@@ -21,53 +23,45 @@ _CLOSED = 1e-8  # relative width of a route's reference
 _STOPPED_OUTCOMES = ("timeout", "out_of_memory")
 
 
-def _exactly(number: float) -> Estimate:
-    """A number that is no estimate, or NaN for none."""
-    return Estimate(float(number), float("nan"), float("nan"), 0)
+class Caution(NamedTuple):
+    """A conclusion that the rows do not carry, of how many, and the section that shows it."""
+
+    sentence: str
+    of: str
+    shown_in: str
 
 
-def overlapping_shares(attempts: Compared) -> Finding | None:
+def overlapping_shares(attempts: Compared) -> Caution | None:
     """How finely a share of as many questions as there are is known."""
     asked = attempts.answerable.groupby("experiment")["question"].nunique()
     if asked.empty:
         return None
     questions = int(asked.min())
-    low, high = wilson_interval(_TYPICAL_SHARE * questions, questions)
+    low, high = wilson_intervals(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
-    return Finding(
+    return Caution(
         "Do not rank methods by shares whose intervals overlap: a share of "
         f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
-        _exactly(points),
-        "percentage points",
         f"{some(questions, 'question')} with a path, the fewest of an experiment",
         "Summary",
     )
 
 
-def unsteady_machine(results: Results) -> Finding:
+def unsteady_machine(results: Results) -> Caution | None:
     """By how much the speed of the machines varied while the runs went on."""
     runs = [run for folder in results.folders for run in folder.manifest.runs]
     spreads = [run.spread for run in runs if run.spread is not None]
     if not spreads:
-        return Finding(
-            "Do not rank methods by small differences in time: no run was long enough to tell how "
-            "steady its machine was.",
-            _exactly(float("nan")),
-            "",
-            some(len(runs), "run"),
-            "The runs and their machines",
-        )
-    return Finding(
+        return None
+    return Caution(
         f"Do not rank methods by times that differ by less than {share(max(spreads))}: by so much "
         "the speed of the machine varied during a run.",
-        _exactly(100 * max(spreads)),
-        "%",
         f"{some(len(spreads), 'run')} that timed a fixed piece of work",
         "The runs and their machines",
     )
 
 
-def stopped_attempts(attempts: Compared) -> Finding | None:
+def stopped_attempts(attempts: Compared) -> Caution | None:
     """Attempts that ended at the limit: nobody knows what they would have found."""
     rows = attempts.answerable
     rows = rows[(rows["solver"] != EXACT) & (rows["outcome"] != Outcome.NOT_ASKED)]
@@ -75,35 +69,31 @@ def stopped_attempts(attempts: Compared) -> Finding | None:
     number = int(stopped.fillna(False).sum())
     if not number:
         return None
-    return Finding(
+    return Caution(
         f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
         f"ended at a limit, {seconds(attempts.limit_s)} at most, or at a limit of iterations.",
-        _exactly(number),
-        "attempts",
         f"{some(len(rows), 'attempt')} of engines at questions with a path",
         "Success and gaps",
     )
 
 
-def proved_routes(attempts: Compared) -> Finding | None:
+def proved_routes(attempts: Compared) -> Caution | None:
     """That all routes are ones which the search closes, if they are."""
     rows = attempts.answerable[legs_of(attempts.answerable) > 1]
     width = (rows["reference_high"] - rows["reference_low"]) / rows["reference_high"]
     widths = width.groupby(rows["question"]).first()
     if len(widths) < ENOUGH or not (widths <= _CLOSED).all():
         return None
-    return Finding(
+    return Caution(
         "Do not expect that the search closes such a share of all routes: those that it leaves "
         "open are not among these, each of which has a shortest length that is proved to a "
         f"relative {_CLOSED:.0e}.",
-        _exactly(len(widths)),
-        "routes",
         some(len(widths), "route"),
         TITLE,
     )
 
 
-def missing_pairs(results: Results, attempts: Compared) -> Finding | None:
+def missing_pairs(results: Results, attempts: Compared) -> Caution | None:
     """Pairs of a formulation and an engine that nobody asked, or could ask."""
     # the closed form is a formulation without an engine, and no pair
     entries = {
@@ -117,11 +107,9 @@ def missing_pairs(results: Results, attempts: Compared) -> Finding | None:
     missing = len(entries - asked)
     if not missing:
         return None
-    return Finding(
+    return Caution(
         f"Do not conclude anything about pairs that are not here: {count(missing)} of "
         f"{count(len(entries | asked))} pairs of a formulation and an engine have no rows.",
-        _exactly(missing),
-        "pairs",
         "all formulations with all engines",
         "Formulation by engine",
     )
@@ -132,7 +120,7 @@ def caution_section(results: Results) -> Section | None:
     attempts = compared(results)
     if attempts is None:
         return None
-    every: list[Finding | None] = [
+    every: list[Caution | None] = [
         overlapping_shares(attempts),
         unsteady_machine(results),
         stopped_attempts(attempts),
@@ -145,10 +133,8 @@ def caution_section(results: Results) -> Section | None:
         *columns(kind="section", shown_in="shown in"),
     )
     caption = "Each number is computed from the rows and the runs' manifests."
-    known = [caution for caution in every if caution is not None]
-    frame = pd.DataFrame(known).rename(columns={"question": "of"})
-    frame["value"] = [caution.estimate.value for caution in known]
-    table = Table("caution", caption, frame, shown, numbers=("value", "unit"), stacked=True)
+    frame = pd.DataFrame([caution for caution in every if caution is not None])
+    table = Table("caution", caption, frame, shown, stacked=True)
     lead = "Read these sentences before you quote a number from this page."
     return Section("caution", "What not to conclude", "", (table,), lead)
 

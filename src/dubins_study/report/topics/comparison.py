@@ -155,7 +155,6 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
         interval_column("right", "right"),
         interval_column("mean", "mean time"),
         *columns(kind="cell", place="rank"),
-        *columns(count, rank_tenth="shift / 10", rank_tenfold="shift × 10"),
     )
     caption = (
         f"Mean time: shifted geometric mean, shift {seconds(shift)} (the lower quartile of the "
@@ -175,7 +174,7 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
     frame = near.assign(
         solver_name=near["solver"].map(names),
         rival_name=near["rival"].map(names),
-        verdict=(near["p_holm"] <= LEVEL).map({True: "they differ", False: "no rank"}),
+        verdict=(near["p_holm"] <= LEVEL).map({True: "one is faster more often", False: "no rank"}),
     ).reset_index(drop=True)
     shown = (
         *columns(kind="text", formulation="formulation", solver_name="method", rival_name="rival"),
@@ -187,9 +186,10 @@ def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
     rest = f" {count(left_out)} tests of rivals with larger means are left out." if left_out else ""
     caption = (
         "Paired tests of the best method of each formulation against the others of the same "
-        "formulation: Wilcoxon's signed ranks of the ratio of times, question by question; a "
-        "failure loses to every right answer, two failures tie. Holm's correction over all "
-        f"{count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is faster.{rest}"
+        "formulation: the exact sign test, question by question; a failure loses to every right "
+        "answer, two failures tie. Holm's correction over all "
+        f"{count(len(tests))} tests. No rank: p above {LEVEL}; do not say which is faster. How "
+        f"much faster is said by the means, not by p.{rest}"
     )
     return Table("comparison-tests", caption, frame, shown, dense=True)
 

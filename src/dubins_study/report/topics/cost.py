@@ -15,24 +15,19 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, seconds
 from dubins_study.report.elements.plots import Mark, stacked_shares
-from dubins_study.report.elements.style import BLUE, GREEN, ORANGE, RULE, VERMILION
+from dubins_study.report.elements.style import BLUE, GREEN, RULE
 from dubins_study.report.statistics.costs import KINDS, split
 from dubins_study.report.statistics.methods import Compared, compared
 
-# The figure: from dark to light with hatches, so that neighbours differ in grey print.
+# From dark to light with hatches, so that neighbours differ in grey print.
 MARKS = (
     Mark("winning run", colour=BLUE),
-    Mark("restarts", colour="#b9def3", hatch="///"),
-    Mark("losing words", colour=ORANGE, hatch="\\\\\\"),
-    Mark("words without a path", colour=VERMILION, hatch="xx"),
+    Mark("other runs", colour="#b9def3", hatch="///"),
     Mark("building", colour=GREEN, hatch="||"),
     Mark("rest", colour=RULE),
 )
-# Eight bars in a panel can be read; the tables hold every method.
-_MOST = 8
-# Other runs with less than this share of the cost are nothing to show.
-_OTHER_RUNS = ("restarts", "losing words", "words without a path")
-_HARDLY = 0.005
+_MOST = 8  # bars in a panel that can be read
+_HARDLY = 0.005  # of the cost: other runs that are nothing to show
 _RATIO = digits(3)
 
 
@@ -57,9 +52,9 @@ def cost_section(results: Results) -> Section | None:
     if not blocks:
         return None
     text = (
-        "Besides the run that gives the answer, the cost goes to restarts, to words that lose, to "
-        "words that have no path, and to building. Only right answers at questions with a path "
-        "count. The floor is the winning run: the same engine called once, from the same guess."
+        "Besides the run that gives the answer, the cost goes to other runs, which are restarts "
+        "and other words, and to building. Only right answers at questions with a path count. The "
+        "floor is the winning run: the same engine called once, from the same guess."
     )
     lead = "See how little of the cost is the run that gives the answer (plain blue)."
     return Section("cost", "Cost where it arises", text, blocks, lead)
@@ -74,8 +69,7 @@ def _picture(table: pd.DataFrame, amount: str) -> Picture:
     }[amount]
     caption = (
         f"What the {amount} of an answer go to; at the right their mean number. Winning run: the "
-        "run that gives the answer. Restarts: other runs on the same word. Losing words have a "
-        "longer path, or are the joint model's other order. Methods of a single run are left out"
+        "run that gives the answer. Methods of a single run are left out"
         f"{f', and {count(len(table) - len(shown))} methods in all' * (len(table) > len(shown))}."
     )
     alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
@@ -89,7 +83,7 @@ def _bars(table: pd.DataFrame) -> pd.DataFrame:
     Of each formulation as many as a panel may have.
     """
     order = table.sort_values("total")
-    several = order[order[list(_OTHER_RUNS)].sum(axis=1) > _HARDLY]
+    several = order[order["other runs"] > _HARDLY]
     chosen = (several if len(several) else order).groupby("formulation", sort=False).head(_MOST)
     return table[table.index.isin([*own(table.index), *chosen.index])]
 

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE, EXACT, is_true, legs_of, own_name
-from dubins_study.report.data.command import run_command
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
@@ -25,14 +24,6 @@ _KIND = ["formulation", "guesses"]
 _NO_GUESS = ("none", "")
 _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
 _SHARES = ("longer", "misses", "none", "late", "not asked")
-# Column of `surest` -> its name in the CSV file, after that of the suite.
-_NUMBERS = {
-    "solver": "solver",
-    "share": "share",
-    "low": "share_low",
-    "high": "share_high",
-    "wall_s": "wall_s",
-}
 
 
 def surest(rows: pd.DataFrame) -> pd.DataFrame:
@@ -90,54 +81,6 @@ def stops(rows: pd.DataFrame, strata: Sequence[str]) -> dict[Hashable, str]:
     }
 
 
-def cases_table(results: Results) -> Table:
-    """One line for each kind of reader: the command of their own case, and the next section."""
-    run = run_command(results.folders[0].manifest, "--solver FILE.py:CLASS --out MINE")
-    lines = [
-        (
-            "You plan paths for a vehicle.",
-            "Take the closed form; from Python it is dubins_study.solve. X and Y are the target, "
-            "and --radius sets R.",
-            "dubins-study solve X Y --from X0 Y0 HEADING",
-            "Explore the problem",
-        ),
-        (
-            "You have another problem, without a formula.",
-            "Do not take over what needs the formula's words or its geometry (one NLP a word, the "
-            "presolve); try several guesses, and check what the engine claims.",
-            "dubins-study solvers",
-            "Formulation by engine",
-        ),
-        (
-            "You write a solver.",
-            "Have it checked, then asked the questions of this page; the report of both folders "
-            "has it beside the others.",
-            f"dubins-study check-solver FILE.py:CLASS\n{run}\n"
-            "dubins-study report FOLDER MINE --out PAGE",
-            "Single attempts",
-        ),
-        (
-            "You read the paper and want its errors.",
-            "Every printed number beside the exact one.",
-            "dubins-study audit",
-            "The audit of the paper",
-        ),
-    ]
-    frame = pd.DataFrame(lines, columns=["reader", "advice", "command", "section"])
-    shown = (
-        *columns(kind="text", reader="and in your case?"),
-        *columns(kind="prose", advice="what to do"),
-        *columns(kind="code", command="command"),
-        *columns(kind="section", section="read on"),
-    )
-    caption = (
-        "Words in capitals are yours to fill in: FILE.py:CLASS is your solver's file and class, "
-        "FOLDER the results folder of this page, PAGE a new folder. An angle may carry its unit: "
-        "120deg."
-    )
-    return Table("cases", caption, frame, shown, stacked=True)
-
-
 def decision_section(results: Results) -> Section | None:
     """A table of formulations; without attempts to compare, a sentence that says so.
 
@@ -158,7 +101,7 @@ def decision_section(results: Results) -> Section | None:
         formulation=formulation.mask(alone, rows["solver"].map(labels_of(results))),
         guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
-    tables = (*_tables(attempts, rows, few=few, each=each), cases_table(results))
+    tables = _tables(attempts, rows, few=few, each=each)
     return Section("decision", TITLE, "", tables, _lead(rows))
 
 
@@ -218,8 +161,7 @@ def _tables(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) ->
         )
     else:
         shown = shown[:-1]
-    suites = [f"suite_{n}_{key}" for n, _ in enumerate(experiments) for key in _NUMBERS.values()]
-    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked", *suites)
+    numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
     bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
     table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
     kinds = frame["formulation"] + frame["guesses"]
@@ -254,11 +196,8 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
         **end,
     }
     for method in methods.to_dict("records"):
-        cell = f"suite_{method['place']}"
         text = with_interval(share, method["share"], method["low"], method["high"])
-        line[cell] = text if mine else f"{method['solver']}\n{text}"
-        for key, name in _NUMBERS.items():
-            line[f"{cell}_{name}"] = method[key]
+        line[f"suite_{method['place']}"] = text if mine else f"{method['solver']}\n{text}"
     return line
 
 

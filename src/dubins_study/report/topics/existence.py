@@ -31,10 +31,9 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
 
     Columns of `methods_of`; of the questions without a path: presolved, unasked (the solver is not
     installed), reached (that reached the engine), and of these right, wrong (a false claim) and
-    silent (no claim); wall_s (median of the attempts that reached the engine, s), presolve_s
-    (median of the presolved ones, s); of those that have a path: questions, denied (claimed
-    infeasible); those of `with_share` for right, silent and wrong, shares of `reached`, and for
-    denied, a share of `questions`.
+    silent (no claim); wall_s (median of the attempts that reached the engine, s); of those that
+    have a path: questions, denied (claimed infeasible); those of `with_share` for right, silent and
+    wrong, shares of `reached`, and for denied, a share of `questions`.
     """
     there, verdict, false = attempts["answerable"], attempts["verdict"], attempts["false_claim"]
     conditions = {
@@ -48,9 +47,8 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     denied = there & attempts["claim"].eq("infeasible") & is_true(false)
     chosen = {name: kind.eq(name) for name in KINDS} | {"questions": there, "denied": denied}
     counts = pd.DataFrame({name: questions(attempts, which) for name, which in chosen.items()})
-    for name, kinds in (("wall_s", _ANSWERS), ("presolve_s", KINDS[:1])):
-        times = attempts["wall_s"].where(kind.isin(kinds))
-        counts[name] = times.groupby(attempts["solver"]).median()
+    times = attempts["wall_s"].where(kind.isin(_ANSWERS))
+    counts["wall_s"] = times.groupby(attempts["solver"]).median()
     frame = methods_of(methods(attempts)).join(counts).reset_index()
     frame["reached"] = frame[list(_ANSWERS)].sum(axis="columns").round(6)
     for name in _ANSWERS:
@@ -68,7 +66,7 @@ _COLUMNS = (
     *columns(kind="cell", denied_text="denies a path"),
 )
 _NUMBERS = (
-    *("solver", "unasked", "reached", "presolve_s"),
+    *("solver", "unasked", "reached"),
     *share_keys(*_ANSWERS),
     *("questions", "denied", *share_keys("denied")),
 )

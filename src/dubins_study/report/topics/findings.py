@@ -12,15 +12,12 @@ from dubins_study.report.data.attempts import ENOUGH_TO_CHOOSE
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
-from dubins_study.report.elements.formats import count, some
-from dubins_study.report.elements.identity import interval_keys
+from dubins_study.report.elements.formats import some
 from dubins_study.report.statistics.methods import compared, once
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.comparison import evaluations
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
-    POINTS,
-    TIMES,
     Estimate,
     Evidence,
     Finding,
@@ -133,22 +130,17 @@ def _in_pairs(evidence: Evidence, pairs: list[Pair], points: Estimate, sentence:
             f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
         )
     asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
-    return Finding(sentence, points, POINTS, f"{asked}, in pairs", MATRIX)
+    return Finding(sentence, points, f"{asked}, in pairs", MATRIX)
 
 
 def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
     """(without, with): solvers that differ in the setting `presolve` alone."""
-    alike: dict[tuple[str, frozenset[tuple[str, str]]], dict[str, str]] = {}
+    alike: dict[object, dict[bool, str]] = {}
     for spec in methods.index:
         name, settings = parse_spec(spec)
-        value = settings.pop("presolve", "").lower()
-        alike.setdefault((name, frozenset(settings.items())), {})[value] = spec
-    # a spec that does not name the setting has the other value
-    return [
-        (specs.get("false", specs.get("", "")), specs.get("true", specs.get("", "")))
-        for specs in alike.values()
-        if len(specs) > 1
-    ]
+        presolved = settings.pop("presolve", "false").lower() == "true"
+        alike.setdefault((name, *settings.items()), {})[presolved] = spec
+    return [(specs[False], specs[True]) for specs in alike.values() if len(specs) > 1]
 
 
 def presolve(evidence: Evidence) -> Finding | None:
@@ -177,7 +169,6 @@ def presolve(evidence: Evidence) -> Finding | None:
         f"function evaluations of a question by {factor.text()} in the "
         f"geometric mean over questions and methods; in the median by {' and by '.join(parts)}.",
         factor,
-        TIMES,
         f"{some(factor.questions, 'question')} with a path, "
         f"{some(len(ratios.columns), 'method')} with and without it",
         "Cost where it arises",
@@ -205,7 +196,6 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
         f"{evidence.name(local)}, which{knows} proves nothing and is right on "
         f"{right.percent_text()} of the questions that the other answers.",
         ratio,
-        TIMES,
         f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",
         RANKS,
     )
@@ -222,30 +212,20 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 )
 
 
-_MOST = 5
-
-
 def findings_section(results: Results) -> Section | None:
     """Sentences to act on, each computed from the rows; None if the rows carry none."""
     every = [finding for find in FINDINGS for finding in _of_suites(results, find)]
     if not every:
         return None
-    frame = pd.DataFrame(every)
-    frame["place"] = range(1, len(every) + 1)
-    frame[list(interval_keys("value"))] = [finding.estimate[:3] for finding in every]
-    tables = [_table("findings", frame[:_MOST], "What a practitioner can act on.")]
-    if len(every) > _MOST:
-        more = frame[_MOST:].reset_index(drop=True)
-        tables.append(_table("findings-more", more, "Further findings."))
     text = (
         "Every sentence is computed from the rows: it is said only if its 95 % interval excludes "
         f"that there is no difference, and if at least {ENOUGH} questions carry it."
     )
     lead = (
-        f"Read {some(min(len(every), _MOST), 'sentence')} to act on, what matters most first; each "
-        "names the section that shows its numbers."
+        f"Read {some(len(every), 'sentence')} to act on, what matters most first; each names the "
+        "section that shows its numbers."
     )
-    return Section("findings", "What the study found", text, tuple(tables), lead)
+    return Section("findings", "What the study found", text, (_table(every),), lead)
 
 
 _evidence = once(Evidence)  # its tables serve all findings
@@ -271,22 +251,19 @@ def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> 
         yield finding
 
 
-def _table(name: str, frame: pd.DataFrame, title: str) -> Table:
+def _table(findings: list[Finding]) -> Table:
     shown = (
-        *columns(count, place="no."),
         *columns(kind="prose", sentence="finding"),
         *columns(kind="prose", question="asked of"),
         *columns(kind="section", shown_in="shown in"),
     )
     caption = (
-        f"{title} Intervals: Wilson's for shares, bootstrap over scenarios for all others, over "
-        "engines too where none is named; of the most extreme of several, that of all at once. A "
-        "ratio of times is that of two medians over the questions that both methods answer; of "
-        "routes it is a geometric mean."
+        "Intervals: Wilson's for shares, bootstrap over scenarios for all others, over engines too "
+        "where none is named; of the most extreme of several, that of all at once. A ratio of "
+        "times is that of two medians over the questions that both methods answer; of routes it is "
+        "a geometric mean."
     )
-    return Table(
-        name, caption, frame, shown, numbers=(*interval_keys("value"), "unit"), stacked=True
-    )
+    return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 
 
 TOPIC = Topic("what the study found", findings_section, General.BENCHMARKED, place=Place.FRONT)

@@ -14,7 +14,7 @@ from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.statistics.intervals import (
     bootstrap_of_both,
     medians,
-    wilson_interval,
+    wilson_intervals,
 )
 from dubins_study.report.statistics.methods import Compared
 from dubins_study.report.topics.belief import claims
@@ -29,7 +29,6 @@ ENOUGH = 10
 
 _MOST_FLOOR = 0.5  # of a time that is compared
 _THREE = digits(3)
-POINTS, TIMES, PERCENT = "percentage points", "times", "%"
 
 
 class Estimate(NamedTuple):
@@ -53,8 +52,8 @@ class Estimate(NamedTuple):
         return Estimate(-self.value, -self.high, -self.low, self.questions)
 
     def percent_text(self) -> str:
-        """A number in per cent and its interval: `25.0 % (21.0 % to 34.2 %)`."""
-        return with_interval(share, self.value / 100, self.low / 100, self.high / 100)
+        """A share in per cent and its interval: `25.0 % (21.0 to 34.2)`."""
+        return self.text(share)
 
 
 class Finding(NamedTuple):
@@ -66,7 +65,6 @@ class Finding(NamedTuple):
 
     sentence: str
     estimate: Estimate
-    unit: str
     question: str
     shown_in: str
 
@@ -78,12 +76,12 @@ def estimate_of(intervals: pd.DataFrame, questions: int) -> Estimate:
 
 
 def chosen_share(share: float, questions: int, of: int) -> Estimate:
-    """A share of questions in per cent, the most extreme of several.
+    """A share of questions, the most extreme of several.
 
     Its interval is that of all at once.
     """
-    low, high = wilson_interval(min(share * questions, questions), questions, of)
-    return Estimate(100 * share, 100 * low, 100 * high, questions)
+    low, high = wilson_intervals(min(share * questions, questions), questions, of)
+    return Estimate(share, low, high, questions)
 
 
 Pair = tuple[str, str]
@@ -180,7 +178,7 @@ class Evidence:
         return estimate_of(frame, len(known))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
-        """The mean of rates in per cent, with Wilson's interval for as many trials as questions."""
+        """The mean of rates, with Wilson's interval for as many trials as questions."""
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None

@@ -11,8 +11,6 @@ from dubins_study.report.statistics.intervals import geometric_means
 from dubins_study.report.statistics.methods import surest_first
 from dubins_study.report.topics.findings_evidence import (
     ENOUGH,
-    PERCENT,
-    TIMES,
     Estimate,
     Evidence,
     Finding,
@@ -104,7 +102,6 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
         f"{rival.percent_text()}, and {proves} none; where all are right the search takes "
         f"{' and '.join(compared)} (geometric means).",
         ratios[0],
-        TIMES,
         f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
         f"{', '.join(map(seconds, both.median()))}",
         TITLE,
@@ -128,7 +125,7 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     chosen = rows[rows["label"] == label]
     surest = _surest(evidence, chosen)
     proved = _closed(chosen[chosen["solver"] == EXACT])
-    if proved.empty or not proved.mean() > share.high / 100:
+    if proved.empty or not proved.mean() > share.high:
         return None
     legs = f"{chosen['legs'].min()} to {chosen['legs'].max()} legs"
     enough = share.questions >= ENOUGH_TO_CHOOSE
@@ -139,7 +136,6 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
         f"finds the shortest on {share.percent_text()} of {routes}; the search proves "
         f"{proved.sum()} of {len(proved)}.",
         share,
-        PERCENT,
         f"{routes} of {legs}, the surest of {some(len(surest), 'method')}",
         TITLE,
     )
@@ -195,7 +191,6 @@ def growth(evidence: Evidence) -> Finding | None:
         f"{named(most)} grows as the legs to the power {power.text(shown)}, that of "
         f"{named(least)} to the power {powers[least].text(shown)}{proof}.",
         power,
-        "power",
         f"{some(power.questions, 'route')} that the first one answers; "
         f"{some(len(powers), 'method')} still right on most of the "
         f"{some(asked, 'route')} of {largest} legs",

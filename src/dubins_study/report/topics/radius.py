@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -24,7 +25,6 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.statistics.metrics import (
     by_solver,
     circle_radius,
-    runs_of,
     success,
 )
 from dubins_study.study.closed_form.shortest import shortest
@@ -149,7 +149,10 @@ def _draw_shortest(ax: Axes, known: pd.DataFrame) -> None:
     lengths = known["length"].to_numpy()
     edges = np.sqrt(np.append(radii[0], radii) * np.append(radii, radii[-1]))
     above = ax.get_xaxis_transform()
-    for first, past, word in runs_of(known["reference_word"].tolist()):
+    words = known["reference_word"].to_numpy()
+    starts = [0, *np.flatnonzero(words[1:] != words[:-1]) + 1]
+    for first, past in pairwise([*starts, len(words)]):
+        word = words[first]
         low = edges[first]
         high = edges[past]
         shade = _WORD_SHADE.get(word, 0.02)

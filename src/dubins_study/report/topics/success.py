@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import pandas as pd
 
-from dubins_study.report.data.results import Folder, Results
+from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     General,
     Picture,
@@ -40,13 +38,13 @@ def gap_shares(attempts: pd.DataFrame) -> pd.DataFrame:
 
 def success_section(results: Results) -> Section | None:
     """Gap profiles."""
-    allowed = _gap_tolerances(results.folders)
     palette = Palette.of_page(results)
     pictures = []
     for name in sorted({run.name for run in results.folders}):
-        attempts = results.only({name}).attempts
-        if attempts["answerable"].any():
-            pictures.append(_profile_picture(name, attempts, allowed.get(name), palette))
+        asked = results.only({name})
+        if asked.attempts["answerable"].any():
+            tolerance = max(run.manifest.gap_tolerance for run in asked.folders)
+            pictures.append(_profile_picture(name, asked.attempts, tolerance, palette))
     if not pictures:
         return None
     text = (
@@ -58,16 +56,8 @@ def success_section(results: Results) -> Section | None:
     return Section("success", "Success and gaps", text, tuple(pictures), lead)
 
 
-def _gap_tolerances(folders: Iterable[Folder]) -> dict[str, float]:
-    """Experiment -> largest gap that its runs accept as optimal; left out if two runs differ."""
-    tolerances: dict[str, set[float]] = {}
-    for folder in folders:
-        tolerances.setdefault(folder.name, set()).add(folder.manifest.gap_tolerance)
-    return {name: gap for name, (gap, *others) in tolerances.items() if not others}
-
-
 def _profile_picture(
-    experiment: str, attempts: pd.DataFrame, tolerance: float | None, palette: Palette
+    experiment: str, attempts: pd.DataFrame, tolerance: float, palette: Palette
 ) -> Picture:
     shares = gap_shares(attempts)
     caption = (
@@ -83,17 +73,14 @@ def _profile_picture(
         names = dict(zip(drawn["solver"], drawn["short"], strict=True))
         rest = f"{DRAWN_TEXT} Grey: behind the first of a panel."
     else:
-        named = foremost(
-            shares.iloc[-1] if tolerance is None else shares[: 1.01 * tolerance].iloc[-1]
-        )
+        named = foremost(shares[: 1.01 * tolerance].iloc[-1])
         panels, names = {"": shares}, {solver: palette.label(solver) for solver in named}
         grey = len(shares.columns) - MOST_ENGINES
         rest = f"Grey, without names: {some(grey, 'solver')}, optimal least often."
         rest = rest if grey > 0 else ""
-    limit = "" if tolerance is None else "Dotted: optimal up to here."
     data = panels, names, palette, "gap to the shortest length (relative)", "share of all attempts"
     name, alt = f"gap-profile-{slug(experiment)}", f"Share of attempts against gap, {experiment}"
-    caption = sentences(caption, limit, rest)
+    caption = sentences(caption, "Dotted: optimal up to here.", rest)
     return panels_picture(name, caption, share_curves, alt, *data, limit=tolerance)
 
 
