@@ -205,8 +205,6 @@ def test_every_solver_stays_in_the_tables(of_many):
     assert len(summary) == len(ENGINES) + 5 * (len(FORMULATIONS) - 2)
     tables = {b.name: b.frame for s in of_many.values() for b in s.blocks if hasattr(b, "frame")}
     assert len(tables["times"]) == len(summary)
-    assert len(tables["times-best"]) == len(FORMULATIONS) - 1
-    assert set(tables["times-best"]["solver"]) < set(tables["times"]["solver"])
 
 
 @pytest.mark.slow

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 
@@ -68,35 +65,6 @@ def with_interval(show: Format, value: float, low: float, high: float) -> str:
         return ABSENT
     ends = percent if show is share else show
     return show(value) if low != low else f"{show(value)} ({ends(low)} to {ends(high)})"
-
-
-# A table of more lines than a screen holds has a short one before it.
-MOST_LINES = 20
-
-
-def best_first(
-    table: Table,
-    solvers: Iterable[str],
-    best: Collection[str],
-    which: str = "Of each formulation the method that is most surely right.",
-) -> tuple[Table, ...]:
-    """A short table of the best methods, then the whole one; only the whole if it is short.
-
-    `solvers` has the solver of each line; `which` says in the caption what the `best` are.
-    """
-    lines = [line for line, solver in enumerate(solvers) if solver in best]
-    if len(table.frame) <= MOST_LINES or not lines:
-        return (table,)
-    place = {line: number for number, line in enumerate(lines)}
-    marked = table.marks.items()
-    short = replace(
-        table,
-        name=f"{table.name}-best",
-        caption=f"{which} {table.caption}",
-        frame=table.frame.iloc[lines],
-        marks={(place[line], key): mark for (line, key), mark in marked if line in place},
-    )
-    return short, replace(table, caption=f"All {len(table.frame)} lines. {table.caption}")
 
 
 INTERVAL_TEXT = (

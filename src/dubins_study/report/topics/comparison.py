@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, own
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
@@ -17,7 +17,6 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
-    best_first,
     interval_column,
     method_table,
 )
@@ -205,10 +204,7 @@ def comparison_section(results: Results) -> Section | None:
         return None
     ranked, shift = mean_ranks(attempts)
     blocks: list[Picture | Table] = [_profiles(table, ranked, Palette.of_page(results))]
-    ranks = rank_table(ranked, shift, attempts.limit_s)
-    best = {*own(ranked.index), *ranked.drop_duplicates("formulation").index}
-    which = "Of each formulation the method with the least mean."
-    blocks += best_first(ranks, ranked.index, best, which)
+    blocks.append(rank_table(ranked, shift, attempts.limit_s))
     tests = formulation_tests(table, ranked)
     if len(tests):
         blocks.append(test_table(tests, ranked))
