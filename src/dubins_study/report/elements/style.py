@@ -174,9 +174,6 @@ def fix_layout(figure: Figure) -> None:
         figure.set_dpi(dpi)
         # The layout's solver sorts its variables by their addresses, so that the last digits of a
         # place change from run to run; an SVG file's ids are made of them.
-        for part in figure.subfigs:
-            corners = part.bbox_relative.get_points()
-            part.bbox_relative.set_points(corners.round(_PLACE_DECIMALS))
         for ax in figure.axes:
             ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACE_DECIMALS))
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):

@@ -73,7 +73,7 @@ def time_section(results: Results) -> Section | None:
 
 
 def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
-    """The whole of an attempt, in a panel per formulation."""
+    """The whole of an attempt, formulation by formulation."""
     caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
     alt = "Median times and quartiles, one line per method"
     data = table, "wall_s", palette, "time of one attempt"
