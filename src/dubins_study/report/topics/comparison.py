@@ -18,7 +18,9 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
     interval_column,
-    method_table,
+    interval_keys,
+    method_columns,
+    with_interval_texts,
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import MOST_NAMED, share_curves
@@ -163,8 +165,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
         "times the limit. 95 % intervals: Wilson's for shares, for as many trials as there are "
         "questions, and bootstrap over scenarios for means."
     )
-    shows = {"right": share, "mean": seconds}
-    return method_table("comparison-ranks", caption, frame, shown, **shows)
+    texts = with_interval_texts(frame, right=share, mean=seconds)
+    every = (*method_columns(frame), *shown)
+    numbers = interval_keys("right", "mean")
+    return Table("comparison-ranks", caption, texts, every, numbers=numbers, dense=True)
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
