@@ -42,10 +42,10 @@ DRAWN_TEXT = (
     "Of each formulation and engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
-MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
+MOST_NAMED = 4  # curves of a small panel that a reader can tell apart
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
-_LETTERS = (48, 34, 60)  # of a name below a narrow panel, or one of three, and beside a wide one
+_LETTERS, _LETTERS_OF_THREE = 48, 34  # of a name below a panel, and below one of three
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -224,32 +224,28 @@ def share_curves(
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
     few (`MOST_NAMED`) of one of several panels. A dotted line is drawn at `limit`.
     """
-    across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
-    down, small = -(-len(shares) // across), 6.5
-    below = narrow or several
-    letters = _LETTERS[0 if narrow else 1 if several else 2]
-    # what a screen leaves for the names below each line of panels
-    fits = MOST_NAMED if narrow else max(2, int(((HIGHEST - 0.5) / down - 1) / 0.13))
-    most = min(MOST_NAMED, fits) if several else None
+    several = len(shares) > 1
+    across = 1 if narrow else min(_ACROSS, len(shares))
+    down = -(-len(shares) // across)
+    letters = _LETTERS_OF_THREE if across > 1 else _LETTERS
+    most = MOST_NAMED if several else None
     chosen = {
         title: sorted((str(s) for s in table if s in names), key=lambda s: not own_name(s))[:most]
         for title, table in shares.items()
     }
     entries = [len(solvers) for solvers in chosen.values()]
     lines = sum(max(entries[row : row + across]) for row in range(0, len(entries), across))
-    tall = 0.5 + 1.2 * down + 0.13 * lines
-    high = tall if narrow else min(HIGHEST, tall) if several else 2.9
-    figure = new_figure(HALF if narrow else WIDE, high)
+    panel = 1.2 if several else 2.2  # inches
+    high = 0.5 + panel * down + 0.13 * lines
+    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
-        ax, named = panels[place], chosen[title]
-        shared, shown = "", [names[solver] for solver in named]
-        if several:
-            shared, shown = common_part(shown)
+        ax = panels[place]
+        shared, shown = common_part([names[solver] for solver in chosen[title]])
         shown = [one_line(name, letters) for name in shown]
-        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=below)
+        _draw_shares(ax, table, dict(zip(chosen[title], shown, strict=True)), palette)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
-        ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
+        ax.tick_params(labelsize=6.5, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
             mark_limit(ax, limit)
         _scale(ax, float(table.index[0]), float(table.index[-1]))
@@ -263,19 +259,8 @@ def share_curves(
     return figure
 
 
-def _draw_shares(
-    ax: Axes,
-    table: pd.DataFrame,
-    names: Mapping[str, str],
-    palette: Palette,
-    size: float,
-    *,
-    below: bool,
-) -> None:
-    """Draw the columns of a table over its index; those with a name in colour and in the legend.
-
-    The legend stands beside the panel, or below it.
-    """
+def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
+    """Draw the columns of a table over its index; those with a name in colour and below it."""
     looks, drawn = palette.looks(names), {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
@@ -288,10 +273,8 @@ def _draw_shares(
     # The legend has the order in which the curves end, from the highest down.
     order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
     handles = [drawn[solver] for solver in order]
-    place: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
-    if below:
-        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12)}
-    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **place)
+    place: Style = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12), "labelspacing": 0.15}
+    ax.legend(handles=handles, fontsize=6.5, handlelength=1.8, **place)
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 
