@@ -27,7 +27,6 @@ from dubins_study.report.elements.style import (
     MUTED,
     WIDE,
     Style,
-    duration,
     log_axis,
     mark_limit,
     new_figure,
@@ -96,7 +95,7 @@ def quartile_lines(
                 ax.hlines(row["place"], *bar, color=look.colour, linewidth=2.4, alpha=0.45)
                 ax.plot(row[key], row["place"], **look.dots)
         ax.set(xlim=(low / widen, high * widen), xscale="log")
-        log_axis(ax.xaxis, duration)
+        log_axis(ax.xaxis, "s")
         ax.xaxis.set_major_locator(LogLocator(numticks=3))
     return figure
 
