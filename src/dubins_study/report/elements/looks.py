@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import cycle
+from itertools import count, cycle
 from typing import Any, NamedTuple, Self
 
 import pandas as pd
@@ -73,14 +73,13 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
 def distinct(labels: Sequence[str]) -> list[str]:
     """The labels; those that are there several times get a number."""
     shared = Counter(labels)
-    taken = {label for label, number in shared.items() if number == 1}
     names = []
     for label in labels:
-        name, number = label, 1
-        while shared[label] > 1 and (number == 1 or name in taken):
-            name, number = f"{label} #{number}", number + 1
+        name = label
+        if shared[label] > 1:
+            numbered = (f"{label} #{number}" for number in count(1))
+            name = next(text for text in numbered if text not in shared and text not in names)
         names.append(name)
-        taken.add(name)
     return names
 
 
