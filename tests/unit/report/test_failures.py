@@ -229,9 +229,7 @@ def test_the_section_marks_what_is_wrong_and_says_who_denies(load_rows):
 
     assert sorted(wrong) == ["denied_text", "wrong_text"]
     assert "call a question infeasible that has a path" in section.text
-    assert table.frame["denied_text"].tolist() == [
-        "33.3\u00a0%\n(6.1\u00a0to\u00a079.2)"
-    ]  # Wilson's
+    assert table.frame["denied_text"].tolist() == ["33.3 % of 3,\n6.1 to 79.2 %"]  # Wilson's
     assert "33.3 % of 3" in section.text
 
 

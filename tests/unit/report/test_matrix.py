@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dubins_study.report.elements.identity import percent, with_share
+from dubins_study.report.elements.identity import percent, share_text, with_share
 from dubins_study.report.statistics.methods import best_methods, drawn_methods, stratum_order
 from dubins_study.report.topics.matrix import matrix, matrix_section
 from dubins_study.study.path import Path
@@ -150,3 +150,4 @@ def test_a_share_of_nothing_is_a_dash():
 
     assert frame["x_text"].tolist() == ["–"]
     assert (frame["x_low"].tolist(), frame["x_high"].tolist()) == ([0.0], [1.0])
+    assert share_text(2 / 3, 0.2, 0.9, 2 + 2 / 3) == "66.7 % of 2.67,\n20.0 to 90.0 %"

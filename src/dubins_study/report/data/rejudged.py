@@ -53,23 +53,29 @@ def judged_anew(rows: pa.Table, manifest: Manifest) -> tuple[pa.Table, Recheck]:
     """
     records = rows.to_pylist()
     left = sum(row["branch"] in BRANCHES_WITHOUT_PATH for row in records)
-    columns: dict[str, list[Any]] = {name: rows[name].to_pylist() for name in _FOUND}
-    differences = []
-    for place, row in enumerate(records):
-        if row["branch"] in BRANCHES_WITHOUT_PATH or row["outcome"] == UNTAKEN:
-            continue
-        found = _found(row, manifest)
-        for name, value in found.items():
-            columns[name][place] = value
-        differences.append([not _agree(row[name], found[name]) for name in _NAMED])
-    for name, values in columns.items():
+    asked = [
+        place
+        for place, row in enumerate(records)
+        if row["branch"] not in BRANCHES_WITHOUT_PATH and row["outcome"] != UNTAKEN
+    ]
+    found = {place: _found(records[place], manifest) for place in asked}
+    differs = pd.DataFrame(
+        [
+            {name: not _agree(records[place][name], new[name]) for name in _NAMED}
+            for place, new in found.items()
+        ],
+        columns=list(_NAMED),
+        dtype=bool,
+    )
+    for name in _FOUND:
+        values = [found.get(place, row)[name] for place, row in enumerate(records)]
         field = rows.schema.field(name)
-        place = rows.schema.get_field_index(name)
-        rows = rows.set_column(place, field, pa.array(values, field.type))
-    differs = pd.DataFrame(differences, columns=list(_NAMED), dtype=bool)
+        rows = rows.set_column(
+            rows.schema.get_field_index(name), field, pa.array(values, field.type)
+        )
     counts = {name: int(differs[name].sum()) for name in _NAMED if differs[name].any()}
     changed = int(differs.any(axis=1).sum())
-    return rows, Recheck(len(differs), left, changed, counts)
+    return rows, Recheck(len(asked), left, changed, counts)
 
 
 def _found(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:

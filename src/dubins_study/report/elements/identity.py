@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,17 +37,13 @@ def interval_keys(*keys: str) -> tuple[str, ...]:
 
 def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
     """The frame with a column `key`_text for each key, of `key`, `key`_low and `key`_high."""
-    texts = {
-        f"{key}_text": _two_lines(show, *(frame[name] for name in interval_keys(key)))
-        for key, show in shows.items()
-    }
+    texts = {}
+    for key, show in shows.items():
+        values = zip(*(frame[name] for name in interval_keys(key)), strict=True)
+        each = [with_interval(show, *line) for line in values]
+        two_lines = (text.replace(" (", "\n(", 1) for text in each)  # which break nowhere else
+        texts[f"{key}_text"] = [text.replace(" ", "\u00a0") for text in two_lines]
     return frame.assign(**texts)
-
-
-def _two_lines(show: Format, *columns: Iterable[float]) -> list[str]:
-    """Numbers, and below each its interval, which breaks nowhere else."""
-    texts = [with_interval(show, *line) for line in zip(*columns, strict=True)]
-    return [text.replace(" (", "\n(", 1).replace(" ", "\u00a0") for text in texts]
 
 
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
@@ -74,15 +70,24 @@ def with_share(
     """The frame with a share of trials and its interval.
 
     New columns: `name`_of (the trials), `name`_share (NaN of no trials), `name`_low and `name`_high
-    (95 %), and `name`_text, a text of the last three.
+    (95 %), and `name`_text, in which all of them are written out.
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)
     low, high = wilson_intervals(k, n).T
     shares = np.divide(k, n, out=np.full_like(n, np.nan), where=n > 0)
-    columns = {"of": n, "share": shares, "low": low, "high": high}
-    columns["text"] = _two_lines(share, shares, low, high)
+    columns: dict[str, Any] = {"of": n, "share": shares, "low": low, "high": high}
+    columns["text"] = [
+        share_text(*line) for line in zip(shares, low, high, n.tolist(), strict=True)
+    ]
     return frame.assign(**{f"{name}_{key}": values for key, values in columns.items()})
+
+
+def share_text(share: float, low: float, high: float, of: float) -> str:
+    """`98.4 % of 64` and below it `91.7 to 99.7 %`; a dash if there is nothing to divide by."""
+    if not of > 0:
+        return ABSENT
+    return f"{percent(share)} % of {questions(of)},\n{percent(low)} to {percent(high)} %"
 
 
 def percent(share: float, places: int = 1) -> str:

@@ -62,16 +62,15 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
 
 _LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
-    *columns(question_count, presolved="by presolve", reached="reached an engine"),
+    *columns(question_count, presolved="by presolve"),
     *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
     *columns(seconds, wall_s="median time"),
-    *columns(question_count, questions="with a path"),
     *columns(kind="cell", denied_text="denies a path"),
 )
 _NUMBERS = (
-    *("solver", "unasked", "presolve_s"),
+    *("solver", "unasked", "reached", "presolve_s"),
     *share_keys(*_ANSWERS),
-    *("denied", *share_keys("denied")),
+    *("questions", "denied", *share_keys("denied")),
 )
 
 

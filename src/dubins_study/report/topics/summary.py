@@ -19,7 +19,6 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
-from dubins_study.report.elements.identity import questions as question_count
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.study.words import Outcome
 
@@ -62,8 +61,7 @@ def share_keys(*names: str) -> tuple[str, ...]:
 _COLUMNS = (
     *METHOD[:-1],
     SOLVER,
-    *columns(question_count, questions="questions"),
-    *columns(kind="cell", right_text="right, 95 %"),
+    *columns(kind="cell", right_text="right of n, 95 %"),
     *(Column(key, key, count) for key in ("none exists", PRESOLVED, LATE)),
     *columns(count, longer="longer", misses="misses", none="none"),
     *columns(count, undecided="undecided"),
@@ -71,7 +69,7 @@ _COLUMNS = (
     *columns(count, not_returned="not returned"),
     *columns(seconds, wall_s="median time"),
 )
-_NUMBERS = ("attempts", "optimal", *share_keys("right"))
+_NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
 
 
 def summary_section(results: Results) -> Section | None:
