@@ -29,7 +29,7 @@ REFUSALS = {
     "solve 1 2 --via 3": "--via is '3'; expected X Y: point to pass on the way",
     "solve 1 2 --via 3 a": "Invalid value for '--via': 'a'; expected a number",
     "solve 1 2 --via --json 3": "--via is '--json 3'; expected X Y: point to pass on the way",
-    "solve 1 2 --via 0 0": "via point 1 is (0.0, 0.0), the same point as the one before it; expected",
+    "solve 1 2 --via 0 0": "via point 1 is (0.0, 0.0), the same point as the one before it;",
     "solve 1 2 --radius 1 --radius 2": "--radius is given twice; expected it once; see",
     "solve 1 2 --solver slsqp --solver ipopt": "--solver is given twice; expected it once",
     "run paper --time-limit=5 --time-limit 6": "--time-limit is given twice; expected it once",

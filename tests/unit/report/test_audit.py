@@ -16,11 +16,9 @@ from dubins_study.report.paper.exact import ball, rounded, truncated
 from dubins_study.report.paper.printed import (
     PRINTED,
     PROBLEMS,
-    QUANTITIES,
     WORDS,
     committed,
     misprints,
-    segments,
 )
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.path import Path
@@ -89,7 +87,9 @@ def test_the_closed_form_in_doubles_agrees(found):
     for cell in found["cells"]:
         problem = PROBLEMS[cell["label"]]
         path = shortest_path(problem.scenario, cell["word"])
-        ours = segments(path, problem.radius)[QUANTITIES.index(cell["quantity"])]
+        turn, straight = path.lengths
+        lengths = {"z1": turn, "z2": turn, "z3": straight, "f": path.length}
+        ours = lengths[cell["quantity"]]
         scale = max(ours, problem.radius)
         assert ours == pytest.approx(float(cell["exact"]), rel=0, abs=1e-13 * scale)
 

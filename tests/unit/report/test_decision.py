@@ -15,7 +15,7 @@ from dubins_study.report.page.sections import TOPICS, sections_of
 from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.report.topics.belief import belief_section
 from dubins_study.report.topics.decision import decision_section, ends, stops, surest
-from dubins_study.report.topics.summary import best_solvers, solver_summary
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt, compared_row, paper_scenarios
@@ -167,13 +167,12 @@ def test_it_is_named_by_its_own_name(load_rows):
 
 
 def test_it_stands_first(load_rows):
-    """In tables of methods, of solvers, and in the short form of long tables."""
+    """In tables of methods, and of solvers."""
     results = load_rows("mine", rows(ENOUGH_TO_CHOOSE, MINE))
     (decided, *_) = decision_section(results).blocks
 
     assert solver_summary(results.attempts)["solver"].iloc[0] == MINE
     assert solver_order(["analytic", "ipopt", MINE])[0] == MINE
-    assert best_solvers(results)[0] == MINE
     assert decided.frame["method"].iloc[0] == "MySolver"
 
 

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.collections import QuadMesh
@@ -159,7 +160,7 @@ def test_bars_of_all_columns_have_one_length():
             fix_layout(figure)
         lengths = [ax.get_window_extent().width for ax in figure.axes]
         texts = [label.get_text() for ax in figure.axes for label in ax.get_yticklabels()]
-        assert (texts, len(figure.subfigs)) == ([*names], across)
+        assert (texts, len(figure.axes)) == ([*names], across)
         assert max(lengths) < 1.1 * min(lengths)  # the labels of the axes are not counted
 
 
@@ -187,14 +188,20 @@ def of_many(folder):
     return {s.key: s for topic in TOPICS for s in sections_of(topic, results)}
 
 
+def groups_of(ax):
+    """The names of a panel's lines, those of a formulation together: a title is between two."""
+    labels = ax.get_yticklabels()
+    ends = np.flatnonzero(np.diff(ax.get_yticks()) > 1) + 1
+    return np.split([label.get_text() for label in labels], ends)
+
+
 @pytest.mark.slow
 def test_no_panel_has_more_than_ten_methods(pictures, of_many):
     """Neither bars with names nor curves; maps alone have a line per engine."""
     for block in (*pictures.values(), *drawn_of(of_many.values())):
         for ax in block.figure.axes:
-            names = [label.get_text() for label in ax.get_yticklabels()]
             assert len(curves(ax)) <= MOST_ENGINES, block.name
-            named = sum("engine" in name for name in names)
+            named = max(map(len, groups_of(ax)))
             assert named <= MOST_ENGINES or is_map(ax), block.name
 
 
@@ -205,8 +212,6 @@ def test_every_solver_stays_in_the_tables(of_many):
     assert len(summary) == len(ENGINES) + 5 * (len(FORMULATIONS) - 2)
     tables = {b.name: b.frame for s in of_many.values() for b in s.blocks if hasattr(b, "frame")}
     assert len(tables["times"]) == len(summary)
-    assert len(tables["times-best"]) == len(FORMULATIONS) - 1
-    assert set(tables["times-best"]["solver"]) < set(tables["times"]["solver"])
 
 
 @pytest.mark.slow
@@ -250,8 +255,6 @@ def test_a_file_does_not_depend_on_the_last_digits_of_the_layout(monkeypatch):
 
     def rounded_otherwise(engine, figure):
         layout(engine, figure)
-        for part in figure.subfigs:
-            part.bbox_relative.set_points(part.bbox_relative.get_points() * (1 + 1e-15))
         for ax in figure.axes:
             left, bottom, width, height = ax.get_position().bounds
             ax.set_position((left, bottom, width * (1 + 1e-15), height))
@@ -261,8 +264,8 @@ def test_a_file_does_not_depend_on_the_last_digits_of_the_layout(monkeypatch):
         monkeypatch.setattr(ConstrainedLayoutEngine, "execute", execute)
         with drawing():
             figure = new_figure(4, 3)
-            for part in figure.subfigures(1, 3):
-                part.add_subplot().barh([0, 1], [2, 3])
+            for ax in figure.subplots(1, 3):
+                ax.barh([0, 1], [2, 3])
             fix_layout(figure)
             files.append(figure_bytes(figure, "svg"))
 

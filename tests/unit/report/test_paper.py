@@ -12,9 +12,8 @@ from dubins_study.report.paper.printed import (
     PROBLEMS,
     QUANTITIES,
     committed,
-    segments,
 )
-from dubins_study.report.topics.paper import scores, side_by_side
+from dubins_study.report.topics.paper import side_by_side
 from dubins_study.report.topics.paper_figures import figures_section
 from dubins_study.report.topics.radius import (
     radius_section,
@@ -23,8 +22,7 @@ from dubins_study.report.topics.radius import (
     warm_section,
     warm_starts,
 )
-from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import astray, attempt, load_folders, paper_scenarios
 
@@ -34,15 +32,9 @@ def cells():
     return pd.DataFrame(committed()["cells"])
 
 
-def test_the_closed_form_prints_26_of_the_33_cells(cells, load_rows):
-    """In doubles; the other seven are those of the audit."""
-    rows = [attempt(s, branch=word) for s in paper_scenarios() for word in ("LS", "RS")]
-    rows += [attempt(paper_scenarios()[0], "slsqp", "LS", path=astray(paper_scenarios()[0]))]
-    table = scores(load_rows("paper", rows), cells).set_index("solver")
-
+def test_26_of_the_33_cells_are_correct_roundings(cells):
     assert (cells["verdict"] == CORRECT).sum() == 26
-    assert table.loc["analytic"].tolist() == [33, 33, 26, 0, 0]
-    assert table.loc["slsqp", ["cells", "answered", "printed"]].tolist() == [33, 0, 0]
+    assert len(cells) == 33
 
 
 def test_the_papers_scenarios_are_those_of_the_experiment():
@@ -71,13 +63,6 @@ def test_a_crossed_number_shows_why(cells):
     for printed, exact in pairs:
         wrong = abs(Fraction(printed.removesuffix(" ✗")) - Fraction(exact)) > Fraction("0.005")
         assert wrong == ("✗" in printed), (printed, exact)
-
-
-def test_a_turn_at_half_rate_counts_half():
-    """Segments of a discretised path: the turn's full-rate length, the rest straight."""
-    path = Path(Pose(0, 0, 0), [0.5, 0.25, 0.0, -0.5], [2.0, 1.0, 3.0, 1.0])
-
-    assert segments(path, radius=2.0) == (2.5, 1.0, 3.5, 7.0)
 
 
 def test_the_papers_figures_name_their_paths(results):

@@ -173,7 +173,7 @@ def test_every_stratum_has_points_at_the_same_scenarios(results: Results):
 
 def test_the_sample_shrinks_to_its_budget(results: Results, monkeypatch: pytest.MonkeyPatch):
     """The worst attempts stay; the text says how many of how many are shown."""
-    monkeypatch.setattr(section, "_FEWEST_ATTEMPTS", 10)
+    monkeypatch.setattr(section, "_SIZES", (180, 100, 30, 10))
     whole = section.attempts_section(results)
     size = len(gzip.compress(_content(whole)))
     monkeypatch.setattr(section, "_MOST_BYTES", 4 / 3 * size - 1500)

@@ -88,21 +88,11 @@ def test_the_machine_is_taken_out_by_solvers_of_the_same_code(results):
     assert not compare(base, slow).regressed  # all took three times as long
 
 
-def test_probes_stand_in_where_every_solver_changed(results):
-    """The calibration probe took twice as long; the solver three times: 1.5 times as slow."""
-    runs = [
-        [{"run_id": "a", "probes": [[k, took * (1 + k / 1e6)] for k in range(20)]}]
-        for took in (0.01, 0.02)
-    ]
-    base = results("a", rows(time=1e-3), runs=runs[0])
-    new = results("b", rows(digest=NEW, time=3e-3), runs=runs[1])
-    comparison = compare(base, new)
-
-    assert of(comparison)["time_ratio"] == pytest.approx(1.5, rel=1e-4)  # probes vary by 2e-5
-    assert comparison.regressions["kind"].tolist() == ["slower"]
-    assert "probes" in comparison.speed.evidence
+def test_no_solver_is_slower_where_every_solver_changed(results):
+    """Then nothing says what the machine did."""
     without = compare(results("c", rows(time=1e-3)), results("d", rows(digest=NEW, time=9e-3)))
-    assert without.speed is None  # then no solver is called slower
+
+    assert without.speed is None
     assert of(without)["time_ratio"] == pytest.approx(9, rel=1e-12)
     assert not without.regressed
 

@@ -77,7 +77,6 @@ class Results:
     elsewhere: pd.DataFrame
     # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
     controls: pa.Table
-    solvers: tuple[str, ...]  # specs
     methods: pd.DataFrame  # solver, formulation, engine, guess
     # by `only`, since several sections are about the same rows
     selections: dict[frozenset[str], Results] = field(default_factory=dict, repr=False)
@@ -229,6 +228,5 @@ def _joined(stored: Sequence[_Stored]) -> Results:
         untaken=every.loc[untaken, ["solver", "experiment"]],
         elsewhere=elsewhere,
         controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
-        solvers=tuple(sorted(every.loc[~untaken, "solver"].unique())),
         methods=methods(every[~untaken]),
     )

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from enum import Enum, StrEnum, auto
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
 import pandas as pd
 from markupsafe import Markup
 from matplotlib.artist import Artist
@@ -66,8 +65,8 @@ def _numbers_of(frame: pd.DataFrame, key: str) -> list[float | None]:
     names = (key,) if stem == key else (f"{stem}_share", stem)
     for name in names:
         if name in frame and is_numeric_dtype(frame[name]):
-            numbers = frame[name].astype("Float64").to_numpy(float, na_value=np.nan)
-            return [float(value) if value == value else None for value in numbers]
+            numbers = frame[name].astype(object)
+            return numbers.where(numbers.notna(), None).tolist()
     return [None] * len(frame)
 
 

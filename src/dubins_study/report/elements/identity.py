@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from dubins_study.report.elements.columns import Column, columns
-from dubins_study.report.elements.content import Table
 from dubins_study.report.elements.formats import ABSENT, Format, count, digits, share
 from dubins_study.report.statistics.intervals import wilson_intervals
 
@@ -48,17 +46,6 @@ def with_interval_texts(frame: pd.DataFrame, **shows: Format) -> pd.DataFrame:
     return frame.assign(**texts)
 
 
-def method_table(
-    name: str, caption: str, frame: pd.DataFrame, shown: tuple[Column, ...], **shows: Format
-) -> Table:
-    """A table with a line per method; the numbers of `shows` have an interval, shown in `key`_text.
-
-    The CSV file has those numbers and the ends of their intervals.
-    """
-    texts, every = with_interval_texts(frame, **shows), (*method_columns(frame), *shown)
-    return Table(name, caption, texts, every, numbers=interval_keys(*shows), dense=True)
-
-
 def with_interval(show: Format, value: float, low: float, high: float) -> str:
     """A number and its interval as text: `2.5 (2.1 to 3.4)`; a dash if it is not known.
 
@@ -68,35 +55,6 @@ def with_interval(show: Format, value: float, low: float, high: float) -> str:
         return ABSENT
     ends = percent if show is share else show
     return show(value) if low != low else f"{show(value)} ({ends(low)} to {ends(high)})"
-
-
-# A table of more lines than a screen holds has a short one before it.
-MOST_LINES = 20
-
-
-def best_first(
-    table: Table,
-    solvers: Iterable[str],
-    best: Collection[str],
-    which: str = "Of each formulation the method that is most surely right.",
-) -> tuple[Table, ...]:
-    """A short table of the best methods, then the whole one; only the whole if it is short.
-
-    `solvers` has the solver of each line; `which` says in the caption what the `best` are.
-    """
-    lines = [line for line, solver in enumerate(solvers) if solver in best]
-    if len(table.frame) <= MOST_LINES or not lines:
-        return (table,)
-    place = {line: number for number, line in enumerate(lines)}
-    marked = table.marks.items()
-    short = replace(
-        table,
-        name=f"{table.name}-best",
-        caption=f"{which} {table.caption}",
-        frame=table.frame.iloc[lines],
-        marks={(place[line], key): mark for (line, key), mark in marked if line in place},
-    )
-    return short, replace(table, caption=f"All {len(table.frame)} lines. {table.caption}")
 
 
 INTERVAL_TEXT = (
@@ -116,14 +74,13 @@ def with_share(
     """
     n = trials.astype(np.float64).to_numpy()
     k = np.minimum(successes.astype(np.float64).to_numpy(), n)
-    ends = wilson_intervals(k, n)
-    shares = np.where(n > 0, k / np.where(n > 0, n, 1.0), np.nan)
-    numbers = {"of": n, "share": shares, "low": ends[:, 0], "high": ends[:, 1]}
-    named = {f"{name}_{key}": values for key, values in numbers.items()}
-    texts = [
-        share_text(*each) for each in zip(shares, ends[:, 0], ends[:, 1], n.tolist(), strict=True)
+    low, high = wilson_intervals(k, n).T
+    shares = np.divide(k, n, out=np.full_like(n, np.nan), where=n > 0)
+    columns: dict[str, Any] = {"of": n, "share": shares, "low": low, "high": high}
+    columns["text"] = [
+        share_text(*line) for line in zip(shares, low, high, n.tolist(), strict=True)
     ]
-    return frame.assign(**named, **{f"{name}_text": texts})
+    return frame.assign(**{f"{name}_{key}": values for key, values in columns.items()})
 
 
 def share_text(share: float, low: float, high: float, of: float) -> str:

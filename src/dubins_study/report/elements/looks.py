@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import cycle
+from itertools import count, cycle
 from typing import Any, NamedTuple, Self
 
 import pandas as pd
@@ -39,8 +39,9 @@ def labels_of(results: Results) -> dict[str, str]:
 def in_page_order(frame: pd.DataFrame, results: Results) -> pd.DataFrame:
     """The rows in the order of the page's solvers; rows of one solver keep their order."""
     place = {solver: number for number, solver in enumerate(names_of(results).index)}
-    places = frame["solver"].map(place).fillna(len(place))
-    return frame.loc[places.sort_values(kind="stable").index].reset_index(drop=True)
+    return frame.sort_values(
+        "solver", key=lambda solvers: solvers.map(place), kind="stable", ignore_index=True
+    )
 
 
 def short_labels(methods: pd.DataFrame) -> dict[str, str]:
@@ -72,14 +73,13 @@ def short_label(row: Mapping[Hashable, Any]) -> str:
 def distinct(labels: Sequence[str]) -> list[str]:
     """The labels; those that are there several times get a number."""
     shared = Counter(labels)
-    taken = {label for label, number in shared.items() if number == 1}
     names = []
     for label in labels:
-        name, number = label, 1
-        while shared[label] > 1 and (number == 1 or name in taken):
-            name, number = f"{label} #{number}", number + 1
+        name = label
+        if shared[label] > 1:
+            numbered = (f"{label} #{number}" for number in count(1))
+            name = next(text for text in numbered if text not in shared and text not in names)
         names.append(name)
-        taken.add(name)
     return names
 
 
@@ -88,17 +88,14 @@ _KEPT = 2  # items of a short name that a figure always shows: engine and formul
 
 def figure_names(labels: Mapping[str, str]) -> dict[str, str]:
     """Solver -> name for a figure: engine, formulation, and what else tells its solvers apart."""
-    items = {solver: label.split(", ") for solver, label in labels.items()}
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for solver, parts in items.items():
-        groups.setdefault(tuple(parts[:_KEPT]), []).append(solver)
-    names = {}
-    for first, solvers in groups.items():
-        common = set.intersection(*(set(items[solver]) for solver in solvers))
-        for solver in solvers:
-            rest = [item for item in items[solver][_KEPT:] if item not in common]
-            names[solver] = ", ".join([*first, *rest])
-    return {solver: names[solver] for solver in labels}
+    items = [label.split(", ") for label in labels.values()]
+    names = []
+    for parts in items:
+        first = parts[:_KEPT]
+        alike = [set(others) for others in items if others[:_KEPT] == first]
+        rest = [item for item in parts[_KEPT:] if item not in set.intersection(*alike)]
+        names.append(", ".join([*first, *rest]))
+    return dict(zip(labels, names, strict=True))
 
 
 _MOST_IN_PANEL = 44  # characters of a name beside a small panel

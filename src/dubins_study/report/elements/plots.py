@@ -6,9 +6,8 @@ Matplotlib's constrained layout finds the places.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -16,12 +15,9 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
-from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator
-from matplotlib.transforms import blended_transform_factory as blended
 
 from dubins_study.report.data.attempts import own_name
 from dubins_study.report.elements.looks import BEHIND, Palette, common_part, one_line
@@ -31,7 +27,6 @@ from dubins_study.report.elements.style import (
     MUTED,
     WIDE,
     Style,
-    duration,
     log_axis,
     mark_limit,
     new_figure,
@@ -39,17 +34,17 @@ from dubins_study.report.elements.style import (
     plain_log_axis,
 )
 from dubins_study.report.statistics.methods import MOST_ENGINES
-from dubins_study.study.arrays import FloatArray, IntArray
+from dubins_study.study.arrays import FloatArray
 
 # For captions of figures that show `statistics.methods.drawn_methods`.
 DRAWN_TEXT = (
-    "A panel per formulation: of each engine the guess and settings that are most surely right, "
+    "Of each formulation and engine the guess and settings that are most surely right, "
     f"and at most {MOST_ENGINES} engines."
 )
-MOST_NAMED = 5  # curves of a small panel that a reader can tell apart
+MOST_NAMED = 4  # curves of a small panel that a reader can tell apart
 HIGHEST = 6.2  # inches: on the page a screen of 900 pixels, the caption not counted
 _ACROSS = 3  # panels side by side
-_LETTERS = (48, 34, 60)  # of a name below a narrow panel, or one of three, and beside a wide one
+_LETTERS, _LETTERS_OF_THREE = 48, 34  # of a name below a panel, and below one of three
 _MARKERS = ("D", "s", "^", "v")  # open marks that can be seen inside each other
 
 
@@ -93,22 +88,22 @@ def quartile_lines(
     low, high = 0.8 * positive.min(), 1.25 * positive.max()
     widen = max(1.0, (6 / (high / low)) ** 0.5)  # or the axis might have no number
     for ax, rows in axes:
-        places = range(len(rows))[::-1]
-        for place, row in zip(places, rows.to_dict("records"), strict=True):
+        for row in rows.to_dict("records"):
             if row[key] > 0:
                 look = looks[row["solver"]]
                 bar = [max(row[f"{key}_q1"], low), row[f"{key}_q3"]]
-                ax.hlines(place, *bar, color=look.colour, linewidth=2.4, alpha=0.45)
-                ax.plot(row[key], place, **look.dots)
+                ax.hlines(row["place"], *bar, color=look.colour, linewidth=2.4, alpha=0.45)
+                ax.plot(row[key], row["place"], **look.dots)
         ax.set(xlim=(low / widen, high * widen), xscale="log")
-        log_axis(ax.xaxis, duration)
+        log_axis(ax.xaxis, "s")
+        ax.xaxis.set_major_locator(LogLocator(numticks=3))
     return figure
 
 
 def stacked_shares(
     table: pd.DataFrame, marks: Sequence[Mark], label: str, *, narrow: bool = False
 ) -> Figure:
-    """One bar per row, stacked of shares, in a panel per formulation.
+    """One bar per row, stacked of shares, those of a formulation together.
 
     Columns: those of `named_lines`, and a share for each mark. The marks have colours and hatches,
     in the order of the stack, from dark to light; those that no row has are left out.
@@ -116,7 +111,8 @@ def stacked_shares(
     figure, axes = named_lines(table, label, narrow=narrow)
     present = [mark for mark in marks if table[mark.key].fillna(0).any()]
     for ax, rows in axes:
-        places, left = np.arange(len(rows))[::-1], np.zeros(len(rows))
+        places = rows["place"].to_numpy()
+        left = np.zeros(len(rows))
         for mark in present:
             width = rows[mark.key].fillna(0).to_numpy(dtype=np.float64)
             shown = width > _THIN
@@ -132,115 +128,80 @@ def stacked_shares(
 _THIN = 1e-3  # a bar that is thinner than this share of its axis cannot be seen
 
 
+_LINE = 0.145  # inches
+_SHORTEST_BAR = 0.7  # inches, with the blanks around it
+_LETTER = 0.5  # of a font's size: the width of a letter
+
+
 def named_lines(
     table: pd.DataFrame, label: str, *, narrow: bool = False
 ) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A figure with a panel of named lines per formulation, and the panels, each with its rows.
+    """A figure of named lines, those of a formulation together, and its columns with their rows.
 
-    The first row is the highest, and the last is at the height 0. Columns: formulation, short (the
-    name), and if it is given note (a text at the right). A `narrow` figure is half as wide and as
-    high as its panels in one column.
+    Columns: formulation, short (the name), and if it is given note (a text at the right); `place`
+    is added, the height of a line. A `narrow` figure has one column, half as wide.
     """
     size = 6.5 if narrow else 6.0
-    line = 0.15 if narrow else 0.145  # inches
-    groups = _groups(table)
-    heights = np.array([line * len(rows) + 0.3 for _, _, rows in groups])
-    beside = [
-        _inches(names, size) + _inches(rows.get("note", ()), size) for _, names, rows in groups
-    ]
-    columns, widths = _bars_alike(heights, np.array(beside), narrow=narrow)
-    tallest = max(heights[places].sum() for places in columns)
-    # a narrow legend has several lines
-    figure = (
-        new_figure(HALF, max(tallest + 0.75, 1.7))
-        if narrow
-        else new_figure(WIDE, min(HIGHEST, tallest + 0.75))
-    )
+    lines = _placed(table, size, most=1 if narrow else _ACROSS)
+    columns = [rows for _, rows in lines.groupby("column")]
+    lowest = lines["place"].max() + 0.5
+    high = max(_LINE * lowest + 0.75, 1.7)  # a narrow legend has several lines
+    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     figure.supxlabel(label, fontsize=8, color=MUTED)
-    parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=widths)[0]
-    drawn = []
-    for part, places in zip(parts, columns, strict=True):
-        empty = max(tallest - heights[places].sum(), 1e-3)
-        grid = part.add_gridspec(len(places) + 1, 1, height_ratios=[*heights[places], empty])
-        for cell, place in enumerate(places):
-            title, names, rows = groups[place]
-            ax = part.add_subplot(grid[cell])
-            _name(ax, names, rows.get("note"), size)
-            ax.tick_params(axis="x", labelsize=size + 0.5, labelbottom=place == places[-1])
-            # the title begins at the column's edge, above the names; a blank holds its place
-            ax.set_title(" ", fontsize=7.5, pad=3)
-            across = blended(part.transSubfigure, ax.transAxes)
-            ax.annotate(
-                title,
-                (0.015, 1.0),
-                xycoords=across,
-                xytext=(0, 3),
-                textcoords="offset points",
-                fontsize=7.5,
-                fontweight="bold",
-                in_layout=False,
-                annotation_clip=False,
-            )
-            drawn.append((ax, rows))
-    return figure, drawn
+    axes = figure.subplots(1, len(columns), squeeze=False)[0]
+    for ax, rows in zip(axes, columns, strict=True):
+        ax.tick_params(axis="x", labelsize=size + 0.5)
+        ax.set_ylim(lowest, 0)
+        _name(ax, rows, size)
+    return figure, list(zip(axes, columns, strict=True))
 
 
-def _inches(lines: Iterable[str], size: float) -> float:
-    """The width of the longest of some lines, in letters of a size (points); 0 of none."""
-    font = FontProperties(size=size)
-    extents = [
-        text_to_path.get_text_width_height_descent(line, font, ismath=False) for line in lines
-    ]
-    return max((float(width) / 72 for width, _, _ in extents), default=0.0)
+def _placed(table: pd.DataFrame, size: float, most: int) -> pd.DataFrame:
+    """The lines with title, place and column; what all names of a title share is in the title.
 
-
-_SHORTEST_BAR = 0.7  # inches, with the blanks around it
-
-
-def _bars_alike(
-    heights: FloatArray, beside: FloatArray, *, narrow: bool
-) -> tuple[list[IntArray], FloatArray]:
-    """The places of panels in columns, and the columns' widths, which give all bars one length.
-
-    `beside` is the width (inches) of the texts beside a panel's bars. There are fewer columns where
-    the bars would be too short to be read.
+    There are fewer columns where the bars would be too short to be read.
     """
-    for most in range(1 if narrow else _ACROSS, 0, -1):
-        columns = _columns(heights, most)
-        texts = np.array([beside[places].max() for places in columns])
-        bar = ((HALF if narrow else WIDE) - texts.sum()) / len(columns)
-        if bar >= _SHORTEST_BAR:
-            break
-    return columns, texts + max(bar, _SHORTEST_BAR)
-
-
-def _columns(heights: FloatArray, most: int) -> list[IntArray]:
-    """The places of panels in columns, in order, the highest column as low as possible."""
-    number = len(heights)
-    cuts = combinations(range(1, number), min(most, number) - 1)
-    parts = (np.split(np.arange(number), cut) for cut in cuts)
-    return min(parts, key=lambda columns: max(heights[places].sum() for places in columns))
-
-
-def _groups(table: pd.DataFrame) -> list[tuple[str, list[str], pd.DataFrame]]:
-    """Title, names and rows of each formulation; what all its names share is in the title."""
-    groups = []
-    for title, rows in table.groupby("formulation", sort=False):
+    titled = []
+    for formulation, rows in table.groupby("formulation", sort=False):
         shared, names = common_part(rows["short"].tolist())
-        groups.append((one_line(f"{title}{shared}"), names, rows))
-    return groups
+        title = one_line(f"{formulation}{shared}")
+        titled.append(rows.assign(short=names, title=title, note=rows.get("note", "")))
+    lines = pd.concat(titled)
+    groups = lines.groupby("formulation", sort=False)
+    place = groups.ngroup() + np.arange(len(lines)) + 1.5
+    middle = place.groupby(lines["formulation"]).transform("mean")
+    letters = (lines["short"] + lines["note"]).str.len()
+    for across in range(most, 0, -1):
+        column = (across * middle / (place.iloc[-1] + 0.5)).astype(int)
+        texts = letters.groupby(column).max().sum() * _LETTER * size / 72
+        if WIDE - texts >= across * _SHORTEST_BAR:
+            break
+    first = place.groupby(column).transform("min")
+    return lines.assign(place=place - first + 1.5, column=column)
 
 
-def _name(ax: Axes, names: Sequence[str], notes: pd.Series[str] | None, size: float) -> None:
-    places = range(len(names))[::-1]
-    ax.set_yticks(places, names, color=INK, fontsize=size)
-    ax.set_ylim(-0.6, len(names) - 0.4)
+def _name(ax: Axes, rows: pd.DataFrame, size: float) -> None:
+    """Write a column's names, notes and titles."""
     ax.grid(False, axis="y")
     ax.spines["left"].set_visible(False)
     ax.tick_params(axis="y", length=0, pad=2)
-    style: Style = {"va": "center", "fontsize": min(size, 7.5), "color": MUTED}
-    for place, note in zip(places, [] if notes is None else notes, strict=False):
-        ax.text(1.02, place, note, transform=ax.get_yaxis_transform(), **style)
+    ax.set_yticks(rows["place"], rows["short"], color=INK, fontsize=size)
+    across = ax.get_yaxis_transform()
+    for place, note in zip(rows["place"], rows["note"], strict=True):
+        ax.text(1.02, place, note, transform=across, va="center", fontsize=size, color=MUTED)
+    width = _LETTER * size * rows["short"].str.len().max()
+    for _, first in rows.drop_duplicates("formulation").iterrows():
+        ax.annotate(
+            first["title"],
+            (0, first["place"] - 0.6),
+            xycoords=across,
+            xytext=(-width, 0),
+            textcoords="offset points",
+            fontsize=7.5,
+            fontweight="bold",
+            in_layout=False,
+            annotation_clip=False,
+        )
 
 
 def share_curves(
@@ -262,32 +223,28 @@ def share_curves(
     solver; curves of solvers that are not in `names` are grey, and so are those behind the first
     few (`MOST_NAMED`) of one of several panels. A dotted line is drawn at `limit`.
     """
-    across, several = 1 if narrow else min(_ACROSS, len(shares)), len(shares) > 1
-    down, small = -(-len(shares) // across), 6.5
-    below = narrow or several
-    letters = _LETTERS[0 if narrow else 1 if several else 2]
-    # what a screen leaves for the names below each line of panels
-    fits = MOST_NAMED if narrow else max(2, int(((HIGHEST - 0.5) / down - 1) / 0.13))
-    most = min(MOST_NAMED, fits) if several else None
+    several = len(shares) > 1
+    across = 1 if narrow else min(_ACROSS, len(shares))
+    down = -(-len(shares) // across)
+    letters = _LETTERS_OF_THREE if across > 1 else _LETTERS
+    most = MOST_NAMED if several else None
     chosen = {
         title: sorted((str(s) for s in table if s in names), key=lambda s: not own_name(s))[:most]
         for title, table in shares.items()
     }
     entries = [len(solvers) for solvers in chosen.values()]
     lines = sum(max(entries[row : row + across]) for row in range(0, len(entries), across))
-    tall = 0.5 + 1.2 * down + 0.13 * lines
-    high = tall if narrow else min(HIGHEST, tall) if several else 2.9
-    figure = new_figure(HALF if narrow else WIDE, high)
+    panel = 1.2 if several else 2.2  # inches
+    high = 0.5 + panel * down + 0.13 * lines
+    figure = new_figure(HALF, high) if narrow else new_figure(WIDE, min(HIGHEST, high))
     panels = figure.subplots(down, across, sharex=same_x, sharey=True, squeeze=False).ravel()
     for place, (title, table) in enumerate(shares.items()):
-        ax, named = panels[place], chosen[title]
-        shared, shown = "", [names[solver] for solver in named]
-        if several:
-            shared, shown = common_part(shown)
+        ax = panels[place]
+        shared, shown = common_part([names[solver] for solver in chosen[title]])
         shown = [one_line(name, letters) for name in shown]
-        _draw_shares(ax, table, dict(zip(named, shown, strict=True)), palette, small, below=below)
+        _draw_shares(ax, table, dict(zip(chosen[title], shown, strict=True)), palette)
         ax.set_title(one_line(f"{title}{shared}"), fontsize=7.5, pad=3)
-        ax.tick_params(labelsize=small, labelbottom=not same_x or place + across >= len(shares))
+        ax.tick_params(labelsize=6.5, labelbottom=not same_x or place + across >= len(shares))
         if limit is not None:
             mark_limit(ax, limit)
         _scale(ax, float(table.index[0]), float(table.index[-1]))
@@ -301,19 +258,8 @@ def share_curves(
     return figure
 
 
-def _draw_shares(
-    ax: Axes,
-    table: pd.DataFrame,
-    names: Mapping[str, str],
-    palette: Palette,
-    size: float,
-    *,
-    below: bool,
-) -> None:
-    """Draw the columns of a table over its index; those with a name in colour and in the legend.
-
-    The legend stands beside the panel, or below it.
-    """
+def _draw_shares(ax: Axes, table: pd.DataFrame, names: Mapping[str, str], palette: Palette) -> None:
+    """Draw the columns of a table over its index; those with a name in colour and below it."""
     looks, drawn = palette.looks(names), {}
     for solver in [*table.columns.difference([*names]), *names]:
         curve = table[solver]
@@ -326,10 +272,8 @@ def _draw_shares(
     # The legend has the order in which the curves end, from the highest down.
     order = sorted(names, key=lambda s: (-round(table[s].iloc[-1], 3), -table[s].mean()))
     handles = [drawn[solver] for solver in order]
-    place: Style = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "labelspacing": 0.15}
-    if below:
-        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12)}
-    ax.legend(handles=handles, fontsize=size, handlelength=1.8, **place)
+    place: Style = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.12), "labelspacing": 0.15}
+    ax.legend(handles=handles, fontsize=6.5, handlelength=1.8, **place)
     ax.set(ylim=(0, 1.02))
     percent_axis(ax.yaxis)
 

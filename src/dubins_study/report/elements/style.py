@@ -20,7 +20,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import EngFormatter, FuncFormatter, LogLocator, NullFormatter
 
 Style: TypeAlias = dict[str, Any]  # keywords of matplotlib
 
@@ -124,18 +124,13 @@ def power(value: float, _: object = None) -> str:
     return f"{value:g}" if -2 <= exponent <= 3 else "10" + str(exponent).translate(_RAISED)
 
 
-def duration(value: float, _: object = None) -> str:
-    """A power of ten of seconds as a tick label with its own unit."""
-    for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if value >= 0.999 * factor:
-            return f"{value / factor:.3g} {unit}"
-    return f"{value / 1e-9:.3g} ns"
+def log_axis(axis: Axis, unit: str = "") -> None:
+    """Make an axis logarithmic and label its decades, with prefixes before a unit such as `ms`.
 
-
-def log_axis(axis: Axis, label: Any = power) -> None:
-    """Make an axis logarithmic and label its decades; label fewer if there are many decades."""
+    Fewer are labelled if there are many decades.
+    """
     axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(FuncFormatter(label))
+    axis.set_major_formatter(EngFormatter(unit) if unit else FuncFormatter(power))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -174,9 +169,6 @@ def fix_layout(figure: Figure) -> None:
         figure.set_dpi(dpi)
         # The layout's solver sorts its variables by their addresses, so that the last digits of a
         # place change from run to run; an SVG file's ids are made of them.
-        for part in figure.subfigs:
-            corners = part.bbox_relative.get_points()
-            part.bbox_relative.set_points(corners.round(_PLACE_DECIMALS))
         for ax in figure.axes:
             ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACE_DECIMALS))
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):

@@ -58,14 +58,6 @@ _SHOWN = (
     Column("heading", "heading on the page", kind="text"),
     Column("section", "section", kind="text"),
 )
-# What the ends of a key say of a column that the page shows as part of another one.
-_ENDS = {
-    "_low": "lower end of the 95 % interval",
-    "_high": "upper end of the 95 % interval",
-    "_share": "as a share of 1",
-    "_of": "number of questions",
-    "_s": "seconds",
-}
 
 
 def dictionary(sections: Iterable[Section]) -> Table:
@@ -82,13 +74,9 @@ def dictionary(sections: Iterable[Section]) -> Table:
 
 
 def _headings(table: Table) -> dict[str, str]:
-    """Key -> heading, or the end of the key in words where the page shows no heading."""
+    """Key -> heading, which is empty where the page shows no such column."""
     shown = {column.key: " ".join(column.title.split()) for column in table.columns}
-    hidden = {
-        key: next((text for end, text in _ENDS.items() if key.endswith(end)), "")
-        for key in table.numbers
-    }
-    return shown | {key: text for key, text in hidden.items() if key not in shown}
+    return shown | {key: "" for key in table.numbers if key not in shown}
 
 
 # CSS variables for the figures' colours, so that figures follow the page's light or dark mode.

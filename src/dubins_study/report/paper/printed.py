@@ -15,7 +15,6 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 # The copy that the tables were read from names neither authors nor year, so none are given.
@@ -79,18 +78,6 @@ PRINTED = [
     for each in NUMBERS["scenarios"]
     for path, cells in each["lengths"].items()
 ]
-
-
-def segments(path: Path, radius: float) -> tuple[float, float, float, float]:
-    """Total left turn, right turn and straight of a path, and its length: z1, z2, z3, f.
-
-    A turn counts with the length that it would have at the full rate, the rest of its length as
-    straight; for an arc at the full rate, the paper's only kind, that is the arc's own length.
-    """
-    turn = path.curvatures * path.lengths * radius
-    left = float(turn[turn > 0].sum())
-    right = float(-turn[turn < 0].sum())
-    return left, right, path.length - left - right, path.length
 
 
 @lru_cache(maxsize=1)

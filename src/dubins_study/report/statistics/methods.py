@@ -150,12 +150,6 @@ def foremost(scores: pd.Series[float], most: int = MOST_ENGINES) -> list[str]:
     return [str(name) for name in scores.index if name in kept]
 
 
-def best_of_formulations(frame: pd.DataFrame) -> list[str]:
-    """The solver of each formulation that is most surely right, but for the closed form."""
-    engines = frame[(frame["formulation"] != FORMULATIONS[0]) & (frame["right_low"] > 0)]
-    return best_methods(engines, ["formulation"])["solver"].tolist()
-
-
 def _differing_keys(settings: list[dict[str, str]]) -> set[str]:
     """The settings that some specs have otherwise than others."""
     keys = {key for each in settings for key in each}

@@ -12,9 +12,8 @@ from dubins_study.report.data.results import Folder, Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import seconds, share, some
-from dubins_study.report.elements.looks import in_page_order, names_of
+from dubins_study.report.elements.looks import names_of
 from dubins_study.report.statistics.metrics import parse_spec
-from dubins_study.report.topics.time import TIMES, solver_times
 from dubins_study.study.rows.manifest import NOISY
 from dubins_study.study.rows.schema import ROW, VERSION
 
@@ -98,7 +97,7 @@ def _load(averages: Sequence[float] | None) -> str:
 
 
 def runs_section(results: Results) -> Section | None:
-    """The table of runs, and of the times of other machines."""
+    """The table of runs."""
     frame = runs(results.folders)
     if frame.empty:
         return None
@@ -125,24 +124,7 @@ def runs_section(results: Results) -> Section | None:
     )
     table = Table("runs", caption, frame, shown, marks(frame[["spread"]] > NOISY, "spread"))
     lead = "Look here, before you quote a time, whether the machine that took it was steady."
-    blocks = (table, *_times_elsewhere(results))
-    return Section("runs", "The runs and their machines", text, blocks, lead)
-
-
-def _times_elsewhere(results: Results) -> tuple[Table, ...]:
-    """The table of times that were taken on other machines; none without."""
-    frames = [
-        in_page_order(solver_times(rows.assign(answerable=True)), results).assign(machine=machine)
-        for machine, rows in results.elsewhere.groupby("machine")
-    ]
-    if not any(map(len, frames)):
-        return ()
-    caption = (
-        "Times of cold attempts on other machines than the first folder's, as they were measured "
-        "there. They stand here and in the plot of single attempts; nothing ranks them."
-    )
-    shown = (*TIMES, *columns(kind="prose", machine="machine"))
-    return (Table("times-elsewhere", caption, pd.concat(frames), shown),)
+    return Section("runs", "The runs and their machines", text, (table,), lead)
 
 
 def _minute(started: str) -> str:

@@ -182,7 +182,7 @@ def _picture(table: pd.DataFrame) -> Picture:
         f"at the right the number of attempts with a false claim.{star}{rest} A narrow "
         "screen shows those with false claims alone."
     )
-    alt = "Stacked bars of true, weak, silent and false claims, in panels by formulation"
+    alt = "Stacked bars of true, weak, silent and false claims, by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
     notes = [(count(n) if n else "") + ("†" if is_few else "") for n, is_few in numbers]
     return panels_picture("belief-claims", caption, _bars, alt, shown.assign(note=notes))

@@ -9,10 +9,8 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, digits, sentences, share
-from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import in_page_order
 from dubins_study.report.statistics.metrics import proof
-from dubins_study.report.topics.summary import best_solvers
 from dubins_study.study.judging.certify import PMP_TOLERANCE
 
 COLUMNS = (
@@ -77,9 +75,8 @@ def certificates_section(results: Results) -> Section | None:
         marks(frame, "false_bounds"),
         dense=True,
     )
-    tables = best_first(table, frame["solver"], best_solvers(results))
     lead = "See how far the proof of each method's answers goes."
-    return Section("certificates", "Certificates", sentences(text, _proved(frame)), tables, lead)
+    return Section("certificates", "Certificates", sentences(text, _proved(frame)), (table,), lead)
 
 
 def _proved(frame: pd.DataFrame) -> str:

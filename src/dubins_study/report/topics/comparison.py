@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from dubins_study.report.data.attempts import EXACT, own
+from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import (
@@ -17,9 +17,10 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share, some
 from dubins_study.report.elements.identity import (
-    best_first,
     interval_column,
-    method_table,
+    interval_keys,
+    method_columns,
+    with_interval_texts,
 )
 from dubins_study.report.elements.looks import Palette
 from dubins_study.report.elements.plots import MOST_NAMED, share_curves
@@ -163,8 +164,10 @@ def rank_table(ranked: pd.DataFrame, shift: float, limit_s: float) -> Table:
         "times the limit. 95 % intervals: Wilson's for shares, for as many trials as there are "
         "questions, and bootstrap over scenarios for means."
     )
-    shows = {"right": share, "mean": seconds}
-    return method_table("comparison-ranks", caption, frame, shown, **shows)
+    texts = with_interval_texts(frame, right=share, mean=seconds)
+    every = (*method_columns(frame), *shown)
+    numbers = interval_keys("right", "mean")
+    return Table("comparison-ranks", caption, texts, every, numbers=numbers, dense=True)
 
 
 def test_table(tests: pd.DataFrame, ranked: pd.DataFrame) -> Table:
@@ -205,10 +208,7 @@ def comparison_section(results: Results) -> Section | None:
         return None
     ranked, shift = mean_ranks(attempts)
     blocks: list[Picture | Table] = [_profiles(table, ranked, Palette.of_page(results))]
-    ranks = rank_table(ranked, shift, attempts.limit_s)
-    best = {*own(ranked.index), *ranked.drop_duplicates("formulation").index}
-    which = "Of each formulation the method with the least mean."
-    blocks += best_first(ranks, ranked.index, best, which)
+    blocks.append(rank_table(ranked, shift, attempts.limit_s))
     tests = formulation_tests(table, ranked)
     if len(tests):
         blocks.append(test_table(tests, ranked))

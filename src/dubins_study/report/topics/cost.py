@@ -72,7 +72,7 @@ def _picture(table: pd.DataFrame, amount: str) -> Picture:
         "run that gives the answer. Methods of a single run are left out"
         f"{f', and {count(len(table) - len(shown))} methods in all' * (len(table) > len(shown))}."
     )
-    alt = f"Stacked bars of the shares of {amount}, one per method, in panels by formulation"
+    alt = f"Stacked bars of the shares of {amount}, one per method, by formulation"
     noted = shown.assign(note=shown["total"].map(show))
     return panels_picture(f"cost-{amount}", caption, stacked_shares, alt, noted, MARKS, label)
 

@@ -13,7 +13,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import count, share, some
-from dubins_study.report.elements.identity import best_first, with_interval
+from dubins_study.report.elements.identity import with_interval
 from dubins_study.report.elements.looks import labels_of
 from dubins_study.report.statistics.methods import UNSTATED, Compared, compared, surest_first
 from dubins_study.report.statistics.metrics import parse_spec
@@ -101,7 +101,7 @@ def decision_section(results: Results) -> Section | None:
         formulation=formulation.mask(alone, rows["solver"].map(labels_of(results))),
         guesses=rows["guesses"].fillna("").mask(alone, ""),
     )
-    tables = _tables(attempts, rows, few=few, each=each)
+    tables = (_table(attempts, rows, few=few, each=each),)
     return Section("decision", TITLE, "", tables, _lead(rows))
 
 
@@ -120,8 +120,8 @@ def _lead(rows: pd.DataFrame) -> str:
     )
 
 
-def _tables(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> tuple[Table, ...]:
-    """A line for each formulation and kind of guess; first those of the surest kind alone."""
+def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> Table:
+    """A line for each formulation and kind of guess; first those that most suites ask."""
     # an engine at other options is asked a sample only, and would count twice
     equal = rows[rows["solver"].map(_equal)]
     stop = stops(rows, attempts.strata) | stops(equal, attempts.strata)
@@ -163,12 +163,7 @@ def _tables(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) ->
         shown = shown[:-1]
     numbers = ("formulation", "guesses", *_SHARES, "false_claims", "asked")
     bad = {(row, "false"): mark for (row, _), mark in marks(frame, "false_claims").items()}
-    table = Table("decision", caption, frame, shown, bad, numbers, stacked=True)
-    kinds = frame["formulation"] + frame["guesses"]
-    several = frame["suites"] >= min(2, len(experiments))
-    first = kinds[frame["mine"] | (several & ~frame["formulation"].duplicated())]
-    which = "Of each formulation, of the kinds of guesses that most suites ask, the surest."
-    return best_first(table, kinds, set(first), which)
+    return Table("decision", caption, frame, shown, bad, numbers, stacked=True)
 
 
 def _equal(spec: str) -> bool:

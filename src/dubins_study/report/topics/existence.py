@@ -17,10 +17,10 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import seconds, sentences, share, some
-from dubins_study.report.elements.identity import best_first, method_columns, with_share
+from dubins_study.report.elements.identity import method_columns, with_share
 from dubins_study.report.elements.identity import questions as question_count
 from dubins_study.report.statistics.methods import methods_of
-from dubins_study.report.topics.summary import best_solvers, share_keys
+from dubins_study.report.topics.summary import share_keys
 
 _ANSWERS = ("right", "silent", "wrong")
 KINDS = ("presolved", "unasked", *_ANSWERS)
@@ -78,8 +78,7 @@ def existence_section(results: Results) -> Section | None:
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
     text = _text(frame)
-    blocks = best_first(_table(frame), frame["solver"], best_solvers(results))
-    return Section("existence", "Where no path exists", text, blocks, _LEAD)
+    return Section("existence", "Where no path exists", text, (_table(frame),), _LEAD)
 
 
 def _text(frame: pd.DataFrame) -> str:

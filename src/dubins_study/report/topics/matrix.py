@@ -24,7 +24,6 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, sentences, some
 from dubins_study.report.elements.identity import (
-    best_first,
     percent,
 )
 from dubins_study.report.elements.plots import HIGHEST
@@ -43,7 +42,7 @@ from dubins_study.report.elements.style import (
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, stratum_order
 from dubins_study.report.statistics.metrics import success
-from dubins_study.report.topics.summary import best_solvers, solver_summary
+from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.words import FORMULATIONS
 
@@ -199,10 +198,9 @@ def matrix_section(results: Results) -> Section | None:
     blocks: list[Picture | Table] = [_picture(cells)]
     if cells["note"].any():
         blocks.append(_reasons(cells))
-    best = best_solvers(results)
     strata_table = _stratum_table(results, methods, strata(results.rows))
     if strata_table is not None:
-        blocks += best_first(strata_table, strata_table.frame["solver"], best)
+        blocks.append(strata_table)
     lead = (
         "Read along a line for what the formulation buys, down a column for what the engine buys."
     )

@@ -1,15 +1,12 @@
-"""The paper's tables next to ours, and every solver's score."""
+"""The paper's tables next to ours, and the paths that solvers found of its words."""
 
 from __future__ import annotations
-
-import math
-from collections.abc import Mapping
 
 import pandas as pd
 
 from dubins_study.report.data.attempts import EXACT
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns, marks
+from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import (
     General,
     Place,
@@ -17,19 +14,12 @@ from dubins_study.report.elements.content import (
     Table,
     Topic,
 )
-from dubins_study.report.elements.formats import count, digits
 from dubins_study.report.paper.printed import (
     CORRECT,
-    PROBLEMS,
     QUANTITIES,
-    WORDS,
     committed,
-    segments,
 )
-from dubins_study.report.statistics.metrics import solver_order
 from dubins_study.study.path import Path
-
-_AS_PRINTED = 0.005 + 1e-9  # the small rest: binary fractions instead of decimal ones
 
 
 def word_paths(results: Results, solver: str) -> dict[tuple[str, str], Path]:
@@ -65,46 +55,6 @@ def _exact_text(exact: str) -> str:
     return f"{float(exact):.7f}"
 
 
-def answered(cells: pd.DataFrame, paths: Mapping[tuple[str, str], Path]) -> pd.Series[float]:
-    """The length of each cell by the paths of a solver, as `word_paths`; NaN without a path."""
-    lengths = {
-        (*key, quantity): length
-        for key, path in paths.items()
-        for quantity, length in zip(
-            QUANTITIES, segments(path, PROBLEMS[key[0]].radius), strict=True
-        )
-    }
-    keys = zip(cells["label"], cells["word"], cells["quantity"], strict=True)
-    return pd.Series([lengths.get(key, math.nan) for key in keys])
-
-
-def scores(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver: how many of the printed cells it answers, and as they are printed.
-
-    Columns solver, cells, answered, printed, length_off and segment_off (largest errors of f and of
-    z1, z2, z3 against the closed form, length unit).
-    """
-    rows = results.rows[results.rows["branch"].isin(WORDS)]
-    exact = answered(cells, word_paths(results, EXACT))
-    whole = cells["quantity"] == "f"
-    records = []
-    for solver in solver_order(rows["solver"].tolist()):
-        ours = answered(cells, word_paths(results, solver))
-        error = (ours - exact).abs()
-        as_printed = (ours - cells["printed"].astype(float)).abs() <= _AS_PRINTED
-        records.append(
-            {
-                "solver": solver,
-                "cells": len(cells),
-                "answered": ours.notna().sum(),
-                "printed": as_printed.sum(),
-                "length_off": error[whole].max(),
-                "segment_off": error[~whole].max(),
-            }
-        )
-    return pd.DataFrame(records)
-
-
 _TITLES = {
     "6.1": "Test problem 1: start (0, 0, 2π/3), target (10, 5), R = 1.",
     "6.2": "Test problem 2: start (0, 0, 2π/3), target (−6, 3), R = 1.",
@@ -115,12 +65,11 @@ _TITLES = {
 
 
 def paper_section(results: Results) -> Section | None:
-    """Tables 6.1-6.5 cell by cell, and every solver's score."""
+    """Tables 6.1-6.5 cell by cell."""
     if not word_paths(results, EXACT):
         return None
     cells = pd.DataFrame(committed()["cells"])
-    blocks = [_side_by_side(cells, number) for number in _TITLES]
-    blocks.append(_scores(scores(results, cells)))
+    blocks = tuple(_side_by_side(cells, number) for number in _TITLES)
     right = int((cells["verdict"] == CORRECT).sum())
     text = (
         f"{right} of the {len(cells)} printed lengths are correct roundings of the exact ones. The "
@@ -131,7 +80,7 @@ def paper_section(results: Results) -> Section | None:
         "Read a table's lines in pairs, the printed numbers above the exact ones: what is crossed "
         "is printed wrong."
     )
-    return Section("paper", "The paper's tables", text, tuple(blocks), lead)
+    return Section("paper", "The paper's tables", text, blocks, lead)
 
 
 def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
@@ -144,20 +93,6 @@ def _side_by_side(cells: pd.DataFrame, number: str) -> Table:
     caption = f"Table {number}. {_TITLES[number]} Lengths; ✗ marks what is not a correct rounding."
     name = f"paper-{number.replace('.', '-')}"
     return Table(name, caption, frame, shown, marks(wrong, *QUANTITIES))
-
-
-def _scores(frame: pd.DataFrame) -> Table:
-    shown = (
-        SOLVER,
-        *columns(count, answered=f"cells of {frame['cells'].iloc[0]}", printed="as printed"),
-        *columns(digits(3), length_off="largest error of f", segment_off="largest error of ζ"),
-    )
-    caption = (
-        "The same cells from each solver's LS and RS paths. A length may be right while its "
-        "parts are not: compare both. Turns at less than the full rate count in proportion. Errors "
-        "in the scenario's length unit."
-    )
-    return Table("paper-scores", caption, frame, shown)
 
 
 _ENTERS = (General.POOLED, General.COMPARED)

@@ -38,7 +38,6 @@ from dubins_study.report.elements.style import (
     VERMILION,
     WIDE,
     Style,
-    duration,
     log_axis,
     mark_limit,
     new_figure,
@@ -250,7 +249,7 @@ def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
     ax.set_xscale("log")
     if (times > 0).any():
         ax.set_yscale("log")
-        log_axis(ax.yaxis, duration)
+        log_axis(ax.yaxis, "s")
     ax.set_xticks(sorted(sizes.unique()), minor=False)
     ax.xaxis.set_major_formatter(lambda size, _: f"{size:g}")
     ax.xaxis.set_minor_locator(NullLocator())

@@ -30,8 +30,8 @@ from dubins_study.study.scenario import NUMBERS
 
 # The embedded attempts take at most so many bytes of the page, as base64 of gzip. More points than
 # these would also be slow to draw.
-_MOST_BYTES, _MOST_ATTEMPTS = 1_500_000, 30_000
-_FEWEST_ATTEMPTS = 1_000
+_MOST_BYTES = 1_500_000
+_SIZES = (30_000, 20_000, 10_000, 3_000, 1_000)
 _BASE64 = 4 / 3
 
 # Marker of a figure -> marker of Bokeh, and by how much it is turned (rad, counter-clockwise).
@@ -92,16 +92,13 @@ def _text(rows: pd.DataFrame, results: Results) -> str:
 
 
 def _fitting(results: Results) -> tuple[pd.DataFrame, bytes]:
-    """A sample of attempts that takes no more than `_MOST_BYTES`, or that is of the least size."""
-    most = _MOST_ATTEMPTS
-    while True:
+    """The largest sample of attempts that takes no more than `_MOST_BYTES`, else the smallest."""
+    for most in _SIZES:
         rows = sample(results, most)
         content = packed(rows, {"solvers": _solvers(rows["solver"], results)})
-        size = _BASE64 * len(gzip.compress(content, 6))
-        if size <= _MOST_BYTES or most <= _FEWEST_ATTEMPTS:
-            return rows, content
-        shrunk = 0.9 * most * _MOST_BYTES / size
-        most = max(_FEWEST_ATTEMPTS, int(shrunk))
+        if _BASE64 * len(gzip.compress(content, 6)) <= _MOST_BYTES:
+            break
+    return rows, content
 
 
 def _solvers(specs: Iterable[str], results: Results) -> list[dict[str, Any]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.report.data.attempts import (
-    EXACT,
     LATE,
     PRESOLVED,
     SUCCESSES,
@@ -13,7 +12,6 @@ from dubins_study.report.data.attempts import (
     VERDICTS,
     is_true,
     methods,
-    own,
     questions,
 )
 from dubins_study.report.data.results import Results
@@ -21,7 +19,7 @@ from dubins_study.report.elements.columns import SOLVER, Column, columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
 from dubins_study.report.elements.formats import count, seconds, some
 from dubins_study.report.elements.identity import INTERVAL_TEXT, METHOD, with_share
-from dubins_study.report.statistics.methods import best_of_formulations, methods_of, once
+from dubins_study.report.statistics.methods import methods_of
 from dubins_study.study.words import Outcome
 
 
@@ -72,13 +70,6 @@ _COLUMNS = (
     *columns(seconds, wall_s="median time"),
 )
 _NUMBERS = ("attempts", "questions", "optimal", *share_keys("right"))
-
-
-@once
-def best_solvers(results: Results) -> tuple[str, ...]:
-    """Plug-ins' solvers, the closed form, and of each formulation the most surely right one."""
-    summary = solver_summary(results.attempts)
-    return (*own(summary["solver"]), EXACT, *best_of_formulations(summary))
 
 
 def summary_section(results: Results) -> Section | None:

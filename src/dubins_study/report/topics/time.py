@@ -15,11 +15,10 @@ from dubins_study.report.elements.content import (
     panels_picture,
 )
 from dubins_study.report.elements.formats import count, seconds
-from dubins_study.report.elements.identity import best_first
 from dubins_study.report.elements.looks import Palette, in_page_order
 from dubins_study.report.elements.plots import DRAWN_TEXT, quartile_lines
 from dubins_study.report.statistics.methods import drawn_methods
-from dubins_study.report.topics.summary import best_solvers, solver_summary
+from dubins_study.report.topics.summary import solver_summary
 
 TIMES = (
     SOLVER,
@@ -58,7 +57,7 @@ def time_section(results: Results) -> Section | None:
     table = Table("times", caption, frame, TIMES)
     blocks: tuple[Picture | Table, ...] = (
         _quartiles(drawn_methods(timed), Palette.of_page(results)),
-        *best_first(table, frame["solver"], best_solvers(results)),
+        table,
     )
     jobs, threads = (
         ", ".join(map(str, sorted(results.rows[kind].dropna().astype(int).unique())))
@@ -74,7 +73,7 @@ def time_section(results: Results) -> Section | None:
 
 
 def _quartiles(table: pd.DataFrame, palette: Palette) -> Picture:
-    """The whole of an attempt, in a panel per formulation."""
+    """The whole of an attempt, formulation by formulation."""
     caption = f"Time of one cold attempt: median (mark) and quartiles (bar). {DRAWN_TEXT}"
     alt = "Median times and quartiles, one line per method"
     data = table, "wall_s", palette, "time of one attempt"

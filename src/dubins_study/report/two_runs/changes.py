@@ -67,35 +67,21 @@ class MachineSpeed(NamedTuple):
     evidence: str
 
 
-_FEWEST = 5  # probes of a run: the median of fewer says little
-
-
-def machine_speed(changes: pd.DataFrame, base: Results, new: Results) -> MachineSpeed | None:
-    """The machine's speed, from solvers that cannot have changed, else from calibration probes.
+def machine_speed(changes: pd.DataFrame) -> MachineSpeed | None:
+    """The machine's speed, from solvers that cannot have changed; None without one.
 
     A solver of the same code took as many times as long as its machine did: the geometric mean of
     their ratios, and the range of their intervals, since a load slows some work more than other.
-    The probe, a short piece of work that is timed every two seconds, notices less of a load; the
-    ratio of its medians stands in where no solver is unchanged. None if no solver is unchanged and
-    a run has fewer than five probes.
     """
     known = changes[changes["same_code"] & changes["time_ratio"].gt(0)]
-    if len(known):
-        ratio = float(np.exp(np.log(known["time_ratio"]).mean()))
-        low = float(known["time_ratio_low"].min())
-        high = float(known["time_ratio_high"].max())
-        return MachineSpeed(ratio, low, high, f"{some(len(known), 'solver')} of the same code")
-    before, after = (_probe_seconds(results) for results in (base, new))
-    if min(len(before), len(after)) < _FEWEST:
+    if known.empty:
         return None
-    ratio = float(np.median(after) / np.median(before))
-    evidence = f"{len(before)} and {len(after)} calibration probes"
-    return MachineSpeed(ratio, ratio, ratio, evidence)
-
-
-def _probe_seconds(results: Results) -> list[float]:
-    runs = [run for folder in results.folders for run in folder.manifest.runs]
-    return [probe.took for run in runs for probe in run.probes]
+    return MachineSpeed(
+        ratio=float(np.exp(np.log(known["time_ratio"]).mean())),
+        low=float(known["time_ratio_low"].min()),
+        high=float(known["time_ratio_high"].max()),
+        evidence=f"{some(len(known), 'solver')} of the same code",
+    )
 
 
 def without_machine(changes: pd.DataFrame, speed: MachineSpeed | None) -> pd.DataFrame:

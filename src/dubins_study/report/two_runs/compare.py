@@ -73,7 +73,7 @@ def compare(
             "experiment, or of experiments that overlap"
         )
     measured = solver_changes(before, after, paired)
-    speed = machine_speed(measured, before, after)
+    speed = machine_speed(measured)
     changes = without_machine(measured, speed)
     ratio = math.inf if speed is None else slower
     worse = regressions(paired, changes, unanswered(after), ratio)
@@ -188,8 +188,8 @@ def speed_text(speed: MachineSpeed | None) -> str:
     """What the machine did, and what it means for times."""
     if speed is None:
         return (
-            "Nothing says how fast the machines were (no solver of the same code, too few "
-            "calibration probes): ratios of times are as measured, and no solver is called slower."
+            "Nothing says how fast the machines were, as no solver has the same code: ratios of "
+            "times are as measured, and no solver is called slower."
         )
     interval = with_interval(digits(3), speed.ratio, speed.low, speed.high)
     return (

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.formats import digits, seconds, share
+from dubins_study.report.elements.formats import ABSENT, digits, seconds, share
 from dubins_study.report.two_runs.changes import (
     TIME_RATIO,
     MachineSpeed,
@@ -185,27 +185,20 @@ def _not_answered(row: _Record) -> _Record:
 
 def differences(base: Manifest, new: Manifest) -> pd.DataFrame:
     """What the runs of two manifests do not share: what, base, new (as text)."""
-    before = _facts(base)
-    after = _facts(new)
-    texts = {
-        what: (_text(before.get(what)), _text(after.get(what))) for what in {**before, **after}
-    }
-    lines = [(what, *both) for what, both in texts.items() if both[0] != both[1]]
-    return pd.DataFrame(lines, columns=["what", "base", "new"])
+    facts = pd.DataFrame({"base": _facts(base), "new": _facts(new)}, dtype=object)
+    texts = facts.replace("", None).fillna(ABSENT).astype(str)
+    return texts[texts["base"] != texts["new"]].rename_axis("what").reset_index()
 
 
-def _facts(manifest: Manifest) -> dict[str, object]:
+def _facts(manifest: Manifest) -> pd.Series[Any]:
     """What a manifest says of its run."""
     plain = ("profile", "time_limit_s", "memory_limit_gib", "gap_tolerance")
     jobs = sorted({str(run.jobs) for run in manifest.runs})
-    return {
+    facts = {
         **{name.replace("_", " "): getattr(manifest, name) for name in plain},
         **{f"machine: {key}": value for key, value in manifest.machine.items()},
         **{f"version of {key}": value for key, value in manifest.versions.items()},
         "git commit": manifest.git.get("commit"),
         "jobs": ", ".join(jobs),
     }
-
-
-def _text(value: object) -> str:
-    return "–" if value is None or value == "" else str(value)
+    return pd.Series(facts, dtype=object)
