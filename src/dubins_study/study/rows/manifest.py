@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Annotated, Any, NamedTuple, Self
@@ -174,16 +175,20 @@ def read_manifest(folder: FilePath, *, printable: bool = False) -> Manifest:
     with os_errors_as(f"{file} cannot be read"):
         text = file.read_bytes()
     try:
-        manifest = Manifest.model_validate_json(text)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(plain(str(step)) for step in first["loc"])
-        place = f"{key} is {first['input']!r:.60}: " if key else ""
+        content = json.loads(text)  # takes texts that are no Unicode, as of file names
+        return Manifest.model_validate(printable_values(content) if printable else content)
+    except (ValueError, RecursionError) as error:
         raise ResultsError(
-            f"{file} cannot be read: {place}{first['msg']}; bring back a whole copy, or run the "
+            f"{file} cannot be read: {_what(error)}; bring back a whole copy, or run the "
             "experiment again, into a new folder or with --restart"
         ) from None
-    if printable:
-        content = manifest.model_dump(mode="json", by_alias=True)
-        manifest = Manifest.model_validate(printable_values(content))
-    return manifest
+
+
+def _what(error: ValueError | RecursionError) -> str:
+    """What is wrong with a manifest: of several wrong fields the first."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors()[0]
+    key = ".".join(plain(str(step)) for step in first["loc"])
+    place = f"{key} is {first['input']!r:.60}: " if key else ""
+    return f"{place}{first['msg']}"
