@@ -35,15 +35,15 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 75_900,
-    "solvers": 68_500,
-    "asking": 5_700,
-    "experiments": 35_900,
-    "conformance": 12_100,
-    "report": 90_000,
-    "cli": 13_300,
-    "package": 301_200,
-    "tests": 251_500,
+    "study": 69_400,
+    "solvers": 65_500,
+    "asking": 5_500,
+    "experiments": 34_200,
+    "conformance": 11_400,
+    "report": 71_000,
+    "cli": 11_000,
+    "package": 266_000,
+    "tests": 243_000,
 }
 
 _LEAVES = (

@@ -60,7 +60,7 @@ def routes_text(records: list[Record]) -> str:
     """The table of the report, the shortest path of each route, and what is printed wrong."""
     import pandas as pd
 
-    from dubins_study.report.topics.audit import routes_table
+    from dubins_study.report.topics.audit_tables import routes_table
 
     words = {record["label"]: record["word"] for record in records}
     wrong = "{source}, {label}: printed {printed}, {difference:+.3g} from a path that exists"
@@ -88,7 +88,7 @@ def _audit_paper(as_json: bool) -> list[str]:
 
 def audit_text(record: Record) -> str:
     """How many printed lengths are right, and the tables of the report."""
-    from dubins_study.report.topics.audit import audit_tables
+    from dubins_study.report.topics.audit_tables import audit_tables
 
     verdicts = Counter(cell["verdict"] for cell in record["cells"])
     counts = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.most_common())

@@ -6,7 +6,7 @@ import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
 from dubins_study.report.topics.anytime import FLOOR, anytime
-from dubins_study.report.topics.audit import printed_routes, printed_section
+from dubins_study.report.topics.audit_tables import printed_routes, printed_section
 from dubins_study.report.topics.routes import by_legs, routes_section, with_legs
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios

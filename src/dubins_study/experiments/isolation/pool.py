@@ -19,7 +19,7 @@ from dubins_study.experiments.isolation.messages import decode_reply, encode_que
 from dubins_study.experiments.isolation.worker_process import (
     POLL_INTERVAL_S,
     Allowance,
-    Answer,
+    Answered,
     Ended,
     Task,
     WorkerProcess,
@@ -272,7 +272,7 @@ class WorkerPool:
         message = [_SOLVE, *key, encode_question(job.question), self._time_limit_s]
         worker.put(message, Allowance(self._time_limit_s, GRACE_S), job)
 
-    def _answered(self, worker: _Worker, answer: Answer) -> Results:
+    def _answered(self, worker: _Worker, answer: Answered) -> Results:
         """The job that was answered with its reply, if the task was to solve one."""
         self._false_starts = 0
         task, value, _ = answer

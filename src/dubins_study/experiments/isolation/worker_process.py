@@ -56,7 +56,7 @@ class Task(NamedTuple):
     tag: Any = None
 
 
-class Answer(NamedTuple):
+class Answered(NamedTuple):
     """A worker's answer to a task."""
 
     task: Task
@@ -94,7 +94,7 @@ class WorkerProcess:
         self.pending.append(Task(message, allowance, now_s, tag))
         self._process.channel.put(message)
 
-    def request(self, message: list[Any], allowance: Allowance) -> Answer | Ended:
+    def request(self, message: list[Any], allowance: Allowance) -> Answered | Ended:
         """Put one task and wait for its answer, or for the end of the worker."""
         self._read_output()
         self._output = b""
@@ -116,7 +116,7 @@ class WorkerProcess:
         if not sent:  # the rest of a long message is sent once the worker has read more
             poll.register(self._process.channel.line, select.POLLIN | select.POLLOUT)
 
-    def events(self, ready: set[int]) -> Iterator[Answer | Ended]:
+    def events(self, ready: set[int]) -> Iterator[Answered | Ended]:
         """The answers that have arrived, and the end of a worker that ends or breaks a limit."""
         if self._process.output in ready:
             self._read_output()
@@ -139,7 +139,7 @@ class WorkerProcess:
             self.close()
             yield Ended(reply, task)
 
-    def _answers(self) -> Iterator[Answer]:
+    def _answers(self) -> Iterator[Answered]:
         try:
             for message in self._process.channel.received():
                 self._since_s = monotonic()
@@ -149,7 +149,7 @@ class WorkerProcess:
                 value, changed = message
                 task = self.pending.popleft()
                 self._begun = bool(self.pending)
-                yield Answer(task, value, bool(changed))
+                yield Answered(task, value, bool(changed))
                 if self.closed:
                     return
         except (EOFError, OSError):  # the worker closed its end: it has ended, or its limit will
@@ -225,7 +225,7 @@ _AnyWorker = TypeVar("_AnyWorker", bound=WorkerProcess)
 
 def wait(
     workers: Sequence[_AnyWorker], timeout_s: float
-) -> Iterator[tuple[_AnyWorker, Answer | Ended]]:
+) -> Iterator[tuple[_AnyWorker, Answered | Ended]]:
     """Wait until something arrives or `timeout_s` is over; yield all that has happened."""
     poll = select.poll()
     for worker in workers:

@@ -16,9 +16,9 @@ from dubins_study.experiments.provenance import now
 from dubins_study.experiments.store.folder import is_locked, read_rows
 from dubins_study.experiments.store.manifest_changes import count_cells, write_manifest
 from dubins_study.experiments.store.part_writer import sync_folder, write_part
-from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry, read_manifest
 from dubins_study.study.rows.parts import PARTS, ResultsError, folder_paths, os_errors_as
+from dubins_study.study.rows.repeated import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.schema import KEY, RUN_ID, names
 
 # The columns that decide which rows are kept.

@@ -10,8 +10,8 @@ import pandas as pd
 import pyarrow as pa
 
 from dubins_study.study.kinds.table import kind_of
-from dubins_study.study.rows.attempts import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.manifest import Manifest
+from dubins_study.study.rows.repeated import JUDGED, compare_attempts, differences
 from dubins_study.study.rows.schema import CELL, names
 from dubins_study.study.scenario import COLUMNS
 from dubins_study.study.scenario_frame import scenario_of

@@ -31,7 +31,7 @@ _MODULES = (
     "topics.time",
     # the paper
     "topics.paper",
-    "topics.audit",
+    "topics.audit_tables",
     "topics.paper_figures",
     # studies of one thing each
     "topics.radius",
