@@ -275,7 +275,7 @@ def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvatu
     assert done.returncode == 1
     assert json.loads(done.stdout)["verdict"] == "misses"
     assert json.loads(done.stdout)["segments"] == []
-    assert "is not written: the path is not finite" in done.stderr
+    assert "is not written: there is no finite path" in done.stderr
 
     chosen = ("--solver", "analytic", "--solver", spec)
     output(finished("run", quick_experiment(tmp_path, 2), *chosen, "--out", tmp_path / "out"))

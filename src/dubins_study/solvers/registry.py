@@ -207,6 +207,12 @@ def _kind(name: str) -> type[Solver]:
     return _checked(name, kind)
 
 
+def _told(error: BaseException) -> str:
+    """An exception in a line; of a syntax error the file, the line and the caret below it."""
+    *place, last = format_exception_only(error)
+    return "\n".join([last.strip(), "".join(place).rstrip()]).rstrip()
+
+
 @cache
 def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
     file, class_name = plugin
@@ -224,8 +230,7 @@ def _from_file(name: str, plugin: PluginFile) -> type[Solver]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's own program; whatever it raises
         del sys.modules[module_name]
-        said = "".join(format_exception_only(error)).strip()  # of a syntax error several lines
-        raise SolverError(f"solver {name!r}: {file} fails: {said}") from error
+        raise SolverError(f"solver {name!r}: {file} fails: {_told(error)}") from error
     if not hasattr(module, class_name):
         solvers = [key for key, value in vars(module).items() if _is_solver(value)]
         has = ", ".join(solvers) or "no class that extends Solver"

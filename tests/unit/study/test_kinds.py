@@ -87,7 +87,6 @@ WHO_ASKS = {
     "solvers/course.py:_target": _SOLVER,
     "solvers/export.py:export": _SOLVER,
     "asking/attempt.py:__repr__": _FIELD,
-    "experiments/definition/scenario_file.py:comment_on": "digests of earlier folders stay",
     "conformance/answers.py:_advice": "the two discs are of one free leg",
     "experiments/isolation/pool.py:_give": "a solver is warmed up on a route only before one",
     "experiments/plan/scenario_columns.py:scenario_id": _FIELD,

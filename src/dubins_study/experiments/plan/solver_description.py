@@ -39,6 +39,7 @@ from dubins_study.solvers.registry import (
 from dubins_study.study.specs import plugin_file, written_out
 
 _LOADING = Allowance(60.0, activity="loading it")  # of the import of a plug-in
+_ASKING = Allowance(10.0, activity="asking whether it can run")
 
 
 class SolverDescription(NamedTuple):
@@ -65,16 +66,21 @@ class SolverDescription(NamedTuple):
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec; refused as by `solvers.registry.load`."""
     if ours(spec):
-        return _describe(spec, profile)
+        return _describe(spec, profile)._replace(reason=_availability(spec, profile))
     with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
-        event = worker.request([spec, profile], _LOADING)
-    if isinstance(event, Ended):
-        raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
-    fields, message = event.value
-    if message is not None:
-        raise SolverError(str(message))
+        event = worker.request(["description", spec, profile], _LOADING)
+        if isinstance(event, Ended):
+            said = event.reply.solution.message
+            raise SolverError(f"solver {spec!r}: while it was loaded, {said}")
+        fields, message = event.value
+        if message is not None:
+            raise SolverError(str(message))
+        asked = worker.request(["availability", spec, profile], _ASKING)
+    # one that dies or hangs where it is asked whether it can run does so in its rows
+    reason = None if isinstance(asked, Ended) else asked.value
     packages, method = tuple(fields["packages"]), Method(*fields["method"])
-    return SolverDescription(**(fields | {"packages": packages, "method": method}))
+    known = {"packages": packages, "method": method, "reason": reason}
+    return SolverDescription(**(fields | known))
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -90,13 +96,24 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
         solver.solve_frame is not None,
-        unavailable(solver),
+        reason=None,
     )
 
 
 def serve_description(channel: Channel) -> None:
     """Describe plug-ins in the process that loads them, each by its fields or by what is wrong."""
-    answer_tasks(channel, lambda task: (_description(*task), False))
+    functions = {"description": _description, "availability": _availability}
+
+    def answer(task: list[str]) -> tuple[Any, bool]:
+        function, spec, profile = task
+        return functions[function](spec, profile), False
+
+    answer_tasks(channel, answer)
+
+
+def _availability(spec: str, profile: str) -> str | None:
+    """Why a solver cannot run here."""
+    return unavailable(load(spec, profile))
 
 
 def _description(spec: str, profile: str) -> list[Any]:

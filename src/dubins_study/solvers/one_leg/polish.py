@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from dubins_study.solvers.one_leg.model import Case, case_of, equations, jacobian
+from dubins_study.solvers.protocol import Question
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS, Local
+from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 
 # Where a word's two solutions meet (on a turning circle) a Newton step only halves the distance
 # to them, so from a tolerance of 1e-6 some 25 steps lead to the last digit that there is.
 _STEPS = 40
 _HALVINGS = 8
+# radii; a straight to begin with, towards a target next to the circle
+_OUTSIDE = 0.05
 
 
 # relative; a polished path is the solver's own if their lengths are as close as a tolerance of 1e-6
@@ -53,6 +59,35 @@ def meet_target(
         first = first or polished
     assert first is not None  # `word` itself is always tried
     return word, first
+
+
+def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
+    """Why a path that turns one way and arrives is no answer to `LS` or `RS`; None if it is one.
+
+    It may go straight first, and so enter the turning circle, which no path of the word does. So
+    the word is driven with the path's own turn and straight, moved until they meet the target.
+    """
+    scenario, word = question.scenario, question.branch
+    if word not in ("LS", "RS"):
+        return None
+    case, turn = case_of(word, target), abs(path.turn)
+    free = list(case.subproblem.free)
+    straight = path.length / scenario.radius - turn
+    end = path.end
+    missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
+    arcs = turn % TWO_PI, min(turn, TWO_PI)  # either side of a full turn
+    # within delta of the target the word may exist; EPS is the rounding of the word's own end
+    allowed = max(missed + EPS, target.delta)
+    least = math.inf
+    # On the circle, without a straight, the equations are singular: begin a little outside as well.
+    for arc, outside in product(arcs, (0.0, _OUTSIDE)):
+        moved = min(outside, arc / 2)
+        z = np.zeros(3)
+        z[free] = arc - moved, straight + moved
+        least = min(least, polish(case, z)[1])
+        if least <= allowed:
+            return None
+    return f"turning to one side arrives, but {word} itself misses by {least:.1e} radii"
 
 
 def polish(case: Case, z: FloatArray) -> tuple[FloatArray, float]:

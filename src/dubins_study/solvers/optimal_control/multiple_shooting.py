@@ -27,7 +27,6 @@ from dubins_study.solvers.optimal_control.transcription import (
 from dubins_study.solvers.setting_checks import whole
 
 _POSE = 3  # x, y, heading
-_CONTROLS = 3  # lengths of turning left, of turning right, and of going straight
 
 
 @dataclass(frozen=True)
@@ -62,18 +61,20 @@ class Segments(Template):
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
         turn, length = guess.elements
         legs, equal = course.legs, self.shares is not None
-        left, right = np.maximum(turn, 0.0), np.maximum(-turn, 0.0)
+        # a side that a word has not is no variable: engines do badly with one that is fixed
+        signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
+        turns = [np.maximum(sign * turn, 0.0) for sign in signs]
         straight = np.maximum(length - np.abs(turn), 0.0)
         poses = guess.states(legs, np.zeros(1))
         most = most_turn(course, self.n, equal)
-        lowest = [-np.inf] * _POSE + [0.0] * _CONTROLS
-        highest = [np.inf] * _POSE + [most * rates.upper, -most * rates.lower, np.inf]
-        begin = np.column_stack((poses, left, right, straight)).ravel()[_POSE:]
+        lowest = [-np.inf] * _POSE + [0.0] * (len(signs) + 1)
+        highest = [np.inf] * _POSE + [most] * len(signs) + [np.inf]
+        begin = np.column_stack((poses, *turns, straight)).ravel()[_POSE:]
         lower = np.tile(lowest, turn.size)[_POSE:]
         upper = np.tile(highest, turn.size)[_POSE:]
         final = course.last is not None
         program = Program(
-            expressions(self.n, equal, legs, final),
+            expressions(self.n, signs, equal, legs, final),
             course.data,
             lower,
             upper,
@@ -81,8 +82,8 @@ class Segments(Template):
         )
         result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
         rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
-        left, right, straight = np.maximum(rows[:, _POSE:], 0.0).T
-        elements = Elements(left - right, left + right + straight)
+        lengths = np.maximum(rows[:, _POSE:], 0.0)
+        elements = Elements(lengths[:, :-1] @ np.array(signs, float), lengths.sum(axis=1))
         if equal:
             mean = elements.length.reshape(legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
@@ -91,11 +92,12 @@ class Segments(Template):
 
 
 @lru_cache(maxsize=32)
-def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
+def expressions(n: int, signs: tuple[int, ...], equal: bool, legs: int, final: bool) -> Expressions:
     """The program over n segments a leg; its parameters are the points and the `final` heading.
 
     Its variables are, segment by segment, the pose (x, y, heading) where it starts (but for the
-    first) and its lengths of turning left, of turning right and of going straight. A segment's
+    first), for each of the signs 1 (left) and -1 (right) its length of turning, and that of going
+    straight. A segment's
     equations: that it ends at the next pose; that it is as long as the one before it, if those of a
     leg are equally long; and the last of a leg at the point. The last two are those of the end.
     """
@@ -103,13 +105,13 @@ def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
 
     segments = n * legs
     pose = ca.SX.sym("pose", _POSE, segments)
-    control = ca.SX.sym("control", _CONTROLS, segments)
+    control = ca.SX.sym("control", len(signs) + 1, segments)
     data = ca.SX.sym("data", 2 * legs + final)
     length, gaps = ca.sum1(control), []
     state = [ca.SX(0)] * _POSE
     for k in range(segments):
         x, y, heading = state
-        turn = control[0, k] - control[1, k]
+        turn = sum(sign * control[i, k] for i, sign in enumerate(signs))
         along, across = chord(heading, turn, length[k])
         end = ca.vertcat(x + along, y + across, heading + turn)
         if k < segments - 1:
@@ -125,7 +127,7 @@ def expressions(n: int, equal: bool, legs: int, final: bool) -> Expressions:
     variables = ca.vec(ca.vertcat(pose, control))[_POSE:]
     stages = Stages(
         (0, *(_POSE,) * (segments - 1)),
-        (_CONTROLS,) * segments,
+        (len(signs) + 1,) * segments,
         tuple(2 * (k % n == n - 1) + final * (k == segments - 1) for k in range(segments)),
     )
     g = ca.vertcat(*gaps)

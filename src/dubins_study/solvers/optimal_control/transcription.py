@@ -25,7 +25,8 @@ from dubins_study.solvers.course import Course, body_course, coordinate_rounding
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver
 from dubins_study.solvers.one_leg.initial_guesses import INITIAL_GUESSES, bearing_guesses
 from dubins_study.solvers.one_leg.model import case_of
-from dubins_study.solvers.presolve import unreachable, words
+from dubins_study.solvers.one_leg.polish import one_sided_only
+from dubins_study.solvers.presolve import words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import (
     Attempts,
@@ -39,7 +40,7 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local, local
+from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import NEEDS, Claim
@@ -241,15 +242,14 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         none = {run.claim for run in runs} == {Claim.INFEASIBLE}
         said = none and model.question.branch == "best"
         claim = Claim.INFEASIBLE if said else Claim.FAILED
-    if claim in (Claim.LOCAL, Claim.FEASIBLE) and model.question.branch != "best":
-        # a path that goes straight first may turn to one side and arrive, where the word cannot
-        reason = unreachable(local(scenario), model.question.branch)
-        if reason is not None:
-            claim, message = Claim.FAILED, reason
     path = None
     if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
+        if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:
+            reason = one_sided_only(model.question, course.target, path)
+            if reason is not None:
+                claim, message = Claim.FAILED, reason
     duals = best.result.duals if claim is Claim.LOCAL else None
     return Solution(
         claim,
