@@ -173,8 +173,8 @@ def test_the_page_is_complete_without_scripts(new_tab, report_page: Path):
     page.goto(report_page.as_uri())
 
     assert page.locator("#contents a[href='#glossary']").is_visible()
-    page.locator("#decision .more > summary").click()
-    assert page.locator("#decision .more table").first.is_visible()
+    page.locator("details.part > summary").first.click()
+    assert page.locator("details.part[open] > :not(summary)").first.is_visible()
     assert page.locator("#belief svg").first.is_visible()
 
 

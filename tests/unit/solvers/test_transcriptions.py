@@ -197,7 +197,7 @@ def test_equations_are_the_gaps_between_driven_segments(n, seed, equal):
     left, right, straight = controls.T
     starts = np.vstack((np.zeros(3), random.normal(size=(n - 1, 3))))
     target = random.normal(size=2)
-    program = expressions(n, equal, 1, 0)
+    program = expressions(n, (1, -1), equal, 1, 0)
     x = np.hstack((starts, controls)).ravel()[3:]
 
     gaps = program.functions(target).equations(x)
