@@ -24,9 +24,7 @@ def table_lines() -> list[str]:
     frame = decision_section(load([ROOT / "results" / "benchmark"])).blocks[0].frame
     texts = frame.reindex(columns=SHOWN).fillna("–").astype(str)
     for suite in ("suite_0", "suite_1", "suite_2"):
-        asked = frame[f"{suite}_solver"].notna()
-        share = texts[suite].str.partition("\n")[2]
-        texts[suite] = ("`" + frame[f"{suite}_solver"] + "` " + share).where(asked, "–")
+        texts[suite] = texts[suite].str.replace(r"(.+)\n(.+)", r"`\1` \2", regex=True)
     cells = texts.map(lambda text: " ".join(text.replace("\n", " ").split()))
     return [f"| {' | '.join(line)} |" for line in cells.itertuples(index=False)]
 
