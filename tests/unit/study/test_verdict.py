@@ -295,6 +295,16 @@ def test_a_longer_path_of_a_tie_is_in_the_right_basin():
     assert not any(judge(behind, path).wrong_basin for path in paths)
 
 
+def test_two_arcs_of_one_run_are_one_letter_in_a_frame_too():
+    """The second turns by too little to be named alone, and is long enough to be a straight."""
+    scenario = on_left_circle(0.018828898252)
+    arcs = np.array([[0.018828869866434582], [2.8385495477665068e-08]])
+    rows = judge_frame(scenario_frame([scenario]), Paths(np.ones((2, 1)), arcs))
+
+    assert LEG_WORDS[rows.word[0]] == "L"
+    assert judge(scenario, Path(scenario.start, [1.0, 1.0], arcs[:, 0])).word == "L"
+
+
 # what a path with the closed form's word is given more: nothing, next to nothing, and too much
 DETOURS = (0.0, 1e-15, 1e-9, 1e-5, 2 * math.pi)
 

@@ -124,6 +124,8 @@ class _Limits(NamedTuple):
 
 # the rates of three segments of all words: to any heading, then to a given one
 _RATES = np.concatenate((RATES, SIDES))
+# a word of one letter has one segment here: two of one kind are one run, as `judge` sees it
+_RATES[_RATES[:, 0] == _RATES[:, 1], 1] = np.nan
 _FREE, _POSED = 0, len(RATES)
 
 
