@@ -297,12 +297,20 @@ def test_a_longer_path_of_a_tie_is_in_the_right_basin():
 
 def test_two_arcs_of_one_run_are_one_letter_in_a_frame_too():
     """The second turns by too little to be named alone, and is long enough to be a straight."""
-    scenario = on_left_circle(0.018828898252)
-    arcs = np.array([[0.018828869866434582], [2.8385495477665068e-08]])
-    rows = judge_frame(scenario_frame([scenario]), Paths(np.ones((2, 1)), arcs))
+    scenario = Scenario(
+        -0.002090161445753378,
+        -0.0498766661720182,
+        -3.141592653589793,
+        target_x=-0.002460789043721996,
+        target_y=-0.04987374231113782,
+        radius=0.02349177525175248,
+    )
+    rates = np.full((2, 1), -42.5680898647879)
+    lengths = np.array([[0.00037064136279217597], [1.6124375849148113e-09]])
+    rows = judge_frame(scenario_frame([scenario]), Paths(rates, lengths))
+    path = Path(scenario.start, rates[:, 0], lengths[:, 0])
 
-    assert LEG_WORDS[rows.word[0]] == "L"
-    assert judge(scenario, Path(scenario.start, [1.0, 1.0], arcs[:, 0])).word == "L"
+    assert LEG_WORDS[rows.word[0]] == judge(scenario, path).word == "R"
 
 
 # what a path with the closed form's word is given more: nothing, next to nothing, and too much

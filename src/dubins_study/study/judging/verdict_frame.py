@@ -124,8 +124,6 @@ class _Limits(NamedTuple):
 
 # the rates of three segments of all words: to any heading, then to a given one
 _RATES = np.concatenate((RATES, SIDES))
-# a word of one letter has one segment here: two of one kind are one run, as `judge` sees it
-_RATES[_RATES[:, 0] == _RATES[:, 1], 1] = np.nan
 _FREE, _POSED = 0, len(RATES)
 
 
@@ -299,13 +297,17 @@ def _name_rows(
         code = best.first + best.word[i] if best.word[i] != NO_PATH else 0
         total = lengths[0, i] + lengths[1, i] + lengths[2, i]
         name = 0
+        length = 0.0
         for place in range(3):
-            length = lengths[place, i]
+            length += lengths[place, i]
             rate = _RATES[code, place]
+            if place < 2 and rate == _RATES[code, place + 1]:
+                continue  # one run with the next
             turns = (rate != 0.0) & (length > WORD * radius[i])
             seen = (length > cut * min(radius[i], total)) & (turns | (length > WORD * total))
             letter = ((2 if rate > 0.0 else 3) if turns else 1) if seen else 0
             name = name if letter == 0 or letter == name % 4 else 4 * name + letter
+            length = 0.0
         names[i] = _CODES[name]
 
 
