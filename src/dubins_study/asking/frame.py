@@ -294,5 +294,5 @@ def _in_order(parts: list[tuple[Any, pd.DataFrame]], frame: pd.DataFrame) -> pd.
         return first
     joined = pd.concat([rows.set_axis(places) for places, rows in parts]).sort_index()
     # texts of several categories are no categories once they are joined
-    texts = {name: first[name].dtype for name in first.select_dtypes("category")}
+    texts = first.select_dtypes("category").columns
     return joined.astype(dict.fromkeys(texts, "category")).set_axis(frame.index)

@@ -222,9 +222,9 @@ def answer_text(answer: Answer) -> str:
     elif answer.wall_s is not None:  # it was not solved
         fields["ended after"] = _milliseconds(answer.wall_s)
     if answer.false_claim:
-        fields["false claim:"] = " the claim is stronger than the verdict"
+        fields["false claim:"] = "the claim is stronger than the verdict"
     if answer.false_bound:
-        fields["false bound:"] = " the solver's lower bound lies above the shortest length"
+        fields["false bound:"] = "the solver's lower bound lies above the shortest length"
     if answer.outcome != Outcome.RETURNED:
         fields["outcome"] = answer.outcome
     fields["message"] = answer.message

@@ -73,7 +73,7 @@ def not_a_minimum():
 
 
 def every_end():
-    """Rows for every end there is, in the order of `ENDS`, the last one three times."""
+    """Rows for every end there is, in the order of `MARKS`, the last one three times."""
     local = {"claim": Claim.LOCAL}
     return [
         given(THREE, 0.0, 0.0, **local),

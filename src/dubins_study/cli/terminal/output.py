@@ -122,7 +122,7 @@ def listing(fields: Mapping[str, object]) -> str:
     lines = []
     for name, value in fields.items():
         if text := _cell(value):
-            line = f"{name:<{_NAME_WIDTH}}{text}"
+            line = f"{name + ' ':<{_NAME_WIDTH}}{text}"
             lines.append(textwrap.fill(line, width, subsequent_indent=indent))
     return "\n".join(lines)
 

@@ -27,8 +27,8 @@ from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
     check_spec,
-    describe_solver,
     expand_solvers,
+    why_unavailable,
 )
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.rows.schema import Key
@@ -173,8 +173,7 @@ def _refuse_unavailable(specs: Iterable[str], profile: str) -> None:
     """Refuse a solver that cannot run here, where it was named; `*` and files record it so."""
     named = [spec for spec in specs if spec != "*"]
     for spec in expand_solvers(named, profile):
-        reason = describe_solver(spec, profile).reason
-        if reason is not None:
+        if reason := why_unavailable(spec, profile):
             raise SolverError(f"solver {spec!r} is unavailable: {reason}")
 
 

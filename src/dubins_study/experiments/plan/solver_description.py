@@ -22,6 +22,7 @@ from dubins_study.experiments.isolation.messages import Channel
 from dubins_study.experiments.isolation.worker import answer_tasks
 from dubins_study.experiments.isolation.worker_process import (
     Allowance,
+    Answered,
     Ended,
     WorkerProcess,
 )
@@ -54,7 +55,6 @@ class SolverDescription(NamedTuple):
     runs: str | None  # the program on PATH that it starts
     keeps_limit: bool  # its own class promises `Solver.keeps_limit`
     whole_frames: bool  # it answers whole frames at once
-    reason: str | None  # why it cannot run here
 
     @property
     def versions(self) -> dict[str, str]:
@@ -66,21 +66,32 @@ class SolverDescription(NamedTuple):
 def describe_solver(spec: str, profile: str = "default") -> SolverDescription:
     """Describe the solver of a spec; refused as by `solvers.registry.load`."""
     if ours(spec):
-        return _describe(spec, profile)._replace(reason=_availability(spec, profile))
-    with closing(WorkerProcess(f"{__name__}:serve_description", [], sys.maxsize)) as worker:
-        event = worker.request(["description", spec, profile], _LOADING)
-        if isinstance(event, Ended):
-            said = event.reply.solution.message
-            raise SolverError(f"solver {spec!r}: while it was loaded, {said}")
-        fields, message = event.value
-        if message is not None:
-            raise SolverError(str(message))
-        asked = worker.request(["availability", spec, profile], _ASKING)
-    # one that dies or hangs where it is asked whether it can run does so in its rows
-    reason = None if isinstance(asked, Ended) else asked.value
+        return _describe(spec, profile)
+    event = _asked_apart("description", spec, profile, _LOADING)
+    if isinstance(event, Ended):
+        raise SolverError(f"solver {spec!r}: while it was loaded, {event.reply.solution.message}")
+    fields, message = event.value
+    if message is not None:
+        raise SolverError(str(message))
     packages, method = tuple(fields["packages"]), Method(*fields["method"])
-    known = {"packages": packages, "method": method, "reason": reason}
-    return SolverDescription(**(fields | known))
+    return SolverDescription(**(fields | {"packages": packages, "method": method}))
+
+
+def why_unavailable(spec: str, profile: str = "default") -> str | None:
+    """Why the solver of a spec cannot run here; None too where a plug-in does not say in time.
+
+    One that dies or hangs where it is asked does so in its rows.
+    """
+    if ours(spec):
+        return _availability(spec, profile)
+    event = _asked_apart("availability", spec, profile, _ASKING)
+    return None if isinstance(event, Ended) else event.value
+
+
+def _asked_apart(what: str, spec: str, profile: str, allowance: Allowance) -> Answered | Ended:
+    """What a plug-in's process says of it."""
+    with closing(WorkerProcess(f"{__name__}:serve_plugin", [], sys.maxsize)) as worker:
+        return worker.request([what, spec, profile], allowance)
 
 
 def _describe(spec: str, profile: str) -> SolverDescription:
@@ -96,12 +107,11 @@ def _describe(spec: str, profile: str) -> SolverDescription:
         # a plug-in inherits no promise: what it changes of one of our solvers may break it
         bool(solver.keeps_limit) and (ours(spec) or "keeps_limit" in vars(type(solver))),
         solver.solve_frame is not None,
-        reason=None,
     )
 
 
-def serve_description(channel: Channel) -> None:
-    """Describe plug-ins in the process that loads them, each by its fields or by what is wrong."""
+def serve_plugin(channel: Channel) -> None:
+    """Say of plug-ins, in the process that loads them, what is asked."""
     functions = {"description": _description, "availability": _availability}
 
     def answer(task: list[str]) -> tuple[Any, bool]:

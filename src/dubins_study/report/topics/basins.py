@@ -45,7 +45,6 @@ MARKS = (
     Mark(FALSE_PATH, colour=MAP_PAPER, marker="s"),
     Mark(GIVES_UP, colour="#5d636b"),
 )
-ENDS = tuple(mark.key for mark in MARKS)
 
 # Claim that the check refutes -> what it says.
 REFUTED = {

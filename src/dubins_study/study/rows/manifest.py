@@ -118,7 +118,6 @@ class RunEntry(_Record):
     memory_limit_gib: float | None = None
     machine: dict[str, Any] = {}
     governor: str = "unknown"
-    thread_limits: dict[str, Any] = {}
     git: dict[str, Any] = {}
     load_start: list[float] | None = None
     load_end: list[float] | None = None
