@@ -199,7 +199,7 @@ def test_tables_of_a_report_are_sorted(new_tab, report_page: FilePath):
     page.goto(report_page.as_uri())
     tables = page.locator("figure.table table")
 
-    assert tables.count() > 5
+    assert tables.count() >= 10
     heads = page.locator("figure.table thead tr:first-child th")
     assert heads.count() == page.locator("figure.table th > button.sort").count()
     page.evaluate("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
