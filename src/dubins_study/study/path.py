@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
-from operator import itemgetter, mul
+from operator import mul
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -69,7 +70,7 @@ class Path:
 
     __hash__ = None  # type: ignore[assignment]  # arrays cannot be hashed, nor should a path be
 
-    @property
+    @cached_property
     def length(self) -> float:
         """The sum of the arcs' lengths (length unit)."""
         if self.lengths.size <= FEW:
@@ -84,10 +85,14 @@ class Path:
     @property
     def poses(self) -> FloatArray:
         """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
+        if self.lengths.size > FEW:
+            return _many_corners(self.start, self.curvatures, self.lengths)
         return np.array(corners(self.start, self.curvatures, self.lengths))
 
     @property
     def end(self) -> Pose:
+        if self.lengths.size > FEW:
+            return Pose(*self.poses[-1].tolist())
         return corners(self.start, self.curvatures, self.lengths)[-1]
 
     def at(self, distance: ArrayLike) -> FloatArray:
@@ -300,6 +305,23 @@ def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Po
     return poses
 
 
+@np.errstate(all="ignore")  # headings that are not finite
+def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
+    """What `corners` computes, in whole arrays; shape (n + 1, 3)."""
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    turn = curvatures * lengths
+    turned = turn.cumsum()
+    half = turn / 2
+    half[half == 0] = 1e-20
+    chord = lengths * (np.sin(half) / half)
+    middle = turned - turn / 2
+    forward = (chord * np.cos(middle)).cumsum()
+    left = (chord * np.sin(middle)).cumsum()
+    x = start.x + (forward * cos - left * sin)
+    y = start.y + (forward * sin + left * cos)
+    return np.vstack([start, np.column_stack((x, y, start.heading + turned))])
+
+
 def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
     """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
     turn = curvature * length
@@ -362,9 +384,16 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
 
 def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
     """Neighbours of one side made one, their bends and lengths added."""
-    for side, run in groupby(pieces, itemgetter(0)):
-        _, bends, lengths = zip(*run, strict=True)
-        yield side, sum(bends), sum(lengths)
+    last, bend, length = None, 0.0, 0.0
+    for side, more_bend, more_length in pieces:
+        if side != last:
+            if last is not None:
+                yield last, bend, length
+            last, bend, length = side, 0.0, 0.0
+        bend += more_bend
+        length += more_length
+    if last is not None:
+        yield last, bend, length
 
 
 def drivable(path: Path) -> bool:
