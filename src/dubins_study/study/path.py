@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 CLAIMS = tuple(Claim)
 # An arc with less than this share of the path's largest curvature counts as straight.
 RIPPLE = 1e-3
-FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
+_FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
+_LOOPED = 24  # arcs up to which a loop is quicker than whole arrays
 _MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
 _MOST_PARTS = 100_000  # in all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
@@ -73,7 +74,7 @@ class Path:
     @cached_property
     def length(self) -> float:
         """The sum of the arcs' lengths (length unit)."""
-        if self.lengths.size <= FEW:
+        if self.lengths.size <= _FEW:
             return sum(self.lengths.tolist(), 0.0)
         return float(self.lengths.sum())
 
@@ -85,15 +86,11 @@ class Path:
     @property
     def poses(self) -> FloatArray:
         """Poses at the ends of the arcs, shape (n + 1, 3); row 0 is the start."""
-        if self.lengths.size > FEW:
-            return _many_corners(self.start, self.curvatures, self.lengths)
-        return np.array(corners(self.start, self.curvatures, self.lengths))
+        return corners(self.start, self.curvatures, self.lengths)
 
     @property
     def end(self) -> Pose:
-        if self.lengths.size > FEW:
-            return Pose(*self.poses[-1].tolist())
-        return corners(self.start, self.curvatures, self.lengths)[-1]
+        return end_of(self.start, self.curvatures, self.lengths)
 
     def at(self, distance: ArrayLike) -> FloatArray:
         """Poses at given distances along the path, shape (m, 3).
@@ -272,8 +269,8 @@ class Path:
         return "".join(letter for letter, _ in groupby(letters))
 
 
-def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Pose]:
-    """Poses at the ends of constant-curvature arcs driven one after another; the first is `start`.
+def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
+    """Poses at the ends of constant-curvature arcs driven one after another; row 0 is `start`.
 
     An arc of curvature k and length l turns the heading by k l; its chord is l sinc(k l / 2) long
     and points along the mean heading. Exact for the Dubins car, k = 0 included (LaValle 2006,
@@ -284,7 +281,24 @@ def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Po
         start: initial pose.
         curvatures: shape (n,), 1 / length unit, positive to the left.
         lengths: shape (n,), length unit.
+
+    Returns:
+        Shape (n + 1, 3).
     """
+    if lengths.size <= _LOOPED:
+        return np.array(_few_corners(start, curvatures, lengths))
+    return _many_corners(start, curvatures, lengths)
+
+
+def end_of(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> Pose:
+    """The last of `corners`."""
+    if lengths.size <= _LOOPED:
+        return _few_corners(start, curvatures, lengths)[-1]
+    return Pose(*_many_corners(start, curvatures, lengths)[-1].tolist())
+
+
+def _few_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Pose]:
+    """`corners` of few arcs, in a loop."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     turned = forward = left = 0.0
     poses = [start]
@@ -307,13 +321,11 @@ def corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> list[Po
 
 @np.errstate(all="ignore")  # headings that are not finite
 def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> FloatArray:
-    """What `corners` computes, in whole arrays; shape (n + 1, 3)."""
+    """`corners` of many arcs, in whole arrays."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     turn = curvatures * lengths
     turned = turn.cumsum()
-    half = turn / 2
-    half[half == 0] = 1e-20
-    chord = lengths * (np.sin(half) / half)
+    chord = _chord(turn, lengths)
     middle = turned - turn / 2
     forward = (chord * np.cos(middle)).cumsum()
     left = (chord * np.sin(middle)).cumsum()
@@ -322,12 +334,18 @@ def _many_corners(start: Pose, curvatures: FloatArray, lengths: FloatArray) -> F
     return np.vstack([start, np.column_stack((x, y, start.heading + turned))])
 
 
+def _chord(turn: FloatArray, length: FloatArray) -> FloatArray:
+    """Chords of arcs that turn by so much (rad); shapes (m,), (m,) -> (m,)."""
+    half = turn / 2
+    half[half == 0] = 1e-20  # sin(x) / x is 1 there
+    chord: FloatArray = length * (np.sin(half) / half)
+    return chord
+
+
 def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> FloatArray:
     """Each pose moved along its own arc; shapes (m, 3), (m,), (m,) -> (m, 3)."""
     turn = curvature * length
-    half = turn / 2
-    half[half == 0] = 1e-20  # sin(x) / x is 1 there
-    chord = length * (np.sin(half) / half)
+    chord = _chord(turn, length)
     middle = poses[:, 2] + turn / 2
     step = np.column_stack((chord * np.cos(middle), chord * np.sin(middle), turn))
     moved: FloatArray = poses + step
@@ -382,18 +400,16 @@ def _cuts(lengths: FloatArray, parts: NDArray[np.int_]) -> FloatArray:
     return np.append(begins + place * (lengths / parts).repeat(parts), ends[-1:].sum())
 
 
-def _joined(pieces: Iterable[Piece]) -> Iterator[Piece]:
+def _joined(pieces: Iterable[Piece]) -> list[Piece]:
     """Neighbours of one side made one, their bends and lengths added."""
-    last, bend, length = None, 0.0, 0.0
-    for side, more_bend, more_length in pieces:
-        if side != last:
-            if last is not None:
-                yield last, bend, length
-            last, bend, length = side, 0.0, 0.0
-        bend += more_bend
-        length += more_length
-    if last is not None:
-        yield last, bend, length
+    joined: list[Piece] = []
+    for side, bend, length in pieces:
+        if joined and joined[-1][0] == side:
+            _, bent, driven = joined[-1]
+            joined[-1] = side, bent + bend, driven + length
+        else:
+            joined.append((side, bend, length))
+    return joined
 
 
 def drivable(path: Path) -> bool:

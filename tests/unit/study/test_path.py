@@ -37,6 +37,29 @@ def test_end_pose_is_what_an_ode_integrator_finds(pieces, n):
     assert (steps <= path.length / (n - 1) + 1e-9).all()
 
 
+@given(arcs, st.integers(2, 40))
+def test_a_path_cut_into_many_arcs_is_the_same(pieces, parts):
+    """Its poses at the old cuts are those of the few arcs, and all are what an integrator finds."""
+    few = path_of(pieces)
+    many = path_of([(k, length / parts) for k, length in pieces for _ in range(parts)])
+
+    np.testing.assert_allclose(many.poses[::parts], few.poses, atol=1e-11)
+    np.testing.assert_allclose(many.end, many.poses[-1], rtol=1e-15, atol=0)
+    np.testing.assert_allclose(many.end, integrated(few), atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [3, 60])
+def test_after_a_heading_that_is_not_finite_nothing_is(count):
+    """Of few arcs, which a loop drives, and of many."""
+    curvatures = np.full(count, 0.5)
+    curvatures[1] = math.inf
+
+    poses = Path(Pose(0, 0, 0), curvatures, np.ones(count)).poses
+
+    assert np.isfinite(poses[:2]).all()
+    assert not np.isfinite(poses[2:]).any()
+
+
 def test_an_almost_straight_arc_keeps_its_digits():
     """Curvature 1e-12 is a straight line to rounding; 1/k would lose four digits here."""
     path = Path(Pose(0, 0, 0), [1e-12], [10.0])

@@ -35,7 +35,7 @@ from dubins_study.study.check.two_arcs import (
     nearest_rate,
     sign_margin,
 )
-from dubins_study.study.path import Path, corners
+from dubins_study.study.path import Path, corners, end_of
 from dubins_study.study.scenario import Pose
 from dubins_study.study.tolerances import ARRIVES, allowed_miss
 
@@ -154,8 +154,9 @@ def _is_same(merged: tuple[FloatArray, FloatArray], driven: tuple[FloatArray, Fl
     allowed = allowed_miss(ARRIVES, 1.0, 0.0, before)
     if not abs(before - float(merged[1].sum())) <= allowed:
         return False
-    end, other = (corners(_ORIGIN, *path)[-1] for path in (merged, driven))
-    return math.hypot(end[0] - other[0], end[1] - other[1]) <= allowed
+    end = end_of(_ORIGIN, *merged)
+    other = end_of(_ORIGIN, *driven)
+    return math.dist(end[:2], other[:2]) <= allowed
 
 
 def _apart(u: list[float], length: list[float]) -> bool:
@@ -164,10 +165,11 @@ def _apart(u: list[float], length: list[float]) -> bool:
     True of most paths of few pieces, which then need no further work.
     """
     least = NO_LENGTH * min(1.0, sum(length))
-    return all(
+    # first what a path cut into many steps fails at once
+    return all(abs(a - b) > FULL_RATE for a, b in pairwise(u)) and all(
         abs(k) * s > NO_TURN if abs(k) > FULL_RATE else k == 0 and s > least
         for k, s in zip(u, length, strict=True)
-    ) and all(abs(a - b) > FULL_RATE for a, b in pairwise(u))
+    )
 
 
 def _joined(u: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -240,7 +242,7 @@ def conditions(u: list[float], length: list[float], start: Pose) -> Conditions |
     # a straight that bends is looked at in its middle too: nu3 may vanish at both its ends alone
     halves = np.array([2 if k != 0 and abs(k) < 1 - FULL_RATE else 1 for k in u], np.intp)
     rates = np.repeat(u, halves)
-    poses = corners(start, rates, np.repeat(driven / halves, halves))
+    poses = corners(start, rates, np.repeat(driven / halves, halves)).tolist()
     stretch = max(1.0, float(driven.sum()))
     end_x, end_y, end = poses[-1]
     nu3 = [(0.0, y - end_y, end_x - x, 1.0) for x, y, _ in poses]
