@@ -129,7 +129,9 @@ def answers(
         final = scenario.final_heading + sign * off
         yield Answer("wrong heading", replace(scenario, final_heading=final), path)
     via = list(scenario.via)
-    first = visits(path, via[:1], radius, 1e-6 * radius).at[0] if via else path.length
+    first = path.length
+    if via:
+        first = visits(path, scenario.stops[:1], radius, 1e-6 * radius).at[0]
     if first > 0.1 * radius:  # a point on the first leg leaves the length
         x, y = path.at(first * rng.uniform(0.05, 0.95))[0, :2]
         yield Answer("point on the way", replace(scenario, via=[(x, y), *via]), path, *known)

@@ -81,7 +81,7 @@ def test_a_via_point_on_the_shortest_path_leaves_the_length(scenario):
     longest = int(np.argmax(straights))
     assume(straights[longest] > 1e-3)
     at = path.lengths[:longest].sum() + path.lengths[longest] / 2
-    before = sum(at > s for s in visits(path, scenario.via, 1, 1e-6).at)
+    before = sum(at > s for s in visits(path, scenario.stops[:-1], 1, 1e-6).at)
     via = [*scenario.via[:before], path.at(at)[0, :2], *scenario.via[before:]]
 
     compared(scenario, replace(scenario, via=via))

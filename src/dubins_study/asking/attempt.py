@@ -39,6 +39,7 @@ from dubins_study.study.tolerances import DEFAULT, PROFILES, Tolerances
 from dubins_study.study.values import did_you_mean, plain, real_number, short
 from dubins_study.study.words import (
     Claim,
+    Order,
     Outcome,
     Proof,
     Verdict,
@@ -70,16 +71,14 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
 
     def __repr__(self) -> str:
         scenario = self.scenario
-        pose = ", ".join(f"{value:g}" for value in scenario.start)
-        target = f"{scenario.target_x:g}, {scenario.target_y:g}"
-        if scenario.final_heading is not None:
-            target += f", {scenario.final_heading:g}"
-        via = f" via {scenario.legs - 1} points" if scenario.via else ""
+        pose = f"{scenario.x:g}, {scenario.y:g}, {_heading_text(scenario.heading)}"
+        target = "any of them" if scenario.target is None else _target_text(scenario)
+        in_any_order = " in any order" if scenario.order is Order.FREE else ""
+        via = f" via {len(scenario.via)} points{in_any_order}" if scenario.via else ""
         word = None if self.word is None else short_word(self.word, 16)
         lines = (
             f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
-            f"from ({pose}){via} to ({target}), radius {scenario.radius:g}, "
-            f"speed {scenario.speed:g}",
+            f"from ({pose}){via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}",
             f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
             f"length {self.length}, travel time {self.travel_time}, word {word}",
             f"gap {self.gap}, miss {self.miss}",
@@ -88,6 +87,11 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
             f"message {plain(self.message)}",
         )
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
+
+    @property
+    def order(self) -> list[int] | None:
+        """The via points of a tour in the order in which the path passes them; the first is 0."""
+        return None if self.visit_order is None else [int(place) for place in self.visit_order]
 
     def _repr_svg_(self) -> str | None:
         """The path's drawing for notebooks, with verdict, length and word; None without a path."""
@@ -116,6 +120,16 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         """The scenario's and the answer's columns of `study.rows.schema`; None where not finite."""
         scenario = dict(zip(_SCENARIO, _scenario_numbers(self.scenario), strict=True))
         return scenario | {name: getattr(self, name) for name in _ANSWER}
+
+
+def _heading_text(heading: float | None) -> str:
+    return "free" if heading is None else f"{heading:g}"
+
+
+def _target_text(scenario: Scenario) -> str:
+    last = scenario.stops[-1]
+    heading = "" if last.heading is None else f", {last.heading:g}"
+    return f"({last.x:g}, {last.y:g}{heading})"
 
 
 class QuestionError(DubinsStudyError, ValueError):

@@ -8,18 +8,18 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.asking.frame import solve_frame
-from dubins_study.study.route import search
+from dubins_study.study.route import tour
 
 
 def compile_loops() -> None:
-    """Solve and judge one leg of each kind by a frame; then search for a route."""
+    """Solve and judge one leg of each kind by a frame; then search for a route and a tour."""
     frame = pd.DataFrame({"x": [0.0], "y": 0.0, "heading": 0.0, "target_x": 3.0})
     frame = frame.assign(target_y=1.0, radius=1.0)
     for branch in ("best", "LS"):
         solve_frame(frame, branch=branch)
     for branch in ("best", "LSL"):
         solve_frame(frame.assign(final_heading=1.0), branch=branch)
-    search.compile_loops()
+    tour.compile_tour_loops()
 
 
 if __name__ == "__main__":

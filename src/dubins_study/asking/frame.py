@@ -217,8 +217,15 @@ def checked(scenarios: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     known = {*names(SCENARIO), "via"}
     # a column that is missing has a default, which a slip of its name must not bring about
     missing = [name for name in DEFAULTS if name not in scenarios]
-    own = np.array([name in known or bool(nearest(name, missing)) for name in scenarios], np.bool_)
-    others = scenarios.loc[:, ~own & ~scenarios.columns.isin(names(ANSWER))]
+    of_answers = {*names(ANSWER)}
+    own = np.array(
+        [
+            name in known or (name not in of_answers and bool(nearest(name, missing)))
+            for name in scenarios
+        ],
+        np.bool_,
+    )
+    others = scenarios.loc[:, ~own & ~scenarios.columns.isin(of_answers)]
     # a choice of columns would copy them
     return check_frame(scenarios if own.all() else scenarios.loc[:, own]), others
 

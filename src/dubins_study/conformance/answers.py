@@ -26,7 +26,7 @@ from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH, kind_of, refer
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import Tolerances
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import Claim, Order, Outcome, Verdict
 
 _Observed = tuple[Part, Status, str, str]  # what it is about, how bad, what was seen, what to do
 # claims that say that a path was found
@@ -170,8 +170,10 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
                 "target alone for instance? Start, heading, radius and the order of via points "
                 "belong to the question"
             )
-    if path.start != scenario.start:
+    if not scenario.starts(path.start):
         return "give question.scenario.start as it is, its heading to the last bit"
+    if scenario.heading is None:  # what else is mixed up is judged from the path's own
+        scenario = replace(scenario, heading=path.start.heading)
     if cause := visit_cause(scenario, path):
         return cause
     assert answer.miss is not None  # the path can be driven
@@ -191,12 +193,13 @@ def _advice(interview: Interview, answer: Answer, path: Path) -> str:
             "tighten the tolerance of the points and headings that a path has to meet, or claim "
             "FAILED"
         )
-    X, Y = scenario.local()
-    if branch == "best" and kind_of(scenario) is LEG and math.hypot(X, abs(Y) - 1) < 1:
-        return (
-            "inside a turning disc no turn towards the target leads to it: a turn away comes "
-            "first (RL or LR), or nearly a full turn (RS or LS); else claim FAILED"
-        )
+    if branch == "best" and kind_of(scenario) is LEG:
+        X, Y = scenario.local()
+        if math.hypot(X, abs(Y) - 1) < 1:
+            return (
+                "inside a turning disc no turn towards the target leads to it: a turn away comes "
+                "first (RL or LR), or nearly a full turn (RS or LS); else claim FAILED"
+            )
     return (
         "drive your path with question.scenario.start: dubins_study.Path(start, curvatures, "
         "lengths).end is where it ends"
@@ -210,7 +213,7 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
         assert answer.gap is not None
         assert answer.path is not None
         how = f"its path, {answer.word or 'none'}, is {100 * answer.gap:.3g} % longer than the "
-        how += f"shortest, {answer.reference_word or 'none'}"
+        how += f"shortest, {answer.reference_word or 'none'}{_orders(answer)}"
         cause = length_cause(answer.scenario, answer.path)
         if answer.claim is Claim.OPTIMAL:
             advice = cause or "claim LOCAL unless the method proves that no path is shorter"
@@ -227,6 +230,18 @@ def _of_length(answer: Answer, guarantee: str) -> Iterator[_Observed]:
         observed = f"claimed_length is {claimed:.6g}; its path is {length:.6g} long"
         advice = "claimed_length is a length, not a travel time, in the unit of the scenario"
         yield Part.LENGTH, Status.NOTE, observed, advice
+
+
+def _orders(answer: Answer) -> str:
+    """How the order of a tour differs from the shortest one's; empty of other questions."""
+    best = reference_of(answer.scenario, answer.branch).path
+    if answer.order is None or best is None:
+        return ""
+    shortest = [int(place) for place in judge(answer.scenario, best).visit_order or ()]
+    if answer.order == shortest:
+        return "; its order is the shortest one's"
+    own, other = (" ".join(map(str, order)) for order in (answer.order, shortest))
+    return f"; its order is {own}, the shortest one's {other} (0 is the first of via)"
 
 
 def _of_bound(answer: Answer) -> Iterator[_Observed]:
@@ -284,7 +299,7 @@ def mix_ups(s: Scenario, path: Path) -> Iterator[tuple[str, Scenario, FloatArray
         "your path arrives if the heading is taken for degrees: question.scenario.heading is in "
         "rad, counter-clockwise from +x"
     )
-    yield advice, replace(s, heading=math.radians(s.heading)), k, lengths
+    yield advice, replace(s, heading=math.radians(s.start.heading)), k, lengths
     advice = (
         "your path arrives if it starts at (0, 0) with heading 0: is question.scenario.start used?"
     )
@@ -295,8 +310,8 @@ def cause_of(scenario: Scenario, path: Path) -> str:
     """What the author of a path that misses, or is too tight, has mixed up; empty if unknown."""
     if not path.lengths.size:
         return ""
-    last = np.array([path.curvatures[-1] - scenario.target_x, path.lengths[-1] - scenario.target_y])
-    if (np.abs(last) <= 1e-6 * scenario.radius).all():
+    last = np.array([path.curvatures[-1], path.lengths[-1]])
+    if (np.abs(last - scenario.points[-1]) <= 1e-6 * scenario.radius).all():
         return _POSITIONS
     with np.errstate(all="ignore"):
         for advice, other, *controls in mix_ups(scenario, path):
@@ -307,28 +322,61 @@ def cause_of(scenario: Scenario, path: Path) -> str:
 
 
 def visit_cause(scenario: Scenario, path: Path) -> str:
-    """What a path leaves out on its way to the target; empty if it ends elsewhere."""
+    """What a path leaves out on its way to its end; empty if it ends at no point of the question.
+
+    A closed path, and one that is free to pass its points in any order, may end at a wrong one.
+    """
     end, radius, allowed = path.end, scenario.radius, _FIT * scenario.radius
-    if math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) > allowed:
-        return ""
-    for x, y in scenario.via:
-        if visits(path, [(x, y)], radius, allowed).miss > allowed:
+    via = scenario.stops[: len(scenario.via)]
+    if scenario.target is not None and math.dist(end[:2], scenario.target) > allowed:
+        at_point = any(math.dist(end[:2], stop[:2]) <= allowed for stop in via)
+        if at_point and scenario.closed:
             return (
-                f"it never passes ({x:g}, {y:g}), a point of question.scenario.via. Leave `via "
-                "points` out of `takes` if the method has none"
+                "it ends at its last point: a closed path drives on to its start. Leave `closed` "
+                "out of `takes` if the method does not"
             )
-    if visits(path, scenario.via, radius, allowed).miss > allowed:
+        if at_point and scenario.order is Order.FREE:
+            return (
+                "it ends at a point of question.scenario.via: only they may be passed in any "
+                "order, and the target stays last"
+            )
+        return ""
+    for stop in via:
+        if visits(path, [stop], radius, allowed).miss > allowed:
+            return (
+                f"it never passes ({stop.x:g}, {stop.y:g}), a point of question.scenario.via. "
+                "Leave `via points` out of `takes` if the method has none"
+            )
+    if scenario.order is Order.GIVEN and visits(path, via, radius, allowed).miss > allowed:
         return (
             "it passes the via points in another order: the order of question.scenario.via is part "
             "of the question"
         )
+    for stop in via:
+        reached = visits(path, [stop], radius, allowed)
+        if reached.turned > _FIT:
+            return (
+                f"it passes ({stop.x:g}, {stop.y:g}) with another heading than is given there: the "
+                "third value of a point of question.scenario.via, in rad. Leave `headings at "
+                "stops` out of `takes` if the method leaves it free"
+            )
+    if scenario.closed and _differ(end.heading, path.start.heading):
+        return (
+            "it ends where it starts, but not as it starts: a closed path ends with the heading "
+            "with which it started"
+        )
     final = scenario.final_heading
-    if final is not None and abs(math.remainder(end.heading - final, 2 * math.pi)) > _FIT:
+    if final is not None and _differ(end.heading, final):
         return (
             "question.scenario.final_heading is in rad, counter-clockwise from +x. Leave `final "
             "heading` out of `takes` if the method leaves it free"
         )
     return ""
+
+
+def _differ(one: float, other: float) -> bool:
+    """Whether two headings (rad) are far from each other, whole turns apart."""
+    return abs(math.remainder(one - other, 2 * math.pi)) > _FIT
 
 
 def length_cause(scenario: Scenario, path: Path) -> str:

@@ -47,7 +47,7 @@ REFERENCE = GENERAL["all at once"]
 def placed(X: float, Y: float, label: str = "") -> Scenario:
     """The reference with its target X radii ahead of the start and Y radii to the left."""
     s = REFERENCE
-    target = complex(s.x, s.y) + s.radius * complex(X, Y) * cmath.rect(1, s.heading)
+    target = complex(s.x, s.y) + s.radius * complex(X, Y) * cmath.rect(1, s.start.heading)
     return replace(s, target_x=target.real, target_y=target.imag, label=label)
 
 
@@ -102,28 +102,29 @@ def changed(turn: float = 0.0, shift: complex = 0j, scale: float = 1.0) -> Scena
     s = REFERENCE
     turned = cmath.rect(1, turn)
     start = scale * (complex(s.x, s.y) * turned + shift)
-    target = scale * (complex(s.target_x, s.target_y) * turned + shift)
+    target = scale * (complex(*s.stops[-1][:2]) * turned + shift)
     return replace(
         s,
         x=start.real,
         y=start.imag,
-        heading=s.heading + turn,
+        heading=s.start.heading + turn,
         target_x=target.real,
         target_y=target.imag,
         radius=scale * s.radius,
     )
 
 
+_HEADING = REFERENCE.start.heading
 # changes that leave the length of the shortest path as it is
 SYMMETRIES = labelled(
     {
         "in a mirror": replace(
-            REFERENCE, y=-REFERENCE.y, heading=-REFERENCE.heading, target_y=-REFERENCE.target_y
+            REFERENCE, y=-REFERENCE.y, heading=-_HEADING, target_y=-REFERENCE.stops[-1].y
         ),
         "moved by (100, -50)": changed(shift=100 - 50j),
         "turned by 2 rad": changed(turn=2.0),
-        "heading a full turn more": replace(REFERENCE, heading=REFERENCE.heading + 2 * math.pi),
-        "heading ten turns less": replace(REFERENCE, heading=REFERENCE.heading - 20 * math.pi),
+        "heading a full turn more": replace(REFERENCE, heading=_HEADING + 2 * math.pi),
+        "heading ten turns less": replace(REFERENCE, heading=_HEADING - 20 * math.pi),
         "the same target from elsewhere": replace(REFERENCE, x=8.0, y=5.5, heading=0.7),
     }
 )

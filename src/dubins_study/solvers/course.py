@@ -16,7 +16,7 @@ from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import EPS, Local, local
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Scenario
+from dubins_study.study.scenario import Pose, Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +90,16 @@ class Course:
 def world_course(scenario: Scenario) -> Course:
     """The course in the directions of the scenario's axes."""
     steps = np.diff(scenario.points, axis=0) / scenario.radius
-    return Course(steps, scenario.heading, scenario.final_heading, _target(scenario))
+    return Course(steps, scenario.start.heading, scenario.final_heading, _target(scenario))
 
 
 def body_course(scenario: Scenario) -> Course:
     """The course with the start at heading 0, as `Scenario.local` turns a target."""
     dx, dy = np.diff(scenario.points, axis=0).T
-    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+    cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
     final = scenario.final_heading
-    last = None if final is None else final - scenario.heading
+    last = None if final is None else final - scenario.start.heading
     return Course(steps, 0.0, last, _target(scenario))
 
 
@@ -107,14 +107,23 @@ def _target(scenario: Scenario) -> Local | None:
     return local(scenario) if scenario.one_free_leg else None
 
 
-def path_of(scenario: Scenario, turns: Iterable[float], lengths: Iterable[float]) -> Path:
-    """The path of pieces at unit radius; a length that is not above zero counts as zero."""
+def path_of(
+    scenario: Scenario,
+    turns: Iterable[float],
+    lengths: Iterable[float],
+    start: Pose | None = None,
+) -> Path:
+    """The path of pieces at unit radius; a length that is not above zero counts as zero.
+
+    It begins with the scenario's start pose, or with `start` where the heading there is free.
+    """
     pieces = [
         (turn / scenario.radius, length * scenario.radius)
         for turn, length in zip(turns, lengths, strict=True)
         if not length <= 0  # so that NaN stays and is seen by the check
     ]
-    return Path(scenario.start, [k for k, _ in pieces], [length for _, length in pieces])
+    begin = scenario.start if start is None else start
+    return Path(begin, [k for k, _ in pieces], [length for _, length in pieces])
 
 
 def coordinate_rounding(scenario: Scenario) -> float:
@@ -125,7 +134,7 @@ def coordinate_rounding(scenario: Scenario) -> float:
 def in_world(scenario: Scenario, duals: FloatArray) -> tuple[float, float]:
     """The duals (2,) of the end point, turned from body coordinates."""
     along, left = float(duals[0]), float(duals[1])
-    cos, sin = math.cos(scenario.heading), math.sin(scenario.heading)
+    cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
     return along * cos - left * sin, along * sin + left * cos
 
 

@@ -10,6 +10,8 @@ from importlib.resources import files
 from io import StringIO
 from typing import Any
 
+import numpy as np
+
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.course import body_course
 from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
@@ -68,14 +70,14 @@ def _paper(scenario: Scenario, order: str) -> Any:
     from pyomo.environ import ConcreteModel, Constraint, Expression, Objective, Var, cos, sin
 
     R = scenario.radius if order == "LRS" else -scenario.radius
-    th0 = scenario.heading
+    th0 = scenario.start.heading
     m = ConcreteModel()
     for name, length in zip(("z1", "z2", "z3"), _guess(scenario, order), strict=True):
         m.add_component(name, Var(bounds=(0, None), initialize=length))
     m.theta1 = Expression(expr=th0 + m.z1 / R)
     m.theta2 = Expression(expr=m.theta1 - m.z2 / R)
     th1, th2 = m.theta1, m.theta2
-    dx, dy = scenario.target_x - scenario.x, scenario.target_y - scenario.y
+    dx, dy = np.diff(scenario.points, axis=0)[0].tolist()
     m.x_end = Constraint(expr=dx - R * (-sin(th0) + 2 * sin(th1) - sin(th2)) - m.z3 * cos(th2) == 0)
     m.y_end = Constraint(expr=dy - R * (cos(th0) - 2 * cos(th1) + cos(th2)) - m.z3 * sin(th2) == 0)
     m.f = Objective(expr=m.z1 + m.z2 + m.z3)

@@ -14,7 +14,7 @@ import numpy as np
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import LARGEST_BARE, AngleError, parse_angle
 from dubins_study.study.values import real_number, short
-from dubins_study.study.words import NEEDS
+from dubins_study.study.words import NEEDS, Order
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -49,31 +49,39 @@ class Scenario:
     Args:
         x, y: start position; any length unit, the same for all lengths.
         heading: start heading, counter-clockwise from +x: rad, or a text such as `120deg`. A number
-            beyond a full turn gives a warning, since it may be one of degrees.
-        target_x, target_y: target position.
+            beyond a full turn gives a warning, since it may be one of degrees. None, or the text
+            `free`, leaves it free.
+        target_x, target_y: target position; left out of a closed path, and of a tour that may end
+            at any of its points.
         radius: minimum turning radius.
         speed: length units per time unit; travel time = length / speed.
         label: a text of the caller's choice.
-        via: points (x, y) to pass on the way, in this order: pairs of numbers, or an array of shape
-            (n, 2). A scenario with via points is a route of n + 1 legs.
+        via: points (x, y) to pass on the way: pairs of numbers, or an array of shape (n, 2). A
+            third value (x, y, heading) is the heading there, given as `heading` is. A scenario with
+            via points is a route of n + 1 legs.
         final_heading: heading at the target, given as `heading` is; None is free.
+        order: `given` if the via points are passed in their order, `free` if in any (a tour). The
+            target stays last. Without via points it is `given`.
+        closed: whether the path ends as it starts, in place and heading.
 
     Raises:
-        ScenarioError: if the target is missing, a number is none or not finite, `radius` or `speed`
-            is not positive, the label is no text, or a via point is no pair or equal to the point
-            before or after it.
+        ScenarioError: if the target is missing or one too many, a number is none or not finite,
+            `radius` or `speed` is not positive, the label is no text, or a via point is no pair or
+            equal to the point before or after it (of a tour: to any other).
     """
 
     x: float
     y: float
-    heading: float
-    target_x: float
-    target_y: float
+    heading: float | None
+    target_x: float | None
+    target_y: float | None
     radius: float
     speed: float
     label: str
-    via: tuple[tuple[float, float], ...]
+    via: tuple[tuple[float, ...], ...]
     final_heading: float | None
+    order: Order
+    closed: bool
     # Whether numbers beyond a full turn are known to be radians, and so give no warning. Those of a
     # scenario are: `replace` passes this default on.
     _radians: InitVar[bool] = True
@@ -82,30 +90,40 @@ class Scenario:
         self,
         x: float = 0.0,
         y: float = 0.0,
-        heading: float | str = 0.0,
+        heading: float | str | None = 0.0,
         target_x: float | None = None,
         target_y: float | None = None,
         radius: float = 1.0,
         speed: float = 1.0,
         label: str = "",
-        via: ArrayLike | Iterable[Sequence[float]] = (),
+        via: ArrayLike | Iterable[Sequence[Any]] = (),
         final_heading: float | str | None = None,
+        order: str = Order.GIVEN,
+        closed: bool = False,
         *,
         _radians: bool = False,
     ) -> None:
+        object.__setattr__(self, "order", _order(order))
+        object.__setattr__(self, "closed", _flag("closed", closed))
+        object.__setattr__(self, "via", _via(via, _radians))
+        no_target = target_x is None and target_y is None
+        ends_anywhere = self.closed or (self.order is Order.FREE and no_target)
+        if ends_anywhere:
+            _refuse_target(self.closed, target_x, target_y, final_heading, bool(self.via))
         numbers = (x, y, heading, target_x, target_y, radius, speed, final_heading)
         for name, value in zip((*NUMBERS, "final_heading"), numbers, strict=True):
-            number = None
-            if name != "final_heading" or value is not None:
+            if name in HEADINGS:
+                number = _heading(name, value, _radians, stacklevel=3)
+            elif ends_anywhere and name.startswith("target"):
+                number = None
+            else:
                 number = checked_number(name, value)
             object.__setattr__(self, name, number)
-            known = _radians or isinstance(value, str)
-            if name in HEADINGS and not known and abs(number or 0.0) > LARGEST_BARE:
-                warnings.warn(f"{name} {DEGREES}", stacklevel=2)
         object.__setattr__(self, "label", _label(label))
-        object.__setattr__(self, "via", _via(via))
+        if not self.via:
+            object.__setattr__(self, "order", Order.GIVEN)
         if self.via:
-            _check_neighbours(self._path_points())
+            _check_neighbours(self._path_points(), self.order, self.closed)
         if self.extent > LARGEST_EXTENT * self.radius:
             least = f"at least {self.extent / LARGEST_EXTENT:.3g}"
             raise ScenarioError(
@@ -118,26 +136,41 @@ class Scenario:
         """What coordinates are rounded against, the largest size over the legs.
 
         Of a leg from (x1, y1) to (x2, y2) it is `|x1| + |y1| + |x2| + |y2|`. A sum over all points
-        would grow with their number, and rounding does not.
+        would grow with their number, and rounding does not. Of a tour any two points may be a leg.
         """
-        return max(
-            abs(x) + abs(y) + abs(u) + abs(v) for (x, y), (u, v) in pairwise(self._path_points())
-        )
+        points = self._path_points()
+        if self.order is Order.FREE:
+            first, second, *_ = sorted((abs(x) + abs(y) for x, y in points), reverse=True)
+            return first + second
+        return max(abs(x) + abs(y) + abs(u) + abs(v) for (x, y), (u, v) in pairwise(points))
 
     @property
     def start(self) -> Pose:
+        """The start pose, where its heading is given."""
+        assert self.heading is not None
         return Pose(self.x, self.y, self.heading)
 
     @property
+    def target(self) -> tuple[float, float] | None:
+        """Where the path ends: the start if it is closed; None if any point may be the last."""
+        if self.closed:
+            return self.x, self.y
+        if self.target_x is None or self.target_y is None:
+            return None
+        return self.target_x, self.target_y
+
+    @property
     def stops(self) -> tuple[Stop, ...]:
-        """The via points, then the target."""
-        last = Stop(self.target_x, self.target_y, self.final_heading)
-        return (*(Stop(x, y, None) for x, y in self.via), last)
+        """The via points, then the target if there is one."""
+        passed = tuple(Stop(x, y, heading[0] if heading else None) for x, y, *heading in self.via)
+        if self.target is None:
+            return passed
+        return (*passed, Stop(*self.target, self.heading if self.closed else self.final_heading))
 
     @property
     def legs(self) -> int:
         """How many parts the path has from one point to the next."""
-        return len(self.via) + 1
+        return len(self.via) + (self.target is not None)
 
     @property
     def points(self) -> FloatArray:
@@ -145,17 +178,28 @@ class Scenario:
         return np.array(self._path_points())
 
     def _path_points(self) -> list[tuple[float, float]]:
-        return [(self.x, self.y), *self.via, (self.target_x, self.target_y)]
+        return [(self.x, self.y), *((x, y) for x, y, _ in self.stops)]
+
+    def starts(self, path_start: Pose) -> bool:
+        """Whether a path that begins with this pose begins as the scenario does."""
+        return path_start[:2] == (self.x, self.y) and self.heading in (None, path_start.heading)
 
     @property
     def via_x(self) -> list[float] | None:
         """x of the via points, as a row holds them; None without."""
-        return [x for x, _ in self.via] or None
+        return [point[0] for point in self.via] or None
 
     @property
     def via_y(self) -> list[float] | None:
         """y of the via points, as a row holds them; None without."""
-        return [y for _, y in self.via] or None
+        return [point[1] for point in self.via] or None
+
+    @property
+    def via_heading(self) -> list[float] | None:
+        """Headings at the via points, as a row holds them: NaN where free; None if all are."""
+        if all(len(point) == 2 for point in self.via):
+            return None
+        return [point[2] if len(point) == 3 else math.nan for point in self.via]
 
     @property
     def one_free_leg(self) -> bool:
@@ -167,8 +211,17 @@ class Scenario:
 
     @property
     def given(self) -> tuple[bool, ...]:
-        """Whether each of the fields of `OPTIONAL` has a value."""
-        return bool(self.via), self.final_heading is not None
+        """Whether each of the fields of `OPTIONAL` is not as in the paper's problem."""
+        free_start = self.heading is None
+        return (
+            bool(self.via),
+            bool(self.via) or free_start,
+            self.final_heading is not None or (self.closed and not free_start),
+            self.via_heading is not None,
+            free_start,
+            self.order is Order.FREE,
+            self.closed,
+        )
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -181,20 +234,25 @@ class Scenario:
 
         docs/derivation.md, eq. 1.
         """
-        dx, dy = self.target_x - self.x, self.target_y - self.y
-        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        assert self.target is not None
+        dx, dy = self.target[0] - self.x, self.target[1] - self.y
+        cos, sin = math.cos(self.start.heading), math.sin(self.start.heading)
         return (dx * cos + dy * sin) / self.radius, (dy * cos - dx * sin) / self.radius
 
 
 NUMBERS = ("x", "y", "heading", "target_x", "target_y", "radius", "speed")  # every scenario has
-VIA = ("via_x", "via_y")
-COLUMNS = (*NUMBERS, "label", *VIA, "final_heading")  # of frames, files and rows
+VIA = ("via_x", "via_y", "via_heading")
+TOUR = ("order", "closed")
+COLUMNS = (*NUMBERS, "label", *VIA, "final_heading", *TOUR)  # of frames, files and rows
 # of the columns that a frame or a file may leave out: all but the target's
 DEFAULTS: dict[str, Any] = {
     **{"x": 0.0, "y": 0.0, "heading": 0.0, "radius": 1.0, "speed": 1.0, "label": ""},
     **dict.fromkeys((*VIA, "final_heading")),
+    **{"order": Order.GIVEN, "closed": False},
 }
-OPTIONAL = ("via", "final_heading")  # fields that tell the kinds of questions apart
+# What tells the kinds of questions apart. `searched` is what no closed form answers: via points, or
+# a start heading that is free.
+OPTIONAL = ("via", "searched", "final_heading", "via_heading", "free_start", "order", "closed")
 POSITIVE = ("radius", "speed")
 HEADINGS = ("heading", "final_heading")
 # the same for all numbers, so that Python shows it once a line, of a heading that is integrated too
@@ -208,30 +266,84 @@ LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to 
 
 _CONVENTION = "counterclockwise from +x (east), so north is 90deg"
 _PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)], or a frame with columns x and y"
+FREE = "free"  # the text of a heading that is not given
 
 
-def _via(points: Any) -> tuple[tuple[float, float], ...]:
-    """The via points as pairs of floats."""
+def _via(points: Any, radians: bool) -> tuple[tuple[float, ...], ...]:
+    """The via points as tuples of floats: x, y and, where it is given, the heading."""
     try:
         if hasattr(points, "columns"):  # a frame that is iterated gives the names of its columns
-            points = points[["x", "y"]].to_numpy()
-        pairs = [(x, y) for x, y in points]
-        if isinstance(points, Set):
-            raise TypeError("a set has no order")
+            some = ["x", "y", *(name for name in points.columns if name == "heading")]
+            points = points[some].astype(object).where(points[some].notna(), None).to_numpy()
+        stops = [(x, y, *heading) for x, y, *heading in points]
+        if isinstance(points, Set) or any(len(stop) > 3 for stop in stops):
+            raise TypeError
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"via is {short(points)}; {_PAIRS}") from None
-    via = []
-    for place, (x, y) in enumerate(pairs, 1):
+    via: list[tuple[float, ...]] = []
+    for place, (x, y, *headings) in enumerate(stops, 1):
         name = f"of via point {place}"
-        via.append((checked_number(f"x {name}", x), checked_number(f"y {name}", y)))
+        point = checked_number(f"x {name}", x), checked_number(f"y {name}", y)
+        heading = None
+        if headings:
+            heading = _heading(f"heading {name}", headings[0], radians, stacklevel=4)
+        via.append(point if heading is None else (*point, heading))
     return tuple(via)
 
 
-def _check_neighbours(points: list[tuple[float, float]]) -> None:
-    """Refuse a route with a leg between equal points, which has no length to be driven."""
+def _heading(name: str, value: float | str | None, radians: bool, stacklevel: int) -> float | None:
+    """A heading (rad), None if it is free; a number of degrees, as it seems, gives a warning."""
+    if value is None or (isinstance(value, str) and value == FREE):
+        return None
+    number = checked_number(name, value)
+    if not radians and not isinstance(value, str) and abs(number) > LARGEST_BARE:
+        warnings.warn(f"{name} {DEGREES}", stacklevel=stacklevel)
+    return number
+
+
+def _order(order: str) -> Order:
+    try:
+        return Order(order)
+    except ValueError:
+        raise ScenarioError(f"order is {short(order)}; expected {' or '.join(Order)}") from None
+
+
+def _flag(name: str, value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise ScenarioError(f"{name} is {short(value)}; expected true or false")
+    return bool(value)
+
+
+def _refuse_target(
+    closed: bool, target_x: Any, target_y: Any, final_heading: Any, passes: bool
+) -> None:
+    """Refuse a target of a path that ends elsewhere, and a path that passes no point."""
+    given = {"target_x": target_x, "target_y": target_y, "final_heading": final_heading}
+    for name, value in given.items():
+        if value is not None:
+            why = "a closed path ends as it starts" if closed else "the tour ends at any point"
+            raise ScenarioError(f"{name} is {short(value)}, but {why}; leave it out")
+    if not passes:
+        this = "a closed path" if closed else "a tour without a target"
+        raise ScenarioError(f"via is empty; expected points to pass, which {this} needs")
+
+
+def _check_neighbours(points: list[tuple[float, float]], order: Order, closed: bool) -> None:
+    """Refuse a leg between equal points, which has no length to be driven."""
+    if order is Order.FREE:
+        seen: dict[tuple[float, float], int] = {}
+        for place, point in enumerate(points[:-1] if closed else points):
+            if point in seen:
+                raise ScenarioError(
+                    f"{short(point)} is a point of the tour twice, as points {seen[point]} and "
+                    f"{place} (the start is 0); expected points apart from each other"
+                )
+            seen[point] = place
+        return
     for place, (point, following) in enumerate(pairwise(points), 1):
         if point == following:
-            this = f"via point {place}" if place < len(points) - 1 else "the target"
+            end = "the start, where the path ends," if closed else "the target"
+            this = f"via point {place}" if place < len(points) - 1 else end
             raise ScenarioError(
                 f"{this} is {short(following)}, the same point as the one before it; "
                 "expected a point apart from the points before and after it"
@@ -250,7 +362,7 @@ def checked_number(name: str, value: float | str | None) -> float:
     if value is None:
         raise ScenarioError(f"{name} is missing; expected a number")
     try:
-        if isinstance(value, str) and name in HEADINGS:
+        if isinstance(value, str) and "heading" in name:
             value = parse_angle(value)
         number = real_number(value)
     except AngleError as error:

@@ -15,18 +15,21 @@ from dubins_study.study.scenario import (
     COLUMNS,
     DEFAULTS,
     DEGREES,
+    FREE,
     HEADINGS,
     LARGEST,
     LARGEST_EXTENT,
     NUMBERS,
     POSITIVE,
     SMALLEST,
+    TOUR,
     VIA,
     Scenario,
     ScenarioError,
     checked_number,
 )
 from dubins_study.study.values import did_you_mean, number_of_text, short
+from dubins_study.study.words import Order
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
 
 def column_problems(names: Sequence[Any]) -> list[str]:
     """What is wrong with the names of the columns of a table of scenarios, a sentence each."""
-    required = [name for name in COLUMNS if name not in DEFAULTS]
+    required = [name for name in COLUMNS if name not in DEFAULTS and not {*TOUR} & {*names}]
     expected = f"expected the columns {', '.join(required)} and, if wanted, {', '.join(DEFAULTS)}"
     problems = []
     if missing := [name for name in required if name not in names]:
@@ -54,11 +57,13 @@ def column_problems(names: Sequence[Any]) -> list[str]:
 def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """The frame with the columns of `COLUMNS` in order, float64 where they are numbers.
 
-    Columns of `DEFAULTS` may be left out; a cell without a label, via points or a final heading may
-    be empty. The caller's frame is not changed; its index is kept. Each value is read as `Scenario`
-    takes it, or in `via_x` and `via_y` as `numbers_of` does; a column `via` of lists of pairs
-    stands for both. A `ScenarioError` names columns, or the first row that no scenario may have. A
-    heading beyond a full turn that is no text gives a warning, as a scenario's does.
+    Columns of `DEFAULTS` may be left out, and the target's where there is one of `TOUR`; a cell
+    without a label, via points or a final heading may be empty. `order` is categorical. The
+    caller's frame is not changed; its index is kept. Each value is read as `Scenario` takes it, or
+    in those of `VIA` as `numbers_of` does; a column `via` of lists of stops stands for them. A
+    `ScenarioError` names columns, or the first row that no scenario may have. A heading beyond a
+    full turn that is no text gives a warning, as a scenario's does. A start heading is free where
+    it is `free`, or empty in a frame that has all columns; elsewhere an empty one is refused.
     """
     import pandas as pd
 
@@ -68,7 +73,7 @@ def check_frame(frame: pd.DataFrame) -> pd.DataFrame:
     if problems := column_problems([name for name in names if name != "via"]):
         raise ScenarioError(problems[0])
     if "via" in names and {*VIA} & {*names}:
-        raise ScenarioError("via points are given twice; expected via, or via_x and via_y")
+        raise ScenarioError(f"via points are given twice; expected via, or {', '.join(VIA)}")
     columns = _columns_of_numbers(frame) or _columns_row_by_row(frame)
     for name in {*HEADINGS} & {*names}:
         beyond = np.abs(columns[name]) > LARGEST_BARE
@@ -81,6 +86,8 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     """The columns of one leg a row, each checked as a whole; None if rows are to be looked at."""
     n = len(frame)
     if not n or any(name in frame and not frame[name].isna().all() for name in ("via", *VIA)):
+        return None
+    if any(name in frame and not (frame[name] == DEFAULTS[name]).all() for name in TOUR):
         return None
     columns: dict[str, Any] = {}
     for name in (*NUMBERS, "final_heading"):
@@ -97,13 +104,20 @@ def _columns_of_numbers(frame: pd.DataFrame) -> dict[str, Any] | None:
     if worst > LARGEST_EXTENT * columns["radius"].min():
         return None
     columns |= dict.fromkeys(VIA, nulls(n))
-    return columns
+    return columns | {"order": _orders(np.zeros(n, np.int8)), "closed": np.zeros(n, np.bool_)}
+
+
+def _orders(codes: Any) -> Any:
+    """A column of orders, which takes a byte a row, by their places in `Order`."""
+    import pandas as pd
+
+    return pd.Categorical.from_codes(codes, pd.Index([str(order) for order in Order]))
 
 
 def _doubles(frame: pd.DataFrame, name: str) -> FloatArray | None:
     """A column of numbers as doubles, read-only; None if one of them is refused, or is a text."""
     if name not in frame:
-        default = DEFAULTS[name]
+        default = DEFAULTS.get(name)
         # takes no memory
         return np.broadcast_to(math.nan if default is None else default, len(frame))
     if frame[name].dtype.kind not in "iuf":
@@ -135,9 +149,14 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
     import pandas as pd
 
     found = []
+    checked = {*COLUMNS} <= {*frame.columns}  # as this module returns it: NaN is a free heading
     for row, values in enumerate(frame.itertuples(index=False, name=None)):
+        fields = dict(zip(frame.columns, values, strict=True))
         try:
-            found.append(scenario_of(dict(zip(frame.columns, values, strict=True))))
+            heading = fields.get("heading", 0.0)
+            if is_missing(heading) and not checked:
+                raise ScenarioError(f"heading is {heading}; expected a number, or {FREE!r}")
+            found.append(scenario_of(fields))
         except ScenarioError as error:
             raise ScenarioError(f"{row_name(frame, row)}: {error}") from None
     columns = {name: [getattr(scenario, name) for scenario in found] for name in COLUMNS}
@@ -145,7 +164,9 @@ def _columns_row_by_row(frame: pd.DataFrame) -> dict[str, Any]:
         name: np.array(columns[name], np.float64) for name in (*NUMBERS, "final_heading")
     }
     lists = {name: list_column(columns[name]) for name in VIA}
-    return arrays | {"label": pd.array(columns["label"], "str")} | lists
+    orders = _orders([[*Order].index(order) for order in columns["order"]])
+    tours = {"order": orders, "closed": np.array(columns["closed"], np.bool_)}
+    return arrays | {"label": pd.array(columns["label"], "str")} | lists | tours
 
 
 def list_column(lists: Sequence[list[float] | None]) -> Any:
@@ -183,31 +204,44 @@ def scenarios(frame: pd.DataFrame) -> Iterator[Scenario]:
 
 def scenario_of(row: Mapping[Any, Any]) -> Scenario:
     """The scenario of a row that has the columns of `COLUMNS`, or some of them."""
-    fields = {name: row[name] for name in NUMBERS if name in row}
-    for name in ("label", "final_heading"):
+    fields: dict[str, Any] = {name: row[name] for name in NUMBERS if name in row}
+    for name in ("label", "final_heading", *TOUR):
         if not is_missing(row.get(name)):
             fields[name] = row[name]
+    may_lack = ["heading"]
+    if fields.get("closed") or fields.get("order", Order.GIVEN) != Order.GIVEN:
+        may_lack += ["target_x", "target_y"]
+    for name in may_lack:
+        if is_missing(fields.get(name, 0.0)):
+            fields[name] = None
     via: Any = row.get("via")
     if is_missing(via):
-        xs, ys = (numbers_of(name, row.get(name)) or [] for name in VIA)
-        if len(xs) != len(ys):
-            counts = f"via_x has {len(xs)} numbers and via_y has {len(ys)}"
-            raise ScenarioError(f"{counts}; expected as many")
-        via = zip(xs, ys, strict=True)
+        xs, ys, headings = (numbers_of(name, row.get(name)) or [] for name in VIA)
+        for name, others in (("via_y", ys), ("via_heading", headings or xs)):
+            if len(xs) != len(others):
+                counts = f"via_x has {len(xs)} numbers and {name} has {len(others)}"
+                raise ScenarioError(f"{counts}; expected as many")
+        headings = headings or [math.nan] * len(xs)
+        stops = zip(xs, ys, headings, strict=True)
+        via = [(x, y, None if math.isnan(heading) else heading) for x, y, heading in stops]
     return Scenario(**fields, via=via, _radians=True)
 
 
 def numbers_of(name: str, value: Any) -> list[float] | None:
-    """A cell of `via_x` or `via_y`: a list of numbers, or a text of numbers and spaces.
+    """A cell of `VIA`: a list of numbers, or a text of numbers and spaces.
 
     None for a cell without any. One number is a list of itself, since readers of CSV make numbers
-    of such cells.
+    of such cells. Of `via_heading` a number may be an angle with a unit, and what is missing or
+    `free` is NaN.
     """
     if is_missing(value):
         return None
+    headings = name == "via_heading"
     if isinstance(value, str):
         try:
-            items: list[Any] = [number_of_text(text) for text in value.split()]
+            items: list[Any] = value.split()
+            if not headings:
+                items = [number_of_text(text) for text in items]
         except ValueError:
             expected = "expected numbers separated by spaces, such as 4 6"
             raise ScenarioError(f"{name} is {short(value)}; {expected}") from None
@@ -215,6 +249,9 @@ def numbers_of(name: str, value: Any) -> list[float] | None:
         items = list(value)
     else:
         items = [value]
+    if headings:
+        items = [None if is_missing(item) or item == FREE else item for item in items]
+        return [math.nan if item is None else checked_number(name, item) for item in items] or None
     return [checked_number(name, item) for item in items] or None
 
 
@@ -234,11 +271,16 @@ def solve_command(row: Mapping[Any, Any]) -> str:
     """
     s = scenario_of(row)
     words = ["dubins-study", "solve"]
-    if s.start != (0.0, 0.0, 0.0):
-        unit = "rad" if abs(s.heading) > LARGEST_BARE else ""  # which a bare number may not exceed
-        words += ["--from", number_text(s.x), number_text(s.y), number_text(s.heading) + unit]
-    for u, v in s.via:
+    if (s.x, s.y, s.heading) != (0.0, 0.0, 0.0):
+        words += ["--from", number_text(s.x), number_text(s.y), _heading_text(s.heading)]
+    for place, (u, v, *heading) in enumerate(s.via, 1):
         words += ["--via", number_text(u), number_text(v)]
+        if heading:
+            words += ["--via-heading", str(place), _heading_text(heading[0])]
+    if s.order is not Order.GIVEN:
+        words += ["--order", s.order]
+    if s.closed:
+        words += ["--closed"]
     if s.final_heading is not None:
         words += ["--final-heading", f"{number_text(s.final_heading)}rad"]
     texts = {name: number_text(getattr(s, name)) for name in POSITIVE}
@@ -248,9 +290,17 @@ def solve_command(row: Mapping[Any, Any]) -> str:
             words += [f"--{name}", text]
     if row.get("time_limit_s") is not None:
         words += ["--time-limit", number_text(row["time_limit_s"])]
-    # without the dashes a negative number would be read as an option
-    target = number_text(s.target_x), number_text(s.target_y)
-    return shlex.join([*words, "--solver", str(row["solver"]), "--", *target])
+    words += ["--solver", str(row["solver"])]
+    if s.target_x is not None:  # without the dashes a negative number would be read as an option
+        words += ["--", number_text(s.target_x), number_text(s.target_y)]
+    return shlex.join(words)
+
+
+def _heading_text(heading: float | None) -> str:
+    """A heading as the command reads it: it takes no bare number beyond a full turn."""
+    if heading is None:
+        return FREE
+    return number_text(heading) + ("rad" if abs(heading) > LARGEST_BARE else "")
 
 
 def number_text(value: object) -> str:

@@ -19,12 +19,22 @@ FROZEN = "frozen"
 VIA_POINTS = "via points"
 FREE_FINAL_HEADING = "free final heading"
 FINAL_HEADING = "final heading"
+HEADINGS_AT_STOPS = "headings at stops"
+FREE_START = "free start heading"
+FREE_ORDER = "free order"
+CLOSED = "closed"
 # the field of a scenario that brings the need about, and whether by being given or left out
 NEEDS = {
     VIA_POINTS: ("via", True),
     FREE_FINAL_HEADING: ("final_heading", False),
     FINAL_HEADING: ("final_heading", True),
+    HEADINGS_AT_STOPS: ("via_heading", True),
+    FREE_START: ("free_start", True),
+    FREE_ORDER: ("order", True),
+    CLOSED: ("closed", True),
 }
+# what most solvers of routes take
+IN_ORDER = frozenset({VIA_POINTS, FREE_FINAL_HEADING, FINAL_HEADING})
 
 # Kinds of engines: each reads formulations of its own; they head the table of both.
 EXACT = "exact"
@@ -34,6 +44,9 @@ SAMPLING = "stochastic or direct search"
 DERIVATIVE_FREE = "derivative-free, local"
 ROOTS = "roots"
 QP = "QP and MILP"
+MILP = "MILP"
+CONSTRAINTS = "constraint programming"
+ROUTING = "routing library"
 
 
 class Formulation(NamedTuple):
@@ -56,12 +69,16 @@ GUESSES = MappingProxyType(
 )
 SEVERAL = "several"  # guesses a word
 
+_KINDS = (NLP, PROVEN, SAMPLING, DERIVATIVE_FREE, ROOTS, QP, MILP, CONSTRAINTS, ROUTING)
 _FORMULA = "a formula, which needs no engine"
 _SQUARE = "a square system of equations: there is nothing to minimise"
 _INTEGERS = "has integer variables"
 _KINK = "has a kink wherever a path arrives: made for engines without derivatives"
 _SIX_WORDS = "the shortest of six words: a function that is called, no expression"
 _CORNERS = "begins with every corner of the box, of which a route has too many"
+_CIRCUIT = "a circuit that leaves nodes out: a constraint of its engine's own"
+_VEHICLE = "a vehicle's visits: a model of its library's own"
+_PROGRAMS = "dynamic programs and exchanges, which need no engine"
 _EQUATIONS = "the same as the joint NLP, with equations that these engines take as they are"
 
 # In the order of tables. The joint NLP is the paper's model (4.12) with its turns in one order, in
@@ -69,7 +86,7 @@ _EQUATIONS = "the same as the joint NLP, with equations that these engines take 
 FORMULATION_LIST = (
     Formulation(
         *("closed form", "closed form", {EXACT: "analytic"}),
-        dict.fromkeys((NLP, PROVEN, SAMPLING, DERIVATIVE_FREE, ROOTS, QP), _FORMULA),
+        dict.fromkeys(_KINDS, _FORMULA),
         knows="formula",
     ),
     Formulation(
@@ -140,9 +157,41 @@ FORMULATION_LIST = (
         {NLP: _SIX_WORDS, PROVEN: _SIX_WORDS, SAMPLING: _CORNERS},
         knows="formula",  # of a leg between two headings
     ),
+    # of tours
+    Formulation(
+        *("tour MILP", "tour MILP"),
+        dict.fromkeys((PROVEN, QP, MILP), "tour-milp[engine={}]"),
+        dict.fromkeys((NLP, PROVEN, QP), _INTEGERS),
+        knows="formula",
+    ),
+    Formulation(
+        *("tour circuit", "tour circuit", {CONSTRAINTS: "tour-circuit"}),
+        dict.fromkeys((NLP, PROVEN, QP, MILP), _CIRCUIT),
+        knows="formula",
+    ),
+    Formulation(
+        *("tour routing", "tour routing", {ROUTING: "tour-routing"}),
+        dict.fromkeys((NLP, PROVEN, QP, MILP), _VEHICLE),
+        knows="formula",
+    ),
+    Formulation(
+        *("order then headings", "order, then headings", {EXACT: "tour-order"}),
+        dict.fromkeys(_KINDS, _PROGRAMS),
+        knows="formula",
+    ),
 )
 FORMULATIONS = tuple(formulation.name for formulation in FORMULATION_LIST)
 BY_NAME = {formulation.name: formulation for formulation in FORMULATION_LIST}
+
+
+class Order(StrEnum):
+    """Whether the via points of a scenario are passed in their order, or in any."""
+
+    GIVEN = "given"
+    FREE = "free"
+
+    def __repr__(self) -> str:
+        return repr(str(self))  # which reads back in a scenario's
 
 
 class Outcome(StrEnum):

@@ -28,6 +28,7 @@ OF_KIND = {
     "leg": Scenario(target_x=5, target_y=2),
     "pose": Scenario(target_x=5, target_y=2, final_heading=0.0),
     "route": Scenario(target_x=5, target_y=2, via=[(2, 3)]),
+    "tour": Scenario(target_x=5, target_y=2, via=[(2, 3), (1, -4)], order="free"),
 }
 
 
@@ -70,7 +71,7 @@ def test_the_exact_answer_is_within_the_reference(kind):
 
 def test_rows_of_a_frame_are_of_the_kinds_of_their_scenarios():
     names = [*OF_KIND, "leg", "route"]
-    columns = ("target_x", "target_y", "via_x", "via_y", "final_heading")
+    columns = ("target_x", "target_y", "via_x", "via_y", "final_heading", "order")
     rows = [{c: getattr(OF_KIND[name], c) for c in columns} for name in names]
     frame = check_frame(pd.DataFrame(rows))
 
@@ -86,6 +87,7 @@ WHO_ASKS = {
     "solvers/protocol.py:columns": _SOLVER,
     "solvers/course.py:_target": _SOLVER,
     "solvers/export.py:export": _SOLVER,
+    "solvers/tour/places.py:empty_path": _SOLVER,
     "asking/attempt.py:__repr__": _FIELD,
     "conformance/answers.py:_advice": "the two discs are of one free leg",
     "experiments/isolation/pool.py:_give": "a solver is warmed up on a route only before one",
@@ -93,7 +95,6 @@ WHO_ASKS = {
     "study/units.py:doubtful_units": "points have an extent if there are two",
     "study/scenario_frame.py:solve_command": _FIELD,
     "study/check/verdict.py:visited": _FIELD,
-    "study/check/verdict.py:seen_of": _FIELD,
 }
 
 

@@ -79,7 +79,9 @@ REFUSED = [
 def test_numbers_that_are_refused(field, value, expected):
     """The message names the field, the value and what is expected."""
     shown = "(missing|None|nan)" if value is None else re.escape(repr(value))
-    if (field, value) == ("heading", "one"):
+    if (field, value) == ("heading", None):
+        assert Scenario(**(GOOD | {"heading": None})).heading is None  # free
+    elif (field, value) == ("heading", "one"):
         refused("heading: 'one' is not an angle; expected e.g.", heading="one")
     else:
         refused(f"{field} is {shown}.*expected {expected}", **{field: value})
@@ -355,7 +357,7 @@ def test_a_scenario_comes_back_from_its_pickle_its_repr_and_its_copy(scenario):
         ([1, 2], r"via is \[1, 2\]; expected pairs of numbers"),
         (7, "via is 7; expected pairs of numbers"),
         (None, "via is None; expected pairs of numbers"),
-        ([(1, 2, 3)], r"via is \[\(1, 2, 3\)\]; expected pairs of numbers"),
+        ([(1, 2, 3, 4)], r"via is \[\(1, 2, 3, 4\)\]; expected pairs of numbers"),
         ([(1, 2), ("a", 2)], "x of via point 2 is 'a'; expected a number"),
         ([(1, True)], "y of via point 1 is True; expected a number"),
         ([(math.nan, 2)], "x of via point 1 is nan; expected a finite number"),
@@ -471,7 +473,8 @@ def test_cells_of_via_points(via_x, via_y, via):
         ({"via_x": [4, "6"]}, "via_x is '6'; expected a number"),
         ({"via_x": [0], "via_y": [0]}, r"via point 1 is \(0.0, 0.0\), the same point as the one"),
         ({"via_x": [0], "via_y": [1e15]}, "radius is 1.0; expected at least 100 beside"),
-        ({"via": [(1, 2, 3)]}, r"via is \[\(1, 2, 3\)\]; expected pairs of numbers"),
+        ({"via": [(1,)]}, r"via is \[\(1,\)\]; expected pairs of numbers"),
+        ({"via_heading": "1"}, "via_x has 0 numbers and via_heading has 1; expected as many"),
         ({"final_heading": "120"}, "final_heading: 120 is more than a full turn; write 120deg"),
         ({"final_heading": math.inf}, "final_heading is inf; expected a finite number"),
     ],

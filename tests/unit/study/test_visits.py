@@ -7,7 +7,7 @@ import pytest
 
 from dubins_study.study.check.visits import legs, visits
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Stop
 
 STRAIGHTS = (0.0, 1e-300, 1e-12, -1e-9, 1e-6)
 
@@ -29,7 +29,7 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
     path = random_path(rng, radius)
     point = np.array(path.start[:2]) + rng.uniform(-6, 6, 2) * radius
 
-    seen = visits(path, [tuple(point)], radius, 0.0)
+    seen = visits(path, [Stop(*point, None)], radius, 0.0)
 
     samples = path.sample(20_001)[:, :2]
     sampled = float(np.hypot(*(samples - point).T).min())
@@ -43,7 +43,7 @@ def test_the_least_distance_is_that_of_dense_samples(seed):
 def test_each_visit_is_the_earliest_after_the_one_before():
     """On a circle driven twice, points on opposite sides alternate."""
     path = Path(Pose(0, 0, 0), [1.0], [4 * math.pi])
-    right, top, left = (1.0, 1.0), (0.0, 2.0), (-1.0, 1.0)
+    right, top, left = Stop(1, 1, None), Stop(0, 2, None), Stop(-1, 1, None)
     at = [0.5 * math.pi, math.pi, 1.5 * math.pi]
 
     assert visits(path, [right, top, left], 1, 1e-6).at == pytest.approx(at)
@@ -58,7 +58,7 @@ def test_what_is_near_is_not_cut_in_two():
     """A point beside the joint of two arcs is visited where the second one is nearest to it."""
     path = Path(Pose(0, 0, 0), [0.0, 1.0], [1.0, 2.0])
     x, y, heading = path.at(1 + 5e-7)[0]
-    point = (x - 2e-7 * math.sin(heading), y + 2e-7 * math.cos(heading))
+    point = Stop(x - 2e-7 * math.sin(heading), y + 2e-7 * math.cos(heading), None)
 
     seen = visits(path, [point], 1, 1e-6)
 
@@ -71,7 +71,7 @@ def test_arcs_that_hardly_turn_keep_their_digits(curvature):
     path = Path(Pose(0, 0, 0), [curvature], [1e6])
     x, y, _ = path.at(3e5)[0]
 
-    assert visits(path, [(x, y + 3e-7)], 1, 1e-6).miss == pytest.approx(3e-7, rel=1e-3)
+    assert visits(path, [Stop(x, y + 3e-7, None)], 1, 1e-6).miss == pytest.approx(3e-7, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_arcs_that_hardly_turn_keep_their_digits(curvature):
     ],
 )
 def test_misses_known_in_advance(arcs, point, miss):
-    found = visits(Path(Pose(0, 0, 0), *arcs), [point], 1, 1e-6).miss
+    found = visits(Path(Pose(0, 0, 0), *arcs), [Stop(*point, None)], 1, 1e-6).miss
 
     assert found == pytest.approx(miss) or (math.isnan(miss) and not found <= 1e-6)
 

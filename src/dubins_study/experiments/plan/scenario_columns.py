@@ -12,7 +12,7 @@ import struct
 import warnings
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,9 +27,11 @@ from dubins_study.experiments.definition.scenario_block import (
     ListedBlock,
     Route,
     Sample,
+    Tour,
 )
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
+from dubins_study.study.scenario import HEADINGS, NUMBERS, Scenario, ScenarioError
+from dubins_study.study.words import Order
 
 _ID_DIGITS = 16
 _PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
@@ -40,15 +42,21 @@ def scenario_id(scenario: Scenario) -> str:
 
     They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
     followed by the label in UTF-8 and, if the scenario has via points or a final heading, by the
-    byte 255, which is in no UTF-8, and these numbers as doubles.
+    byte 255, which is in no UTF-8, and these numbers as doubles. Headings at via points, an order
+    that is free and a path that is closed follow after another such byte. What is free or left out
+    is NaN.
     """
-    packed = _PACKED_NUMBERS.pack(*(getattr(scenario, name) for name in NUMBERS))
+    values = (getattr(scenario, name) for name in NUMBERS)
+    packed = _PACKED_NUMBERS.pack(*(math.nan if value is None else value for value in values))
     packed += scenario.label.encode()
-    numbers = [coordinate for point in scenario.via for coordinate in point]
+    numbers = [coordinate for x, y, *_ in scenario.via for coordinate in (x, y)]
     if scenario.final_heading is not None:  # the number of numbers tells it from a point's
         numbers.append(scenario.final_heading)
     if numbers:
         packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
+    headings, free = scenario.via_heading or [], scenario.order is Order.FREE
+    if headings or free or scenario.closed:
+        packed += b"\xff" + struct.pack(f"<2?{len(headings)}d", free, scenario.closed, *headings)
     return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
 
 
@@ -82,21 +90,22 @@ def block_size(block: Block) -> int:
     if isinstance(block, ListedBlock):
         return len(block.listed)
     drawn = 1 if block.sample is None else block.sample.count
-    if block.route is not None:
-        drawn = block.route.count * len(block.route.legs)
+    several = block.route or block.tour
+    if several is not None:
+        drawn = several.size
     return _combinations(block) * drawn
 
 
 def _combinations(block: Block) -> int:
-    """Number of combinations of the block's own fields, without the sample or the routes."""
+    """Number of combinations of the block's own fields, without what is drawn."""
     return len(block.via or [()]) * math.prod(len(block.axis(name) or [None]) for name in FIELDS)
 
 
 def columns(block: Block) -> Columns:
-    """The numbers of the scenarios of a block, not checked; `final_heading` where it is not free.
+    """The numbers of the scenarios of a block, not checked; a heading that is free is NaN.
 
-    From row to row the via points vary fastest, then the last of `FIELDS`, and the sample's point
-    or the route slowest.
+    A target or a final heading that no scenario has is no column. From row to row the via points
+    vary fastest, then the last of `FIELDS`, and the sample's point, the route or the tour slowest.
     """
     row, combinations = np.arange(block_size(block)), _combinations(block)
     combination, fields = row % combinations // len(block.via or [()]), Columns()
@@ -104,7 +113,7 @@ def columns(block: Block) -> Columns:
         axis = block.axis(field)
         if axis is not None:
             combination, index = np.divmod(combination, len(axis))
-            fields[field] = np.array(axis)[index]
+            fields[field] = np.array(axis, np.float64)[index]
     if block.sample is not None:
         fields |= {
             name: values[row // combinations] for name, values in sampled(block.sample).items()
@@ -113,19 +122,35 @@ def columns(block: Block) -> Columns:
         fields |= _from_bearing(fields)
     if "arc" in fields:
         fields |= _beside_circle(fields)
-    if block.route is not None:
-        walks, finals = sampled_routes(block.route)
-        ends = np.array([walk[-1] for walk in walks])[row // combinations]
-        fields["target_x"], fields["target_y"] = (
-            fields[name] + fields["radius"] * end for name, end in zip("xy", ends.T, strict=True)
-        )
-        if block.route.final_heading == "sampled":
-            fields["final_heading"] = finals[row // combinations]
+    walks = _walks(block)
+    if walks is not None:
+        place = row // combinations
+        fields |= {name: headings[place] for name, headings in walks.headings.items()}
+        if walks.to_target:
+            ends = np.array([points[-1] for points in walks.points])[place]
+            for name, end in zip("xy", ends.T, strict=True):
+                fields[f"target_{name}"] = fields[name] + fields["radius"] * end
     return {name: fields[name] for name in (*NUMBERS, "final_heading") if name in fields}
 
 
-def sampled_routes(route: Route) -> tuple[list[FloatArray], FloatArray]:
-    """Routes: their points after the start, shape (legs, 2), in radii from it; final headings."""
+class Walks(NamedTuple):
+    """Routes or tours that are drawn at random."""
+
+    points: list[FloatArray]  # of each after its start, shape (n, 2), in radii from there
+    to_target: bool  # whether the last point is the target
+    headings: Columns  # those that are drawn
+
+
+def _walks(block: Block) -> Walks | None:
+    if block.route is not None:
+        return sampled_routes(block.route)
+    if block.tour is not None:
+        return sampled_tours(block.tour)
+    return None
+
+
+def sampled_routes(route: Route) -> Walks:
+    """The routes that a table draws."""
     low, high = SPACINGS[route.spacing]
     walks, finals = [], []
     for legs in route.legs:
@@ -135,19 +160,40 @@ def sampled_routes(route: Route) -> tuple[list[FloatArray], FloatArray]:
             steps = np.stack([_each(f, 2 * math.pi * turn) for f in (math.cos, math.sin)], axis=1)
             walks.append(np.cumsum((low + length * (high - low))[:, None] * steps, axis=0))
             finals.append(2 * math.pi * rng.random())
-    return walks, np.array(finals)
+    headings: Columns = {}
+    if route.final_heading == "sampled":
+        headings["final_heading"] = np.array(finals)
+    return Walks(walks, True, headings)
+
+
+def sampled_tours(tour: Tour) -> Walks:
+    """The tours that a table draws."""
+    drawn, headings = [], []
+    for n, density in itertools.product(tour.points, tour.density):
+        side = density * math.sqrt(n)
+        rng = np.random.default_rng([tour.seed, n])
+        for _ in range(tour.count):
+            places = side * rng.random((n + 1, 2))
+            drawn.append(places[1:] - places[0])
+            headings.append(2 * math.pi * rng.random())
+    start = np.array(headings)
+    if tour.heading == "free":
+        start = np.full(len(drawn), math.nan)
+    return Walks(drawn, tour.to_target, {"heading": start})
 
 
 def _vias(block: Block, numbers: Columns) -> Iterator[Points]:
     """The via points of each scenario of a block whose numbers are known."""
-    if block.route is None:
+    walks = _walks(block)
+    if walks is None:
         yield from itertools.islice(itertools.cycle(block.via or [()]), block_size(block))
         return
-    walks, _ = sampled_routes(block.route)
     combinations = _combinations(block)
     places = zip(*(numbers[name].tolist() for name in ("x", "y", "radius")), strict=True)
     for row, (x, y, radius) in enumerate(places):
-        points = walks[row // combinations][:-1].tolist()
+        points = walks.points[row // combinations].tolist()
+        if walks.to_target:
+            points.pop()
         yield tuple((x + radius * u, y + radius * v) for u, v in points)
 
 
@@ -156,13 +202,22 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
     if isinstance(block, ListedBlock):
         yield from block.listed
         return
+    order: str = block.order
+    closed = block.closed
+    if block.tour is not None:
+        order = Order.FREE
+        closed = block.tour.closed
     found = columns(block)
     values = (array.tolist() for array in found.values())
     rows = zip(zip(*values, strict=True), _vias(block, found), strict=True)
     for i, (numbers, via) in enumerate(rows):
         fields: dict[str, Any] = dict(zip(found, numbers, strict=True))
+        for name in HEADINGS:
+            if math.isnan(fields.get(name, 0.0)):
+                fields[name] = None
+        other: dict[str, Any] = {"label": block.label, "order": order, "closed": closed}
         try:
-            scenario = Scenario(**fields, label=block.label, via=via, _radians=True)
+            scenario = Scenario(**fields, **other, via=via, _radians=True)
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {i}: {error}") from None
         yield scenario

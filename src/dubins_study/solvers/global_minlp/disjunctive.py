@@ -33,7 +33,7 @@ from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
-from dubins_study.study.words import NEEDS, TURN, Claim
+from dubins_study.study.words import IN_ORDER, TURN, Claim
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
@@ -117,7 +117,7 @@ class Disjunctive(EngineSolver):
     name: ClassVar[str] = "disjunctive"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    takes: ClassVar[frozenset[str]] = IN_ORDER
     packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
     variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")

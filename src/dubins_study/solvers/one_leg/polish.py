@@ -73,8 +73,8 @@ def one_sided_only(question: Question, target: Local, path: Path) -> str | None:
     case, turn = case_of(word, target), abs(path.turn)
     free = list(case.subproblem.free)
     straight = path.length / scenario.radius - turn
-    end = path.end
-    missed = math.hypot(end.x - scenario.target_x, end.y - scenario.target_y) / scenario.radius
+    assert scenario.target is not None
+    missed = math.dist(path.end[:2], scenario.target) / scenario.radius
     arcs = turn % TWO_PI, min(turn, TWO_PI)  # either side of a full turn
     # within delta of the target the word may exist; EPS is the rounding of the word's own end
     allowed = max(missed + EPS, target.delta)

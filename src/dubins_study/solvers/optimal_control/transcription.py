@@ -43,7 +43,7 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
-from dubins_study.study.words import NEEDS, Claim
+from dubins_study.study.words import IN_ORDER, Claim
 
 _ARRIVED = 1e-8  # radii; a hundredth of what the check allows
 _ROUNDED = 32 * math.ulp(1.0)  # of the target's distance
@@ -130,7 +130,7 @@ class Transcription(EngineSolver):
     formulation: ClassVar[str]
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
     branches: ClassVar[tuple[str, ...]] = tuple(RATES)
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    takes: ClassVar[frozenset[str]] = IN_ORDER
     warm: ClassVar[bool] = True
     keeps_limit = False  # compiling takes seconds for hundreds of legs
 

@@ -32,7 +32,7 @@ from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.words import NEEDS, Claim
+from dubins_study.study.words import IN_ORDER, Claim
 
 # of rows: the least that HiGHS takes
 TOLERANCE = 1e-9
@@ -48,6 +48,13 @@ class Layers(NamedTuple):
 
     headings: list[FloatArray]
     lengths: list[FloatArray]
+
+    def least(self) -> float:
+        """The length of the shortest path through the layers."""
+        least = np.zeros(1)
+        for lengths in self.lengths:
+            least = (least[:, None] + lengths).min(axis=0)
+        return float(least.min())
 
     def shortest(self) -> FloatArray:
         """The headings of the shortest path through the layers, by dynamic programming."""
@@ -71,8 +78,13 @@ def layers(route: Route, count: int) -> Layers:
     headings = [np.array([route.first]), *[grid] * route.unknowns]
     if route.last is not None:
         headings.append(np.array([route.last]))
+    return layers_between(headings, route.steps)
+
+
+def layers_between(headings: list[FloatArray], steps: FloatArray) -> Layers:
+    """The layers of some headings at each of the points that are these steps (radii) apart."""
     lengths = []
-    for (before, after), (x, y) in zip(pairwise(headings), route.steps, strict=True):
+    for (before, after), (x, y) in zip(pairwise(headings), steps, strict=True):
         a, b = (each.ravel() for each in np.meshgrid(before, after, indexing="ij"))
         segments, _ = legs(np.full(a.size, x), np.full(a.size, y), a, b)
         lengths.append(segments.sum(axis=0).reshape(before.size, after.size))
@@ -134,7 +146,7 @@ class HeadingMilp(EngineSolver):
 
     name: ClassVar[str] = "heading-milp"
     guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    takes: ClassVar[frozenset[str]] = IN_ORDER
     packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
     summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
     keeps_limit = False  # a program of thousands of legs takes seconds to state

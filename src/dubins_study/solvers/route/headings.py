@@ -35,7 +35,7 @@ from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import pose_curvatures, pose_gradient
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import DERIVATIVE_FREE, NEEDS, NLP, SAMPLING, Claim
+from dubins_study.study.words import DERIVATIVE_FREE, IN_ORDER, NLP, SAMPLING, Claim
 
 # The engines of nonlinear programs that call functions. The others differentiate expressions, and
 # the shortest of six words is none.
@@ -83,7 +83,7 @@ class Headings(SearchSolver):
 
     name: ClassVar[str] = "headings"
     guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    takes: ClassVar[frozenset[str]] = IN_ORDER
     packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
     summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
     variants: ClassVar[tuple[str, ...]] = others("headings", _ENGINES, _DEFAULT)

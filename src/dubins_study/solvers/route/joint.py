@@ -41,7 +41,7 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.words import NEEDS, TURN, Claim
+from dubins_study.study.words import IN_ORDER, TURN, Claim
 
 _LETTERS = "LRSLR"
 _TURNS = tuple(TURN[letter] for letter in _LETTERS)
@@ -99,7 +99,7 @@ class RouteNlp(EngineSolver):
     max_iter: int = iterations()
 
     name: ClassVar[str] = "route-nlp"
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    takes: ClassVar[frozenset[str]] = IN_ORDER
     packages: ClassVar[tuple[str, ...]] = packages(NLP_ENGINES)
     summary: ClassVar[str] = "the paper's model (4.12) with the arcs L R S L R a leg"
     keeps_limit = False  # at 50 legs compiling or a dense engine's iteration takes up to 5 s

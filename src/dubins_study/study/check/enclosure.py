@@ -80,11 +80,10 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
 
 def _targets(scenario: Scenario) -> tuple[arb, arb]:
     """X and Y of the scenario's targets, as balls of radius delta."""
-    x, y, target_x, target_y = map(
-        arb, (scenario.x, scenario.y, scenario.target_x, scenario.target_y)
-    )
+    assert scenario.target is not None
+    x, y, target_x, target_y = map(arb, (scenario.x, scenario.y, *scenario.target))
     dx, dy, R = target_x - x, target_y - y, arb(scenario.radius)
-    sin, cos = arb(scenario.heading).sin_cos()
+    sin, cos = arb(scenario.start.heading).sin_cos()
     X, Y = (dx * cos + dy * sin) / R, (dy * cos - dx * sin) / R
     extent = (abs(x) + abs(y) + abs(target_x) + abs(target_y)) / R
     delta = PER_EXTENT * extent + PER_DISTANCE * (abs(X) + abs(Y))

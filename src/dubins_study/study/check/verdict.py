@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from itertools import groupby
-from typing import NamedTuple
+from operator import itemgetter
+from typing import Any, NamedTuple
 
-from dubins_study.study.angle import TWO_PI
 from dubins_study.study.body_coordinates import EPS
-from dubins_study.study.check.visits import Visits, legs, visits
+from dubins_study.study.check.visits import Visits, legs, off_heading, visits
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose, Scenario
-from dubins_study.study.tolerances import DRIVEN, HEADED, Tolerances, allowed_miss, arrives
-from dubins_study.study.words import TURN, Claim, Verdict
+from dubins_study.study.tolerances import HEADED, Tolerances, allowed_miss, arrives
+from dubins_study.study.words import TURN, Claim, Order, Verdict
 
 ROUNDED = 8 * EPS  # relative error of two lengths that ought to be equal
 # A longer path of another word is coarse up to here; near a circle's rear, words turn by nearly the
@@ -31,15 +31,30 @@ DISCRETISED_WORD = 0.05
 _ANOTHER_TURN = 1.0
 
 
-def visited(scenario: Scenario, points: Iterable[tuple[float, float]], end: Pose) -> Scenario:
+def visited(scenario: Scenario, visits: Visits, end: Pose) -> Scenario:
     """The scenario whose points are those that a path visits on its way to its end.
 
-    Points that are one for a path are one point of that scenario.
+    Points that are one for a path are one point of that scenario. What is closed still ends as it
+    starts.
     """
-    way = [point for point, _ in groupby([scenario.start[:2], *points, end[:2]])]
-    final = None if scenario.final_heading is None else end.heading
+    stops = []
+    for i, pose in zip(visits.order, visits.poses, strict=True):
+        given = scenario.stops[i].heading is not None
+        stops.append(tuple(pose) if given else (pose.x, pose.y))
+    begin = (scenario.x, scenario.y)
+    moved: dict[str, Any] = {}
+    if scenario.target is not None and not scenario.closed:
+        moved = {"target_x": end.x, "target_y": end.y}
+        if scenario.final_heading is not None:
+            moved["final_heading"] = end.heading
+        stops.append(end[:2])
+    way = [next(same) for _, same in groupby([begin, *stops], key=itemgetter(0, 1))]
+    if scenario.order is Order.FREE:
+        way = list({stop[:2]: stop for stop in way}.values())
+    moved["via"] = tuple(way[1:-1] if "target_x" in moved else way[1:])
+    if scenario.target is None and not moved["via"]:  # all are passed where the path starts
+        moved |= {"target_x": scenario.x, "target_y": scenario.y}
     there = copy(scenario)  # the end may lie beyond what a scenario may ask for
-    moved = {"target_x": end.x, "target_y": end.y, "via": tuple(way[1:-1]), "final_heading": final}
     for name, value in moved.items():
         object.__setattr__(there, name, value)
     return there
@@ -90,7 +105,7 @@ class Seen(NamedTuple):
     visits: Visits
     end: Pose
     miss: float  # the largest distance from a point, the target among them (length unit)
-    turned: float  # from the final heading, if that is given (rad)
+    turned: float  # the largest angle from a heading that is given at a point (rad)
     excess: float
     arrives: bool
 
@@ -101,7 +116,14 @@ FindVisits = Callable[[Scenario, Path, float], Visits]
 
 def visits_in_order(scenario: Scenario, path: Path, allowed: float) -> Visits:
     """The earliest visit of each via point after the one before."""
-    return visits(path, scenario.via, scenario.radius, allowed)
+    via = scenario.stops[: len(scenario.via)]
+    return visits(path, via, scenario.radius, allowed)
+
+
+def visits_in_any_order(scenario: Scenario, path: Path, allowed: float) -> Visits:
+    """The earliest visit of each via point."""
+    via = scenario.stops[: len(scenario.via)]
+    return visits(path, via, scenario.radius, allowed, any_order=True)
 
 
 def seen_of(
@@ -117,13 +139,14 @@ def seen_of(
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
     allowed = allowed_miss(tolerances.miss, radius, extent, length)
     seen = find_visits(scenario, path, allowed)
-    miss = max(math.hypot(end.x - scenario.target_x, end.y - scenario.target_y), seen.miss)
-    turned, blur = 0.0, 0.0
-    if scenario.final_heading is not None:
-        turned = abs(math.remainder(end.heading - scenario.final_heading, TWO_PI))
-        blur = DRIVEN * (abs(end.heading) + abs(scenario.final_heading) + length / radius)
+    miss, turned = seen.miss, seen.turned
+    if scenario.target is not None:
+        x, y = scenario.target
+        miss = max(math.hypot(end.x - x, end.y - y), miss)
+    final = path.start.heading if scenario.closed else scenario.final_heading
+    turned = max(turned, off_heading(final, end.heading, length / radius))
     there = arrives(miss, radius, extent, length, tolerances.miss)
-    return Seen(seen, end, miss, turned, excess, there and turned <= HEADED + blur)
+    return Seen(seen, end, miss, turned, excess, there and turned <= HEADED)
 
 
 def words_of(path: Path, at: Sequence[float], radius: float) -> str:

@@ -1,4 +1,4 @@
-"""Where a path visits points in a given order, from its arcs and straights alone.
+"""Where a path visits points, in a given order or in any, from its arcs and straights alone.
 
 A point (x, y) seen from the start of a piece of curvature k >= 0, mirrored if the piece turns to
 the right, lies g = (k (x^2 + y^2) - 2 y) / (1 + D) from the piece's circle or line, where
@@ -16,9 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Stop
+from dubins_study.study.tolerances import DRIVEN, HEADED
 
 _STRAIGHT = 1e-100  # a curvature times radius that no coordinate can tell from 0
 # radii, or of a leg shorter than one its share: what is shorter at the ends of a leg is its
@@ -32,37 +34,62 @@ class Visits(NamedTuple):
 
     Args:
         at: arc lengths (length unit) at which it is nearest to each, not decreasing.
-        points: where it is there.
+        poses: where it is there, and its heading (rad, not wrapped).
+        order: the places of the points in the scenario, in the order of their visits.
         miss: the largest distance by which it misses a point (length unit), 0 without points. Of
             what comes after a point that is not visited, it is the least distance on the way left.
+        turned: the largest angle by which it misses a heading that is given there (rad).
     """
 
     at: tuple[float, ...]
-    points: tuple[tuple[float, float], ...]
+    poses: tuple[Pose, ...]
+    order: tuple[int, ...]
     miss: float
+    turned: float
 
 
-def visits(path: Path, via: Sequence[tuple[float, float]], radius: float, allowed: float) -> Visits:
+def visits(
+    path: Path, via: Sequence[Stop], radius: float, allowed: float, any_order: bool = False
+) -> Visits:
     """Follow a path from point to point: the earliest visit of each, after the one before.
 
     Args:
         path: one that can be driven.
-        via: the points, in order.
+        via: the points, in order, with the headings that are given there.
         radius: the unit in which a piece's geometry is computed.
         allowed: how near a path has to come to visit a point (length unit).
+        any_order: whether the visit of each point is its earliest on the whole path.
     """
     if not via:
-        return Visits((), (), 0.0)
+        return Visits((), (), (), 0.0, 0.0)
     pieces = _Pieces(path, radius)
     at, nearest, miss = 0.0, 0.0, 0.0
     found: list[float] = []
-    for x, y in via:
-        at, reached, distance = pieces.visit(x, y, at, allowed / radius)
-        nearest = max(nearest, reached)
+    for stop in via:
+        after = 0.0 if any_order else at
+        at, reached, distance = pieces.visit(stop, after, allowed / radius)
+        nearest = reached if any_order else max(nearest, reached)
         miss = max(miss, distance * radius)
         found.append(min(nearest * radius, path.length))
-    points = path.at(np.array(found))[:, :2].tolist()
-    return Visits(tuple(found), tuple((x, y) for x, y in points), miss)
+    order = np.argsort(found, kind="stable").tolist()
+    along = [found[i] for i in order]
+    poses = tuple(Pose(*pose) for pose in path.at(np.array(along)).tolist())
+    turned = 0.0
+    for i, pose in zip(order, poses, strict=True):
+        turned = max(turned, off_heading(via[i].heading, pose.heading, found[i] / radius))
+    return Visits(tuple(along), poses, tuple(order), miss, turned)
+
+
+def off_heading(given: float | None, heading: float, driven: float) -> float:
+    """By how much a heading misses what is given (rad), rounding apart; 0 where it is free.
+
+    Args:
+        driven: how far (radii) it was driven, over which headings are rounded.
+    """
+    if given is None:
+        return 0.0
+    blur = DRIVEN * (abs(heading) + abs(given) + driven)
+    return max(abs(math.remainder(heading - given, TWO_PI)) - blur, 0.0)
 
 
 class _Pieces:
@@ -75,40 +102,52 @@ class _Pieces:
         rate = path.curvatures * radius
         self.k, self.side = np.maximum(np.abs(rate), _STRAIGHT), np.where(rate < 0, -1.0, 1.0)
         poses = path.poses
-        self.x, self.y, heading = poses[:-1].T
-        self.cos, self.sin = np.cos(heading), np.sin(heading)
+        self.x, self.y, self.heading = poses[:-1].T
+        self.cos, self.sin = np.cos(self.heading), np.sin(self.heading)
         self.last = Pose(*poses[-1])
 
-    def visit(self, x: float, y: float, at: float, allowed: float) -> tuple[float, float, float]:
-        """The first visit of a point after the arc length `at`.
+    def visit(self, stop: Stop, at: float, allowed: float) -> tuple[float, float, float]:
+        """The first visit of a point after the arc length `at`, with its heading if one is given.
 
         Returns:
             Where the path first is within the allowed distance, where it then is nearest, and how
             near. If it never is within, the last two are of its least distance after `at`, and the
             first is as the second.
         """
+        x, y, given = stop
         if not self.length.size:
             return 0.0, 0.0, math.hypot(x - self.last.x, y - self.last.y) / self.radius
         n = self.length.size
         begin = min(int(np.searchsorted(self.ends, at, "right")) - 1, n - 1)
         for end in (min(begin + _PIECES_AT_ONCE, n), n):
             within, nearest, distance = self._passing(slice(begin, end), x, y, at, allowed)
-            hits = np.flatnonzero(~np.isnan(within))
-            if not hits.size:
-                continue
-            i = first = int(hits[0])
-            # still coming nearer at the end of a piece
-            while begin + i + 1 < end and nearest[i] >= self.length[begin + i]:
-                if distance[i + 1] > distance[i]:
+            passings = []
+            for first in np.flatnonzero(~np.isnan(within)).tolist():
+                last = first
+                # still coming nearer at the end of a piece
+                while begin + last + 1 < end and nearest[last] >= self.length[begin + last]:
+                    if distance[last + 1] > distance[last]:
+                        break
+                    last += 1
+                passings.append((first, last))
+                if given is None or self._fits(given, begin + last, nearest[last]):
+                    passings = passings[-1:]
                     break
-                i += 1
-            if begin + i + 1 < end or end == n:
-                visited = max(at, float(self.ends[begin + first] + within[first]))
-                last = max(at, float(self.ends[begin + i] + nearest[i]))
-                return visited, last, float(distance[i])
+            else:
+                passings = passings[:1] if end == n else []  # none has the heading
+            for first, last in passings:
+                if begin + last + 1 < end or end == n:
+                    visited = max(at, float(self.ends[begin + first] + within[first]))
+                    reached = max(at, float(self.ends[begin + last] + nearest[last]))
+                    return visited, reached, float(distance[last])
         i = int(np.argmin(distance))
         reached = float(self.ends[begin + i] + nearest[i])
         return reached, reached, float(distance[i])
+
+    def _fits(self, given: float, piece: int, along: float) -> bool:
+        """Whether a piece has a heading so far along it."""
+        heading = self.heading[piece] + self.side[piece] * self.k[piece] * along
+        return off_heading(given, float(heading), float(self.ends[-1])) <= HEADED
 
     @np.errstate(all="ignore")  # what overflows is no visit
     def _passing(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dubins_study.study.check.verdict import is_false, seen_of
+from dubins_study.study.check.verdict import Seen, is_false, seen_of
 from dubins_study.study.kinds.kind import Arrived
 from dubins_study.study.kinds.table import kind_of
 from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, HEADED, Tolerances, allowed_miss
-from dubins_study.study.words import Claim, Verdict
+from dubins_study.study.words import Claim, Order, Verdict
 
 
 def judge(
@@ -35,9 +35,10 @@ def judge(
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
     seen = seen_of(scenario, path, branch, tolerances, kind.visits)
     length = path.length
-    word = kind.words_of(path, seen.visits.at, scenario.radius)
+    ends = seen.visits.at[: scenario.legs - 1]  # of legs; that of the last is the path's
+    word = kind.words_of(path, ends, scenario.radius)
     verdict = Verdict.MISSES
-    if seen.arrives and seen.excess <= tolerances.curvature and path.start == scenario.start:
+    if seen.arrives and seen.excess <= tolerances.curvature and scenario.starts(path.start):
         verdict, columns = kind.verdict(scenario, Arrived(path, branch, seen, word), tolerances)
         known = known | columns
     return Judgement(
@@ -48,9 +49,18 @@ def judge(
         travel_time=length / scenario.speed,
         miss=seen.miss,
         visits=list(seen.visits.at) or None,
+        visit_order=_order(scenario, seen),
+        start_heading=path.start.heading if scenario.heading is None else None,
         curvature_excess=seen.excess,
         **known,
     )
+
+
+def _order(scenario: Scenario, seen: Seen) -> list[float] | None:
+    """The via points of a tour in the order of their visits, by their places."""
+    if scenario.order is not Order.FREE:
+        return None
+    return list(map(float, seen.visits.order))
 
 
 def miss_reason(
@@ -59,7 +69,7 @@ def miss_reason(
     """What keeps a path whose verdict is `misses` from answering its question."""
     if not drivable(path):
         return "the path has a number that is not finite, or a length below 0"
-    if path.start != scenario.start:
+    if not scenario.starts(path.start):
         return "the path starts elsewhere"
     radius = scenario.radius
     find_visits = kind_of(scenario, branch).visits
@@ -68,8 +78,12 @@ def miss_reason(
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
     if seen.miss > allowed_miss(tolerances.miss, radius, scenario.extent, path.length):
         if seen.visits.miss == seen.miss:
-            return f"the path passes {seen.miss / radius:.3g} R from a via point, in their order"
+            in_order = ", in their order" if scenario.order is Order.GIVEN else ""
+            return f"the path passes {seen.miss / radius:.3g} R from a via point{in_order}"
         return f"the path ends {seen.miss / radius:.3g} R from the target"
-    if seen.turned > HEADED and not seen.arrives:
-        return f"the path ends {seen.turned:.3g} rad from the final heading"
+    if seen.turned > HEADED:
+        where = "the final heading"
+        if seen.visits.turned == seen.turned:
+            where = "the heading of a via point when it passes there"
+        return f"the path is {seen.turned:.3g} rad from {where}"
     return "the path is too long to be driven to within a radius, or the branch has none"

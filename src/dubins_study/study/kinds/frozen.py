@@ -21,7 +21,7 @@ def _judge(
 FROZEN_PROBLEM = Pathless(
     name=FROZEN,
     title="a frozen convex problem",
-    fields={"via": True},
+    fields={"via": True, "order": False, "closed": False},
     branches=(FROZEN,),
     examples={
         "qp-50-well": Scenario(target_x=25, target_y=6, via=[(6, 3), (9, -4), (15, -2), (18, 5)]),

@@ -26,7 +26,7 @@ class Reference(NamedTuple):
 
     enclosure: Enclosure
     path: Path | None  # the shortest that is known; None where a branch has none
-    at: tuple[float, ...]  # the arc lengths of its via points
+    at: tuple[float, ...]  # the arc lengths at which its legs end, but for the last
 
 
 class Exact(NamedTuple):

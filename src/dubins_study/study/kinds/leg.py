@@ -80,12 +80,13 @@ def _verdict(scenario: Scenario, arrived: Arrived, tolerances: Tolerances) -> Fo
     optimum, _ = _optimum(scenario, branch)
     reference = None if optimum is None else optimum.total * radius
     if reference is None or length < reference * (1.0 - ROUNDED):
-        there = shortest(visited(scenario, (), end), branch)
+        there = shortest(visited(scenario, seen.visits, end), branch)
         if there is not None:
             reference = min(there.total * radius, length)
     if reference is None:
         target = local(scenario)
-        off = 2.0 * math.hypot(end.x - scenario.target_x, end.y - scenario.target_y)
+        assert scenario.target is not None
+        off = 2.0 * math.dist(end[:2], scenario.target)
         there = shortest_local(target._replace(delta=target.delta + off / radius), branch)
         if there is None:
             return Found(Verdict.MISSES, {})
@@ -139,7 +140,7 @@ def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -
 LEG = Kind(
     name="leg",
     title="one leg with a free final heading",
-    fields={"via": False, "final_heading": False},
+    fields={"searched": False, "final_heading": False},
     branches=BRANCHES,
     exact=_exact,
     exists=_exists,

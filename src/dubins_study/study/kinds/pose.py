@@ -21,8 +21,9 @@ _EVERYWHERE = ("best", "LSL", "RSR")  # that reach every pose
 
 
 def _end(scenario: Scenario) -> Pose:
-    assert scenario.final_heading is not None
-    return Pose(scenario.target_x, scenario.target_y, scenario.final_heading)
+    x, y, heading = scenario.stops[-1]
+    assert heading is not None
+    return Pose(x, y, heading)
 
 
 def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
@@ -62,7 +63,7 @@ POSE = Kind(
     name="pose",
     title="one leg with a given final heading",
     task="targets with a final heading",
-    fields={"via": False, "final_heading": True},
+    fields={"searched": False, "final_heading": True},
     branches=POSE_BRANCHES,
     examples={
         "to a heading, far": Scenario(target_x=6, target_y=-3, final_heading=2.0),

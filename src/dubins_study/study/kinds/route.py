@@ -66,15 +66,18 @@ def _costates(scenario: Scenario, path: Path, judged: Judgement, until: float) -
         return Costates()
     from dubins_study.study.check.route_extremal import route_extremal
 
-    free = scenario.final_heading is None
-    return Costates(route_extremal(path, judged.visits or (), scenario.radius, free, until))
+    if scenario.heading is None or scenario.via_heading is not None:
+        return Costates()  # other conditions, at the start and where a heading is given
+    free = scenario.final_heading is None and not scenario.closed
+    ends = (judged.visits or [])[: scenario.legs - 1]
+    return Costates(route_extremal(path, ends, scenario.radius, free, until))
 
 
 ROUTE = Kind(
     name="route",
     title="a route",
     task="via points, in the order in which they are given",
-    fields={"via": True},
+    fields={"searched": True, "order": False},
     branches=("best",),
     # 2 to 5 legs in three spacings. The search proves each in less than a second.
     examples={
@@ -88,6 +91,11 @@ ROUTE = Kind(
         "5 legs of 1 R to 2 R": Scenario(
             *(2, 1, 1.0, 5.2, 3.6), via=[(2.9, 2.2), (4.1, 1.9), (4.6, 3.4), (6.1, 2.8)]
         ),
+        "3 legs, closed": Scenario(1, 0, 0.3, via=[(6, 4), (2, 8)], closed=True),
+        "3 legs, a heading on the way": Scenario(
+            *(0, 0, -0.5, 9, 2, 1.2), via=[(4, 3, 1.2), (7, -2)]
+        ),
+        "2 legs from any heading": Scenario(2, -1, None, 9, 3, 1.4, via=[(5, 5)]),
     },
     exact=_exact,
     prepare=_prepare,

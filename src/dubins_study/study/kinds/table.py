@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING
@@ -13,8 +14,10 @@ from dubins_study.study.kinds.kind import Kind, Pathless, Reference
 from dubins_study.study.kinds.leg import LEG
 from dubins_study.study.kinds.pose import POSE
 from dubins_study.study.kinds.route import ROUTE
+from dubins_study.study.kinds.tour import TOUR
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, Tolerances
+from dubins_study.study.words import Order
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
     from dubins_study.study.arrays import BoolArray
 
 # The first that matches a question is its kind.
-KINDS: tuple[Kind, ...] = (LEG, POSE, ROUTE)
+KINDS: tuple[Kind, ...] = (LEG, POSE, ROUTE, TOUR)
 PATHLESS: tuple[Pathless, ...] = (FROZEN_PROBLEM,)
 EVERY_KIND: tuple[Kind | Pathless, ...] = (*KINDS, *PATHLESS)
 
@@ -57,12 +60,25 @@ def rows_of(frame: pd.DataFrame, kind: Kind | Pathless) -> BoolArray:
     """Which rows of a checked frame are of a kind."""
     rows = np.ones(len(frame), np.bool_)
     for name, given in kind.fields.items():
-        column = frame[_COLUMNS.get(name, name)]
-        rows &= column.notna().to_numpy() == given
+        rows &= _GIVEN[name](frame) == given
     return rows
 
 
-_COLUMNS = {"via": "via_x"}  # the column of a field, where it is not of its name
+def _ends_posed(frame: pd.DataFrame) -> BoolArray:
+    given: BoolArray = frame["final_heading"].notna().to_numpy()
+    return given | (frame["closed"].to_numpy() & frame["heading"].notna().to_numpy())
+
+
+# of each of `OPTIONAL`, as `Scenario.given` has it
+_GIVEN: dict[str, Callable[[pd.DataFrame], BoolArray]] = {
+    "via": lambda frame: frame["via_x"].notna().to_numpy(),
+    "searched": lambda frame: (frame["via_x"].notna() | frame["heading"].isna()).to_numpy(),
+    "final_heading": _ends_posed,
+    "via_heading": lambda frame: frame["via_heading"].notna().to_numpy(),
+    "free_start": lambda frame: frame["heading"].isna().to_numpy(),
+    "order": lambda frame: (frame["order"] == Order.FREE).to_numpy(),
+    "closed": lambda frame: frame["closed"].to_numpy(),
+}
 
 
 def reference_of(

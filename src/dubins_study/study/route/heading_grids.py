@@ -8,6 +8,7 @@ radius.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -254,9 +255,7 @@ def survey(legs: FloatArray, headings: FloatArray, free: BoolArray, effort: Effo
             _step(legs, headings, free, width, back=back, grid=_WIDE_GRID, effort=effort)
 
 
-def first_route(
-    legs: FloatArray, first: float | None, last: float | None, effort: Effort
-) -> FloatArray:
+def first_route(legs: FloatArray, given: Sequence[float | None], effort: Effort) -> FloatArray:
     """Headings of a good route, in a time that is linear in the number of points.
 
     Headings that bisect the chords of their neighbours, and of these, of a coarse grid and of
@@ -265,17 +264,14 @@ def first_route(
 
     Args:
         legs: from each point to the next, shape (n, 2).
-        first, last: headings at both ends (rad); None if free.
+        given: headings at the points (rad); None where free.
     """
     chord = np.arctan2(legs[:, 1], legs[:, 0])
     turn = np.remainder(np.diff(chord) + _PI, TWO_PI) - _PI
     inner = chord[:-1] + 0.5 * turn
-    start = chord[0] if first is None else first
-    end = chord[-1] if last is None else last
-    headings = np.concatenate(([start], inner, [end]))
-    free = np.ones(headings.size, np.bool_)
-    free[0] = first is None
-    free[-1] = last is None
+    bisecting = np.concatenate((chord[:1], inner, chord[-1:]))
+    free = np.array([heading is None for heading in given])
+    headings = np.where(free, bisecting, np.array(given, np.float64))
     width = TWO_PI / (2 * _COARSE_GRID.side + 1)
     _step(legs, headings, free, width, back=False, grid=_COARSE_GRID, effort=effort)
     return headings

@@ -9,7 +9,7 @@ Everything is in units of the turning radius, headings in radians.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -52,7 +52,7 @@ class _Arc(NamedTuple):
 
 
 def first_intervals(
-    legs: FloatArray, given: list[float | None]
+    legs: FloatArray, given: Sequence[float | None]
 ) -> tuple[list[Intervals], list[WordArray]]:
     """Intervals at each point, and of each leg the pairs of them, as `bound_leg` takes them.
 
@@ -87,7 +87,7 @@ def first_intervals(
 
 
 def _arcs(
-    legs: FloatArray, given: list[float | None], known: list[list[float]], step: int
+    legs: FloatArray, given: Sequence[float | None], known: list[list[float]], step: int
 ) -> Iterator[_Arc]:
     """Arcs to the next point, if `step` is 1, or to the one before; their ends become known."""
     bits = (START_LEFT, START_RIGHT, START_HALF) if step == 1 else (END_LEFT, END_RIGHT, END_HALF)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from time import perf_counter
@@ -43,7 +44,10 @@ _LOG = logging.getLogger(__name__)
 _NARROWEST = 1e-13  # rad; half the width of an interval that is not split any more
 _AT_REST = 1e-6  # rad; what the headings of a route that came to rest are known to, and more
 _EAGER = 6  # rounds
+_MOST_ROUNDS = 15  # of descents from a loop
+_AT_LEAST = 4  # descents a round, each from another point
 _HOPELESS = 1.5  # times the best route's length: chains this long are not worth a descent
+_PROMISING, _SELDOM = 1.02, 3  # the same where there is a cutoff, and rounds from one to the next
 _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's length wait
 _BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
@@ -69,54 +73,120 @@ def search(
     first: float | None,
     last: float | None = None,
     *,
+    via_headings: Sequence[float | None] | None = None,
+    closed: bool = False,
     limit: float = math.inf,
     boxes: float = math.inf,
     tolerance: float = 1e-12,
+    cutoff: float = math.inf,
 ) -> Route:
     """The shortest route through the points, or the interval that its length is proven to lie in.
 
     Args:
         points: shape (n + 1, 2), in radii, neighbours apart.
         first, last: headings at both ends (rad); None if free.
+        via_headings: at the points between; None where free, or for all of them.
+        closed: whether the heading at the end is that at the start, both free.
         limit: seconds, beside those that compiling takes.
         boxes: how many bounds of pairs of intervals; the result does not depend on the machine's
             speed where these are fewer than it computes in `limit`.
         tolerance: of the interval's width, relative to the length.
+        cutoff: a length (radii) above which nobody asks for the route: the search ends where the
+            proven interval reaches it, and `high` is not above it.
     """
     compile_loops()
-    return _Search(points, first, last, Effort(boxes, limit), tolerance).run()
+    places = np.asarray(points, np.float64)
+    between = [None] * (len(places) - 2) if via_headings is None else via_headings
+    given = [first, *between, last]
+    known = [i for i, heading in enumerate(given) if heading is not None]
+    asked = Effort(boxes, limit), tolerance, cutoff
+    if not closed or not known:
+        return _Search(places, given, *asked, cyclic=closed).run()
+    # a loop may begin anywhere: where a heading is given it is a route to that heading
+    begin = known[0]
+    around = np.vstack([_rolled(places, begin), places[begin]])
+    headings = [*given[begin:-1], *given[:begin], given[begin]]
+    found = _Search(around, headings, *asked).run()
+    back = len(found.words) - begin
+    own = _rolled(found.headings, back)
+    return found._replace(
+        headings=np.append(own, own[0]),
+        words=(*found.words[back:], *found.words[:back]),
+        segments=np.roll(found.segments, -back, axis=0),
+    )
+
+
+def _rolled(around: FloatArray, begin: int) -> FloatArray:
+    """What belongs to the points of a loop, the first not repeated, from another one on."""
+    return np.roll(around[:-1], -begin, axis=0)
 
 
 @cache
 def compile_loops() -> None:
     """Load the loops that a search needs, or compile them where no cache holds them."""
-    _Search([(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)], 2.0, None, Effort(), 1e-6).run()
+    points = [(0.0, 0.0), (0.6, 0.0), (0.0, 1.5), (8.0, 1.0)]
+    _Search(points, [2.0, None, None, None], Effort(), 1e-6).run()
+
+
+def potential_at(
+    points: ArrayLike, headings: FloatArray, given: Sequence[float | None], closed: bool
+) -> FloatArray:
+    """Slopes of the potential at the points of a route; NaN where its legs do not tell."""
+    return _Search(points, given, Effort(), 1.0, cyclic=closed)._slopes_at(headings)
 
 
 class _Chains:
-    """The least cost of a chain through each interval, and its neighbours there."""
+    """The least cost of a chain through each interval, and its neighbours there.
 
-    def __init__(self, costs: list[FloatArray], words: list[WordArray]) -> None:
+    A `cyclic` chain ends in the interval in which it begins, so that there is a program for each of
+    these: the first axis of its arrays. Otherwise that has one row.
+    """
+
+    def __init__(
+        self, costs: list[FloatArray], words: list[WordArray], cyclic: bool = False
+    ) -> None:
         self.costs, self.words = costs, words
-        self.ahead, self.behind = [np.zeros(costs[0].shape[0])], [np.zeros(costs[-1].shape[1])]
-        # of each leg: for an interval at its end the best one at its start, and the other way round
-        self.before: list[IntArray] = []
-        self.after: list[IntArray] = []
+        legs, first, last = len(costs), costs[0].shape[0], costs[-1].shape[1]
+        alone = np.where(np.eye(first), 0.0, math.inf)
+        self.ahead = [alone if cyclic else np.zeros((1, first))]
+        self.behind = [alone if cyclic else np.zeros((1, last))]
+        self._before: list[IntArray] = []
+        after: list[IntArray] = []
         for cost in costs:
-            through = self.ahead[-1][:, None] + cost
-            self.ahead.append(through.min(axis=0))
-            self.before.append(through.argmin(axis=0))
+            ways = [row[:, None] + cost for row in self.ahead[-1]]
+            self.ahead.append(np.array([way.min(axis=0) for way in ways]))
+            self._before.append(np.array([way.argmin(axis=0) for way in ways]))
         for cost in reversed(costs):
-            through = cost + self.behind[0]
-            self.behind.insert(0, through.min(axis=1))
-            self.after.insert(0, through.argmin(axis=1))
+            ways = [cost + row for row in self.behind[0]]
+            self.behind.insert(0, np.array([way.min(axis=1) for way in ways]))
+            after.insert(0, np.array([way.argmin(axis=1) for way in ways]))
+        both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
+        self.through: list[FloatArray] = [each.min(axis=0) for each in both]
+        row = [each.argmin(axis=0) for each in both]
+        # of each leg: for an interval at its end the best one at its start, and the other way round
+        self.before = [self._before[i][row[i + 1], np.arange(row[i + 1].size)] for i in range(legs)]
+        self.after = [after[i][row[i], np.arange(row[i].size)] for i in range(legs)]
+        self._row = row[-1]
+
+    @property
+    def least(self) -> float:
+        """The cost of the cheapest chain."""
+        return float(self.through[-1].min())
+
+    def through_pairs(self, leg: int) -> FloatArray:
+        """The least cost of a chain through each pair of intervals at the ends of a leg."""
+        least = np.full(self.costs[leg].shape, math.inf)
+        for ahead, behind in zip(self.ahead[leg], self.behind[leg + 1], strict=True):
+            np.minimum(least, ahead[:, None] + self.costs[leg] + behind, out=least)
+        return least
 
     def cheapest(self) -> tuple[list[int], tuple[int, ...]]:
         """The intervals and the words of the cheapest chain."""
-        route = [int(np.argmin(self.ahead[-1]))]
+        route = [int(np.argmin(self.through[-1]))]
+        row = self._row[route[0]]
         words: list[int] = []
         for i in range(len(self.costs) - 1, -1, -1):
-            route.insert(0, int(self.before[i][route[0]]))
+            route.insert(0, int(self._before[i][row, route[0]]))
             words.insert(0, int(self.words[i][route[0], route[1]]))
         return route, tuple(words)
 
@@ -136,18 +206,23 @@ class _Search:
     def __init__(
         self,
         points: ArrayLike,
-        first: float | None,
-        last: float | None,
+        given: Sequence[float | None],
         effort: Effort,
         tolerance: float,
+        cutoff: float = math.inf,
+        cyclic: bool = False,
     ) -> None:
         self.effort, self.tolerance = effort, tolerance
+        self.cutoff, self.cyclic = cutoff, cyclic
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
-        self.headings = first_route(self.legs, first, last, effort)
+        self.headings = first_route(self.legs, given, effort)
+        if cyclic:
+            self.headings[-1] = self.headings[0]
         self.length: float = route_length(self.legs, self.headings)
-        given = [first, *[None] * (self.n - 1), last]
         self.free = np.array([heading is None for heading in given])
+        self.varied = self.free.copy()  # by a descent: the heading that a loop begins with is not
+        self.varied[[0, -1]] &= not cyclic
         self.intervals, self.live = first_intervals(self.legs, given)
         self.arc_ends = [interval.middle[COARSE:] for interval in self.intervals]
         self.slopes: FloatArray | None = None  # of the potential, at the best route
@@ -172,25 +247,29 @@ class _Search:
     def _begin(self) -> None:
         """Make the first route shorter, and aim the potential at it."""
         width = 0.5 * TWO_PI / COARSE
-        self._descend(self.headings, width)
         chains = self._middles()
-        self._improve(chains)
-        if (np.hypot(*self.legs.T) < 4.0).any():  # there can be edges
-            headings = self.headings.copy()
-            survey(self.legs, headings, self.free, self.effort)
-            self._descend(headings, width)
+        if self.worth(chains):
+            self._descend(self.headings, width)
+        if self.cutoff == math.inf:
+            self._improve(chains)
+            if (np.hypot(*self.legs.T) < 4.0).any():  # there can be edges
+                headings = self.headings.copy()
+                survey(self.legs, headings, self.varied, self.effort)
+                self._descend(headings, width)
         self.intervals = self._aimed(chains)
 
     def _round(self) -> bool:
         """Bound and split once, and go downhill at times; False at the end."""
         bounded = self._bound()
         self.rounds += 1
-        least = float(bounded.ahead[-1].min()) * (1.0 - (self.n + 2) * EPS)
+        least = bounded.least * (1.0 - (self.n + 2) * EPS)
         self.low = max(self.low, min(least, self.discarded, self.high))
         open_part = 1.0 - self.low / self.high
         _LOG.info("round %d: proven to within %.2g of the length", self.rounds, open_part)
         # a chain of other words, but not in every round of a long search
         eager = self.rounds <= _EAGER or self.rounds % _EAGER == 0
+        if self.cutoff < math.inf:
+            eager = self.rounds % _SELDOM == 0
         if eager and not self.closed:
             self._improve(bounded)
         if self.closed or not self._split(bounded):
@@ -201,8 +280,9 @@ class _Search:
 
     @property
     def high(self) -> float:
-        """More than the best route's length, whatever the rounding."""
-        return self.length * (1.0 + (self.n + 8) * EPS) + 64.0 * self.n * EPS
+        """More than the best route's length, whatever the rounding; the cutoff if that is less."""
+        high = self.length * (1.0 + (self.n + 8) * EPS) + 64.0 * self.n * EPS
+        return min(high, self.cutoff)
 
     @property
     def closed(self) -> bool:
@@ -222,7 +302,7 @@ class _Search:
                     raise SpentError
                 some = Intervals(*(column[part] for column in a))
                 bound_leg(leg, some, b, live[part], bounds[-1][part], words[-1][part])
-        return _Chains(bounds, words)
+        return _Chains(bounds, words, self.cyclic)
 
     def _middles(self) -> _Chains:
         """Routes through the middles of the intervals, by live pairs."""
@@ -230,26 +310,55 @@ class _Search:
         for leg, live, (a, b) in zip(self.legs, self.live, pairwise(self.intervals), strict=True):
             self.effort.look_at_the_clock()
             tables.append(leg_table(leg, a.middle, b.middle, live))
-        return _Chains([lengths for lengths, _ in tables], [words for _, words in tables])
+        lengths, words = zip(*tables, strict=True)
+        return _Chains([*lengths], [*words], self.cyclic)
 
     def _improve(self, chains: _Chains) -> None:
         """Go downhill from the middles of the intervals on the cheapest chain."""
         route, words = chains.cheapest()
-        if words in self.tried or not chains.ahead[-1].min() < _HOPELESS * self.length:
+        if words in self.tried or not self.worth(chains):
             return
         self.tried.add(words)
         middles = [interval.middle[j] for interval, j in zip(self.intervals, route, strict=True)]
         width = max(float(interval.half.max()) for interval in self.intervals)
         self._descend(np.array(middles), 0.2 * width)
 
+    def worth(self, chains: _Chains) -> bool:
+        """Whether the cheapest chain is so short that going downhill from it is worth its time."""
+        if self.cutoff < math.inf:
+            return chains.least < _PROMISING * self.cutoff
+        return chains.least < _HOPELESS * self.length
+
     def _descend(self, start: FloatArray, width: float) -> None:
         """Go downhill from a route; keep the best."""
         headings = downhill(
-            self.legs, start, self.free, self.arc_ends, width, self.length, self.effort
+            self.legs, start, self.varied, self.arc_ends, width, self.length, self.effort
         )
+        if self.cyclic:
+            headings = self._descend_around(headings, width)
         length = route_length(self.legs, headings)
         if length < self.length:
             self.length, self.headings, self.slopes = length, headings, None
+
+    def _descend_around(self, headings: FloatArray, width: float) -> FloatArray:
+        """Go downhill from a loop that begins elsewhere each time, while it gets shorter."""
+        # about half of the loop, so that every point comes to be the first
+        step = next(k for k in range(self.n // 2, self.n + 1) if math.gcd(k, self.n) == 1)
+        legs, begin, length = self.legs, 0, math.inf
+        for _ in range(_MOST_ROUNDS):
+            for _ in range(min(self.n, _AT_LEAST)):
+                begin = (begin + step) % self.n
+                legs = np.ascontiguousarray(np.roll(legs, -step, axis=0))
+                own = _rolled(headings, step)
+                closed = np.append(own, own[0])
+                headings = downhill(
+                    legs, closed, self.varied, self.arc_ends, width, self.length, self.effort
+                )
+            before, length = length, route_length(legs, headings)
+            if length > before * (1.0 - EPS):
+                break
+        own = _rolled(headings, self.n - begin)
+        return np.append(own, own[0])
 
     def _slopes_at(self, headings: FloatArray) -> FloatArray:
         """The slopes of the potential at the points of a route; NaN where its legs do not tell."""
@@ -261,6 +370,8 @@ class _Search:
         only = [np.zeros(1, np.intp)] * self.n
         before = self._asked(points, words, only, True)
         after = self._asked(points, words, only, False)
+        if self.cyclic:
+            before[0], after[-1] = before[-1], after[0]
         slopes = [
             potential_slopes(*each, math.nan, math.nan, False)
             for each in zip(points, before, after, strict=True)
@@ -272,16 +383,14 @@ class _Search:
         threshold = self.high * (1.0 - 0.5 * self.tolerance)
         self.discarded = min(self.discarded, threshold)
         margin = 1.0 - (2 * self.n + 4) * EPS
-        kept = [
-            (a + b) * margin <= threshold for a, b in zip(chains.ahead, chains.behind, strict=True)
-        ]
+        kept = [through * margin <= threshold for through in chains.through]
         if not all(some.any() for some in kept):
             self.low = max(self.low, min(self.discarded, self.high))
             return False
         soon = self.low + _SOON * (threshold - self.low)
         wanted = [
-            (a + b <= soon) & free
-            for a, b, free in zip(chains.ahead, chains.behind, self.free, strict=True)
+            (through <= soon) & free
+            for through, free in zip(chains.through, self.free, strict=True)
         ]
         gains = self._gains(chains, wanted)
         most = chains.largest(gains)
@@ -294,9 +403,10 @@ class _Search:
             middle, half, slope = (column[parents[i]] for column in interval)
             halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
             self.intervals.append(Intervals(middle + side * half, halves, slope))
+        if self.cyclic:
+            parents[-1], self.intervals[-1] = parents[0], self.intervals[0]
         for i in range(self.n):
-            through = chains.ahead[i][:, None] + chains.costs[i] + chains.behind[i + 1]
-            alive = through * margin <= threshold
+            alive = chains.through_pairs(i) * margin <= threshold
             live = np.where(alive, self.live[i], 0)
             self.live[i] = np.ascontiguousarray(live[np.ix_(parents[i], parents[i + 1])])
         return sum(live.size for live in self.live) <= _MOST_PAIRS
@@ -307,9 +417,11 @@ class _Search:
             self.slopes = self._slopes_at(self.headings)
         before = self._asked(self.intervals, chains.words, chains.before, True)
         after = self._asked(self.intervals, chains.words, chains.after, False)
+        if self.cyclic:
+            before[0], after[-1] = before[-1], after[0]
         aimed = []
         for i, interval in enumerate(self.intervals):
-            if i in (0, self.n):  # no other leg takes back what one leg is given
+            if i in (0, self.n) and not self.cyclic:  # no other leg takes back what one is given
                 slope = np.zeros(interval.slope.size)
             else:
                 best = self.headings[i], self.slopes[i], self.rounds == 0
@@ -327,8 +439,9 @@ class _Search:
         """The slope that the leg before each interval asks for, or after it, and what says so."""
         end = 0 if forward else self.n
         size = intervals[end].middle.size
-        slope = np.full(size, 0.0 if self.free[end] else math.nan)
-        asked = [(slope, np.full(size, BY_WORD if self.free[end] else UNKNOWN, np.int8))]
+        ends_anyhow = self.free[end] and not self.cyclic
+        slope = np.full(size, 0.0 if ends_anyhow else math.nan)
+        asked = [(slope, np.full(size, BY_WORD if ends_anyhow else UNKNOWN, np.int8))]
         for i in range(self.n) if forward else range(self.n - 1, -1, -1):
             self.effort.look_at_the_clock()
             ends = intervals[i], intervals[i + 1]
@@ -351,6 +464,8 @@ class _Search:
             # where nothing is gained by halves of this one alone, by those of all
             gain = np.clip(halves.min(0), 0.0, 1.0) + _BOTH * both
             gains.append((gain + 1e-3 * interval.half**2) * self.free[i])
+        if self.cyclic:
+            gains[0] = gains[-1] = gains[0] + gains[-1]
         return gains
 
     def _route(self) -> Route:

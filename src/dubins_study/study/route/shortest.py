@@ -1,4 +1,4 @@
-"""The shortest route of a scenario with via points: the search, in the scenario's own units."""
+"""The shortest route or tour of a scenario: the searches, in the scenario's own units."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dubins_study.study.path import Path
-from dubins_study.study.route.search import search
-from dubins_study.study.scenario import Scenario
-from dubins_study.study.words import TURN
+from dubins_study.study.route.search import Route, search
+from dubins_study.study.route.tour import Stops, Tour, search_tour
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import TURN, Order
 
 # A search is done when its interval is this narrow, of the route's length: a thousandth of what the
 # strictest profile asks for. Points in line, where lengths have cubic minima, take long to get to
@@ -36,7 +37,7 @@ class ShortestRoute(NamedTuple):
     """The best path found, and a proven interval around the shortest length (length unit)."""
 
     path: Path
-    at: tuple[float, ...]  # the arc lengths of the via points on it
+    at: tuple[float, ...]  # the arc lengths on it at which its legs end, but for the last
     low: float
     high: float
 
@@ -45,27 +46,52 @@ def shortest_route(scenario: Scenario, limit: float, boxes: float = math.inf) ->
     """Search for the shortest path through a scenario's points, anew whatever is known.
 
     Args:
-        scenario: its via points, and its final heading if that is given.
+        scenario: a route, or a tour.
         limit: seconds.
         boxes: how much it may do, as in `search`.
     """
     radius = scenario.radius
     points = (scenario.points - scenario.points[0]) / radius
-    found = search(
-        points,
-        scenario.heading,
-        scenario.final_heading,
-        limit=limit,
-        boxes=boxes,
-        tolerance=_NARROW,
-    )
-    rates = np.array([TURN[letter] for word in found.words for letter in word])
-    segments = found.segments * radius
+    headings = [scenario.heading, *(stop.heading for stop in scenario.stops)]
+    closed = scenario.closed and scenario.heading is None
+    if len(points) == 2 and not points.any():  # with a free start heading it is there already
+        path = Path(Pose(scenario.x, scenario.y, headings[-1] or 0.0), [], [])
+        return ShortestRoute(path, (), 0.0, 0.0)
+    found: Route | Tour
+    if scenario.order is Order.FREE and len(scenario.via) > 1:
+        n = len(scenario.via)
+        stops = Stops(
+            points=points[1 : n + 1],
+            headings=headings[1 : n + 1],
+            first=scenario.heading,
+            target=None if scenario.target is None else tuple(points[-1].tolist()),
+            last=headings[-1] if scenario.target is not None else None,
+            closed=closed,
+        )
+        found = search_tour(stops, limit=limit, boxes=boxes, tolerance=_NARROW)
+        best = found.route
+    else:
+        best = search(
+            points,
+            first=headings[0],
+            last=headings[-1],
+            via_headings=headings[1:-1],
+            closed=closed,
+            limit=limit,
+            boxes=boxes,
+            tolerance=_NARROW,
+        )
+        found = best
+    rates = np.array([TURN[letter] for word in best.words for letter in word])
+    segments = best.segments * radius
     driven = segments.ravel() > 0.0
+    heading = best.headings[0] if scenario.heading is None else scenario.heading
     route = ShortestRoute(
-        Path(scenario.start, rates[driven] / radius, segments.ravel()[driven]),
+        Path(
+            Pose(scenario.x, scenario.y, heading), rates[driven] / radius, segments.ravel()[driven]
+        ),
         tuple(np.cumsum(segments.sum(axis=1))[:-1].tolist()),
-        math.nextafter(found.low * radius, -math.inf),
+        max(math.nextafter(found.low * radius, -math.inf), 0.0),
         math.nextafter(found.high * radius, math.inf),
     )
     if len(_known) >= _MOST_KNOWN:

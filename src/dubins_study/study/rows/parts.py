@@ -20,6 +20,7 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import KEY, VERSION, VERSION_KEY, Key, arrow_schema, names
 from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario_frame import is_missing
 from dubins_study.study.values import printable_text, short
 
 Row = dict[str, Any]
@@ -61,7 +62,13 @@ def row_path(row: Mapping[str, Any]) -> Path | None:
     """The path of a row, if it arrived."""
     if row["gap"] is None:
         return None
-    return Path(Pose(row["x"], row["y"], row["heading"]), row["curvatures"], row["lengths"])
+    return Path(start_of(row), row["curvatures"], row["lengths"])
+
+
+def start_of(row: Mapping[str, Any]) -> Pose:
+    """Where the path of a row starts, and with which heading, be it given or the path's own."""
+    name = "heading" if is_missing(row.get("start_heading")) else "start_heading"
+    return Pose(row["x"], row["y"], row[name])
 
 
 PARTS = "parts"

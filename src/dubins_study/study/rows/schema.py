@@ -172,6 +172,10 @@ class Judgement:
     visits: list[float] | None = column(
         "where along the path it passes its via points, an arc length each", "length"
     )
+    visit_order: list[float] | None = column(
+        "of a tour: the via points in the order in which it passes them, the first is 0", "1"
+    )
+    start_heading: float | None = column("the path's own, where the scenario's is free", "rad")
     curvature_excess: float | None = column(
         "curvature beyond what the branch allows", "1/radius", detail=True, plotted=True
     )
@@ -238,15 +242,18 @@ CELL = KEY[:-1]
 SCENARIO = (
     Column("x", "start position", "float64", "length"),
     Column("y", "start position", "float64", "length"),
-    Column("heading", "start heading, counter-clockwise from +x", "float64", "rad"),
-    Column("target_x", "target position", "float64", "length"),
-    Column("target_y", "target position", "float64", "length"),
+    Column("heading", "start heading, counter-clockwise from +x; null: free", "float64", "rad"),
+    Column("target_x", "target position; null: none, or closed", "float64", "length"),
+    Column("target_y", "target position; null: none, or closed", "float64", "length"),
     Column("radius", "minimum turning radius", "float64", "length"),
     Column("speed", "constant speed", "float64", "length/time"),
     Column("label", "name given to the scenario", plotted=True),
     Column("via_x", "points to pass on the way; null: none", "list<float64>", "length"),
     Column("via_y", "as many; null: none", "list<float64>", "length"),
+    Column("via_heading", "headings at them; null: free", "list<float64>", "rad"),
     Column("final_heading", "heading at the target; null: free", "float64", "rad"),
+    Column("order", "of the via points: given or free; null: given"),
+    Column("closed", "whether it ends as it starts; null: no", "bool"),
 )
 METHOD = (
     Column("formulation", "the problem that is handed over, e.g. joint NLP, LRS", plotted=True),

@@ -1,0 +1,693 @@
+"""The shortest tour: via points passed in any order, with a proof.
+
+The bound of a leg over two intervals of headings belongs to two points, whatever the order. Chains
+of legs that remember only a few points bound all tours from below, with prices on the points that
+make the cheapest chain pass each of them once. What is left to pay from an interval on leaves out
+pairs of intervals, and sets of points in an exact program, that no tour as short as the best one
+known can have. Intervals are halved until few orders are left, and each of these is searched as a
+route with the best tour's length as its cutoff (docs/derivation.md, section 18). Everything is in
+units of the turning radius, headings in radians.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Sequence
+from copy import copy
+from functools import cache
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray, IntArray
+from dubins_study.study.body_coordinates import EPS
+from dubins_study.study.route.effort import Effort, SpentError
+from dubins_study.study.route.heading_grids import leg_table
+from dubins_study.study.route.intervals import OVERLAP, Intervals
+from dubins_study.study.route.leg_bound import bound_leg
+from dubins_study.study.route.search import Route, compile_loops, potential_at, search
+from dubins_study.study.route.tour_chains import (
+    SetArray,
+    better_order,
+    bounds_between,
+    cheapest_chain,
+    cheapest_through,
+    extend_chains,
+    extended,
+    first_chains,
+    leave_out,
+    lengths_between,
+    memories_after,
+)
+
+_LOG = logging.getLogger(__name__)
+
+# By the number of points: intervals at each to begin with, and how many near points, itself among
+# them, a chain remembers. Of more points there is a good tour, and the least tree as a bound.
+_SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
+_FEW = 12  # points up to which an order of straight lines is not tried as a route
+_ON_GRID = 40  # points up to which the first tour is improved with headings, not straight lines
+_IMPROVED = 200  # points up to which it is improved at all
+_ROUNDS, _LATER_ROUNDS = 40, 8  # of prices: at first, and where they are good
+_FIRST_STEP, _SHRINK = 0.02, 0.93  # of prices: a share of the bound, and from round to round
+_PATIENCE = 12  # rounds of prices without a better bound
+_HEADINGS = 24  # at each point, from which the first tour chooses
+_MOST_ARCS = 24  # further ones of single arcs to near points
+_STARTS = 5  # random orders that the first tour begins with, beside nearest neighbours
+_NEARLY = 1.02  # times the best length on the grid: other orders are not tried
+_SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
+_MOST_STATES = 100_000
+_MOST_ORDERS = 1_000
+_QUICK = 1_000  # boxes a leg, for a tour that is not to be proved
+_ORDER_BOXES = 4_000  # about what the search of one order takes
+_CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
+_MOST_PAIRS = 20_000_000
+_MOST_IN_SET = 62  # points, of which a set is an int64
+_NARROWEST = 1e-9  # rad; half the width of an interval that is not halved any more
+_AT_ENDS = 16  # intervals of a free heading at the start or the target
+
+
+_OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
+
+
+class Stops(NamedTuple):
+    """What a tour has to pass, seen from its start."""
+
+    points: FloatArray  # via points, shape (n, 2)
+    headings: Sequence[float | None]  # at the via points; None where free
+    first: float | None  # heading at the start
+    target: tuple[float, float] | None  # None: the tour ends at whichever point comes last
+    last: float | None  # heading at the target
+    closed: bool = False  # whether the tour ends with the heading that it starts with, both free
+
+    def route(self, order: Sequence[int]) -> tuple[FloatArray, list[float | None]]:
+        """The points of one order, from the start on, and the headings there."""
+        some = list(order)
+        points = np.vstack([np.zeros(2), self.points[some]])
+        headings = [self.first, *(self.headings[i] for i in some)]
+        if self.target is None:
+            return points, headings
+        return np.vstack([points, self.target]), [*headings, self.last]
+
+    def begun_at(self, place: int) -> Stops:
+        """The same loop from a via point with a heading on; the start becomes the first point."""
+        others = np.delete(self.points, place, axis=0)
+        around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
+        rest = [heading for i, heading in enumerate(self.headings) if i != place]
+        heading = self.headings[place]
+        return Stops(around, [None, *rest], heading, (0.0, 0.0), heading)
+
+
+class Tour(NamedTuple):
+    """The best tour found, and a proven interval around the shortest length of all."""
+
+    order: tuple[int, ...]  # of the via points
+    route: Route  # through them in this order
+    low: float
+    high: float
+    closed: bool  # whether low and high are within the tolerance
+    boxes: int
+    seconds: float
+    orders: int  # that were searched one by one
+
+
+def search_tour(
+    stops: Stops,
+    *,
+    limit: float = math.inf,
+    boxes: float = math.inf,
+    tolerance: float = 1e-9,
+    seed: int = 0,
+) -> Tour:
+    """The shortest tour, or the interval that its length is proven to lie in.
+
+    Args:
+        stops: two or more different points.
+        limit: seconds, beside those that compiling takes.
+        boxes: how many bounds of pairs of intervals, and work counted in them.
+        tolerance: of the interval's width, relative to the length.
+        seed: of the orders that the first tour begins with.
+    """
+    compile_tour_loops()
+    known = [i for i, heading in enumerate(stops.headings) if heading is not None]
+    if not stops.closed or not known:
+        found = _TourSearch(stops, Effort(boxes, limit), tolerance, seed).run()
+        return _backwards(found) if stops.closed and found.order[0] > found.order[-1] else found
+    place = known[0]
+    found = _TourSearch(stops.begun_at(place), Effort(boxes, limit), tolerance, seed).run()
+    # the points of that search: the old start, then the old points without the one that it began at
+    points = [i for i in range(len(stops.points)) if i != place]
+    began = found.order.index(0)
+    order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
+    order += [points[i - 1] for i in found.order[:began]]
+    legs = began + 1  # from the place where that search began to the old start
+    headings = np.roll(found.route.headings[:-1], -legs)
+    route = found.route._replace(
+        headings=np.append(headings, headings[0]),
+        words=(*found.route.words[legs:], *found.route.words[:legs]),
+        segments=np.roll(found.route.segments, -legs, axis=0),
+    )
+    return found._replace(order=tuple(order), route=route)
+
+
+def _backwards(loop: Tour) -> Tour:
+    """A loop driven the other way round, which is as long; one of both is always returned."""
+    route = loop.route
+    other_side = str.maketrans("LR", "RL")
+    words = [word[::-1].translate(other_side) for word in reversed(route.words)]
+    route = route._replace(
+        headings=route.headings[::-1] + math.pi,
+        words=tuple(words),
+        segments=route.segments[::-1, ::-1],
+    )
+    return loop._replace(order=loop.order[::-1], route=route)
+
+
+@cache
+def compile_tour_loops() -> None:
+    """Load the loops that a search needs, or compile them where no cache holds them."""
+    compile_loops()
+    points = np.array([(3.0, 1.0), (0.5, -2.0), (-2.0, 2.0)])
+    stops = Stops(points, [None] * 3, first=0.0, target=(1.0, 5.0), last=None)
+    _TourSearch(stops, Effort(), tolerance=1e-6, seed=0).run()
+
+
+class _TourSearch:
+    """The state of one search: the best tour, the intervals left and the bounds of their pairs."""
+
+    def __init__(self, stops: Stops, effort: Effort, tolerance: float, seed: int) -> None:
+        self.stops, self.effort, self.tolerance = stops, effort, tolerance
+        self.random = np.random.default_rng(seed)
+        self.n = len(stops.points)
+        self.order: tuple[int, ...] = tuple(range(self.n))
+        self.best: Route | None = None
+        self.low = _least_tree(stops)
+        self.searched: dict[tuple[int, ...], Route] = {}
+        self.prices = np.zeros(self.n)
+        self.priced = False
+        self.around: Intervals | None = None  # of a loop: the interval of its heading at the start
+
+    @property
+    def length(self) -> float:
+        return math.inf if self.best is None else self.best.length
+
+    @property
+    def high(self) -> float:
+        """More than the best tour's length, whatever the rounding."""
+        return math.inf if self.best is None else self.best.high
+
+    @property
+    def slack(self) -> float:
+        """More than the rounding of the cost of a chain, with and without prices."""
+        size = self.high + 2.0 * float(np.abs(self.prices).sum())
+        return (4 * self.n + 16) * EPS * size
+
+    @property
+    def closed(self) -> bool:
+        return self.low >= self.high * (1.0 - self.tolerance)
+
+    def run(self) -> Tour:
+        _LOG.info("searching for the shortest tour of %d points", self.n)
+        try:
+            self._first_tour()
+            size = next((size for size in _SIZES if self.n <= size[0]), None)
+            if size is not None:
+                self._prove(*size[1:])
+        except SpentError:
+            _LOG.info("the search has spent its effort")
+        assert self.best is not None
+        return Tour(
+            order=self.order,
+            route=self.best,
+            low=min(self.low, self.high),
+            high=self.high,
+            closed=self.closed,
+            boxes=self.effort.spent,
+            seconds=perf_counter() - self.effort.began,
+            orders=len(self.searched),
+        )
+
+    def _prove(self, intervals: int, remembered: int) -> None:
+        """Raise the lower end until it meets the best tour, or nothing more can be done."""
+        distances = cdist(self.stops.points, self.stops.points)
+        distances[np.diag_indices(self.n)] = -1.0  # each point is the first of those near it
+        self.near = np.argsort(distances, axis=1, kind="stable")[:, :remembered]
+        self.after = memories_after(self.near)
+        self.remembered = _sets_of(self.near)
+        self._cover(intervals)
+        if self.stops.closed:
+            self._prove_around()
+            return
+        while not self.closed and self._level():
+            pass
+
+    def _prove_around(self) -> None:
+        """Prove a loop: it ends in the interval of headings in which it begins, one by one.
+
+        Driven backwards a loop is as long, so that half of the circle is enough.
+        """
+        self._aim()
+        self._bound()
+        self._price()
+        lows = []
+        starts = _end_intervals(None)
+        for place in np.flatnonzero(np.sin(starts.middle) > 0.0):
+            part = copy(self)
+            part.around = Intervals(*(column[[place]] for column in starts))
+            part.live, part.bounds = self.live.copy(), self.bounds.copy()
+            try:
+                while not part.closed and part._level():
+                    pass
+            finally:
+                self.best, self.order = part.best, part.order
+            lows.append(part.low)
+        self.low = max(self.low, min(*lows, self.high))
+
+    def _spend(self, boxes: float) -> None:
+        if self.effort.spend(math.ceil(boxes)):
+            raise SpentError
+
+    # The best tour
+
+    def _first_tour(self) -> None:
+        """Orders that are short on a grid of headings, the best of them as routes."""
+        self._search_order(self.order, quick=True)  # something to show, whatever the limit
+        straight = self._nearest_neighbours()
+        if self.n <= _IMPROVED:
+            self._shorten(straight, np.arange(self.n + 1), *self._straight_lines())
+        if self.n > _FEW:
+            self._search_order(tuple(straight.tolist()), quick=True)
+        if self.n > _ON_GRID:
+            return
+        begin, headings = self._heading_grid()
+        self._spend(headings.size**2 / 10)
+        lengths = lengths_between(self.stops.points, begin, headings)
+        starts, ends = self._to_ends(begin, headings)
+        found: dict[tuple[int, ...], float] = {}
+        for order in [straight, *(self.random.permutation(self.n) for _ in range(_STARTS))]:
+            length = self._shorten(order, begin, lengths, starts, ends)
+            found[tuple(order.tolist())] = length
+        shortest = min(found.values())
+        for tried, length in sorted(found.items(), key=lambda item: item[1]):
+            if length <= _NEARLY * shortest:
+                self._search_order(tried, quick=True)
+        _LOG.info("a tour of length %.6g", self.length)
+
+    def _shorten(
+        self,
+        order: IntArray,
+        begin: IntArray,
+        lengths: FloatArray,
+        starts: FloatArray,
+        ends: FloatArray,
+    ) -> float:
+        """Shorten an order in place until no small change of it is shorter; return its length."""
+        length = math.inf
+        while True:
+            self.effort.look_at_the_clock()
+            before = length
+            length = float(better_order(order, lengths, begin, starts, ends))
+            if length == before:
+                return length
+
+    def _straight_lines(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Distances between the points, from the start and to the end."""
+        points, ends = self.stops.points, np.zeros(self.n)
+        if self.stops.target is not None:
+            ends = np.hypot(*(points - self.stops.target).T)
+        return cdist(points, points), np.hypot(*points.T), ends
+
+    def _nearest_neighbours(self) -> IntArray:
+        left = list(range(self.n))
+        here = np.zeros(2)
+        order = []
+        while left:
+            away = np.hypot(*(self.stops.points[left] - here).T)
+            following = left.pop(int(away.argmin()))
+            order.append(following)
+            here = self.stops.points[following]
+        return np.array(order)
+
+    def _heading_grid(self) -> tuple[IntArray, FloatArray]:
+        """Headings at each point: of a grid, and of single arcs to points near by."""
+        sizes, headings = [0], []
+        grid = np.linspace(-math.pi, math.pi, _HEADINGS, endpoint=False)
+        for i, given in enumerate(self.stops.headings):
+            some = grid if given is None else np.array([given])
+            if given is None:
+                arcs = _arc_headings(self.stops.points - self.stops.points[i])
+                some = np.append(grid, arcs[:_MOST_ARCS])
+            headings.append(some)
+            sizes.append(some.size)
+        return np.cumsum(sizes), np.concatenate(headings)
+
+    def _to_ends(self, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lengths from the start to each heading of the grid, and from it to the end."""
+        circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
+        stops = self.stops
+        first = circle if stops.first is None else np.array([stops.first])
+        last = circle if stops.last is None else np.array([stops.last])
+        starts, ends = np.zeros(headings.size), np.zeros(headings.size)
+        for i, point in enumerate(stops.points):
+            some = slice(begin[i], begin[i + 1])
+            live = np.ones((first.size, begin[i + 1] - begin[i]), np.int8)
+            starts[some] = leg_table(point, first, headings[some], live)[0].min(axis=0)
+            if stops.target is not None:
+                live = np.ones((begin[i + 1] - begin[i], last.size), np.int8)
+                way = np.array(stops.target) - point
+                ends[some] = leg_table(way, headings[some], last, live)[0].min(axis=1)
+        return starts, ends
+
+    def _search_order(self, order: tuple[int, ...], quick: bool = False) -> Route:
+        """Search one order, which becomes the best if it is shorter than the cutoff."""
+        points, headings = self.stops.route(order)
+        left = self.effort.seconds - (perf_counter() - self.effort.began)
+        found = search(
+            points,
+            first=headings[0],
+            last=headings[-1],
+            via_headings=headings[1:-1],
+            limit=max(left, 0.0),
+            boxes=_QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent,
+            tolerance=self.tolerance,
+            cutoff=math.inf if quick or order == self.order else self.high,
+            closed=self.stops.closed,
+        )
+        self.effort.spent += found.boxes
+        if self.best is None or found.length < self.length:
+            self.best, self.order = found, order
+        return found
+
+    # Bounds
+
+    def _cover(self, intervals: int) -> None:
+        """Intervals of headings at each point, and all pairs of them."""
+        width = TWO_PI / intervals
+        grid = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, intervals)
+        middle, half, owner = [], [], []
+        for i, given in enumerate(self.stops.headings):
+            some = grid if given is None else np.array([math.remainder(given, TWO_PI)])
+            middle.append(some)
+            half.append(np.full(some.size, OVERLAP + (0.5 * width if given is None else 0.0)))
+            owner.append(np.full(some.size, i))
+        self.owner = np.concatenate(owner)
+        self.intervals = Intervals(
+            np.concatenate(middle), np.concatenate(half), np.zeros(self.owner.size)
+        )
+        self.live = self.owner[:, None] != self.owner[None, :]
+        self.new = self.live  # pairs whose bounds are not known
+        self.bounds = np.full(self.live.shape, math.inf)
+
+    @property
+    def begin(self) -> IntArray:
+        begin: IntArray = np.searchsorted(self.owner, np.arange(self.n + 1))
+        return begin
+
+    def _level(self) -> bool:
+        """Bound, leave out and halve once, or search the orders that are left; False at the end."""
+        began = self.effort.spent
+        self._aim()
+        self._bound()
+        self._price()
+        if self.closed:
+            return False
+        behind = self._leave_out()
+        if not self.live.any():
+            self.low = self.high
+            return False
+        orders = self._orders(behind)
+        pairs = 3 * int(np.count_nonzero(self.live))
+        spent = self.effort.spent - began
+        if orders is not None:
+            _LOG.info("%d orders are left", len(orders))
+            few = len(orders) * _ORDER_BOXES <= max(2 * spent, pairs)
+            if few or pairs > _MOST_PAIRS or not self._halve():
+                self._search_orders(orders)
+                return False
+            return True
+        return pairs <= _MOST_PAIRS and self._halve()
+
+    def _aim(self) -> None:
+        """Give all intervals of a point the slope of the best tour's potential there."""
+        assert self.best is not None
+        points, given = self.stops.route(self.order)
+        slopes = potential_at(points, self.best.headings, given, self.stops.closed)
+        if self.around is not None:  # what the first leg is given, the last one takes back
+            self.around = self.around._replace(slope=np.nan_to_num(slopes[:1]))
+        of_points = np.zeros(self.n)
+        of_points[list(self.order)] = np.nan_to_num(slopes)[1 : self.n + 1]
+        slope = of_points[self.owner]
+        moved = slope != self.intervals.slope
+        self.intervals = self.intervals._replace(slope=slope)
+        self.new = self.live & (self.new | moved[:, None] | moved[None, :])
+
+    def _bound(self) -> None:
+        """Bounds of all live pairs of intervals, from the start and to the end."""
+        size = self.owner.size
+        begin = self.begin
+        for i in range(self.n):
+            self._spend(float(np.count_nonzero(self.new[begin[i] : begin[i + 1]])))
+            bounds_between(self.stops.points, begin, self.intervals, self.new, i, self.bounds)
+        self.starts, self.ends = np.zeros(size), np.zeros(size)
+        first = self.around or _end_intervals(self.stops.first)
+        last = self.around or _end_intervals(self.stops.last)
+        for i, point in enumerate(self.stops.points):
+            some = slice(begin[i], begin[i + 1])
+            here = Intervals(*(column[some] for column in self.intervals))
+            self.starts[some] = _pair_bounds(point, first, here).min(axis=0)
+            if self.stops.target is None:  # no leg takes back what the last one is given
+                self.ends[some] = -np.abs(here.slope) * here.half
+            else:
+                way = np.array(self.stops.target) - point
+                self.ends[some] = _pair_bounds(way, here, last).min(axis=1)
+
+    def _chains(self, prices: FloatArray, back: bool = False) -> FloatArray:
+        """Costs of chains ahead from the start, or `back` from the end."""
+        a_point = self.owner.size / self.n
+        sums = self.n**2 * self.after.shape[1] / 2 * self.n * a_point**2
+        self._spend(sums * _CHAIN_BOXES)
+        bounds = np.ascontiguousarray(self.bounds.T) if back else self.bounds
+        ends = self.ends if back else self.starts
+        begin = self.begin
+        costs: FloatArray = first_chains(begin, self.after, ends, prices)
+        for k in range(self.n - 1):
+            self.effort.look_at_the_clock()
+            extend_chains(costs, k, bounds, begin, self.after, prices)
+        return costs
+
+    def _price(self) -> None:
+        """Raise prices of points that the cheapest chain misses, and lower those it repeats."""
+        prices, best, waited = self.prices, -math.inf, 0
+        step = 0.0
+        rounds, self.priced = _LATER_ROUNDS if self.priced else _ROUNDS, True
+        for round_ in range(rounds):
+            costs = self._chains(prices)
+            bound = float((costs[-1] + self.ends).min() + prices.sum())
+            waited = 0 if bound > best * (1.0 + 1e-6) else waited + 1
+            if bound > best:
+                best, self.prices = bound, prices
+                self.low = max(self.low, min(bound - self.slack, self.high))
+            if bound == math.inf or self.closed or waited > _PATIENCE:
+                break
+            chain = cheapest_chain(costs, self.bounds, self.begin, self.after, self.ends)
+            missing = 1 - np.bincount(chain, minlength=self.n)
+            if not missing.any():
+                self._search_order(tuple(chain.tolist()), quick=True)
+                break
+            step = _FIRST_STEP * bound if round_ == 0 else _SHRINK * step
+            prices = prices + 2.0 * step * missing / (missing @ missing)
+        _LOG.info("proven to within %.2g of the length", 1.0 - self.low / self.high)
+
+    def _leave_out(self) -> FloatArray:
+        """Leave out pairs of intervals that no tour as short as the best one can pass.
+
+        Returns:
+            Costs of chains back from the end, of the intervals that are kept.
+        """
+        ahead, behind = self._chains(self.prices), self._chains(self.prices, back=True)
+        through = cheapest_through(ahead.min(axis=1), self.bounds, behind.min(axis=1))
+        through += self.prices.sum()
+        self.live &= through <= self.high + self.slack
+        self.least = np.minimum(through.min(axis=0), through.min(axis=1))
+        kept = np.flatnonzero(self.live.any(axis=0) | self.live.any(axis=1))
+        self.owner = self.owner[kept]
+        self.intervals = Intervals(*(column[kept] for column in self.intervals))
+        self.live = self.live[np.ix_(kept, kept)]
+        self.bounds = np.where(self.live, self.bounds[np.ix_(kept, kept)], math.inf)
+        self.starts, self.ends = self.starts[kept], self.ends[kept]
+        self.least = self.least[kept]
+        return behind[:, :, kept]
+
+    def _halve(self) -> bool:
+        """Halve the intervals that short tours can pass; False if none can be halved."""
+        soon = self.low + _SOON * (self.high - self.low)
+        free = np.array([heading is None for heading in self.stops.headings])[self.owner]
+        split = free & (self.least <= soon) & (self.intervals.half > _NARROWEST)
+        if not split.any():
+            return False
+        parents = np.repeat(np.arange(self.owner.size), 1 + split)
+        second = np.diff(parents, prepend=-1) == 0
+        side = np.where(split[parents], np.where(second, 0.5, -0.5), 0.0)
+        middle, half, slope = (column[parents] for column in self.intervals)
+        halves = np.where(side == 0.0, half, 0.5 * half + OVERLAP)
+        self.intervals = Intervals(middle + side * half, halves, slope)
+        self.owner = self.owner[parents]
+        self.live = self.live[np.ix_(parents, parents)]
+        self.bounds = self.bounds[np.ix_(parents, parents)]
+        was = split[parents]
+        self.new = self.live & (was[:, None] | was[None, :])
+        return True
+
+    # Orders
+
+    def _orders(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
+        """Bounds of all orders that can be as short as the best tour; None if there are many."""
+        if self.n > _MOST_IN_SET:
+            return None
+        levels = self._states(behind)
+        if levels is None:
+            return None
+        found: dict[tuple[int, ...], float] = {}
+        begin = self.begin
+        cutoff = self.high + self.slack
+        # from the end: a set of points that are left, the last of them, costs from its intervals on
+        every = (1 << self.n) - 1
+        open_ends: list[_OpenEnd] = [
+            (every, i, (), self.ends[begin[i] : begin[i + 1]]) for i in range(self.n)
+        ]
+        while open_ends:
+            left, here, rest, to_end = open_ends.pop()
+            costs = levels[left.bit_count() - 1].get((left, here))
+            if costs is None:
+                continue
+            least = float((costs[: to_end.size] + to_end).min())
+            if least > cutoff:
+                continue
+            order = (here, *rest)
+            if len(order) == self.n:
+                found[order] = least - self.slack
+                if len(found) > _MOST_ORDERS:
+                    return None
+                continue
+            others = left ^ (1 << here)
+            ends = slice(begin[here], begin[here + 1])
+            for before in range(self.n):
+                if others >> before & 1:
+                    way = self.bounds[begin[before] : begin[before + 1], ends]
+                    open_ends.append((others, before, order, (way + to_end).min(axis=1)))
+        return found
+
+    def _states(self, behind: FloatArray) -> list[dict[tuple[int, int], FloatArray]] | None:
+        """An exact program over sets of points: of each size its states' costs; None if many."""
+        begin = self.begin
+        most = int(np.diff(begin).max())
+        sets = np.left_shift(np.int64(1), np.arange(self.n))
+        lasts = np.arange(self.n)
+        costs = np.full((self.n, most), math.inf)
+        for i in range(self.n):
+            costs[i, : begin[i + 1] - begin[i]] = self.starts[begin[i] : begin[i + 1]]
+        cutoff = self.high + self.slack
+        levels = []
+        for k in range(self.n):
+            to_go = behind[self.n - 1 - k]
+            kept = leave_out(sets, lasts, costs, to_go, self.remembered, begin, self.prices, cutoff)
+            sets, lasts, costs = sets[kept], lasts[kept], costs[kept]
+            if sets.size * self.n > _MOST_STATES:
+                return None
+            keys = zip(sets.tolist(), lasts.tolist(), strict=True)
+            levels.append(dict(zip(keys, costs, strict=True)))
+            self._spend(sets.size * self.n * most**2 * _CHAIN_BOXES)
+            sets, lasts, costs = _united(*extended(sets, lasts, costs, self.bounds, begin))
+        return levels
+
+    def _search_orders(self, orders: dict[tuple[int, ...], float]) -> None:
+        """Search orders one by one, the best tour's first, then by their bounds."""
+        left = dict(sorted(orders.items(), key=lambda item: item[1]))
+        low = math.inf
+        for order in [self.order, *(order for order in left if order != self.order)]:
+            bound = left.get(order, 0.0)
+            if order in self.searched:
+                bound = max(bound, self.searched[order].low)
+            if bound < self.high * (1.0 - self.tolerance):
+                try:
+                    self.effort.look_at_the_clock()
+                    found = self._search_order(order)
+                except SpentError:
+                    self.low = max(self.low, min(low, *left.values()))
+                    raise
+                self.searched[order] = found
+                bound = max(bound, found.low)
+            low = min(low, bound)
+            left[order] = bound
+        self.low = max(self.low, min(low, self.high))
+
+
+def _least_tree(stops: Stops) -> float:
+    """The length of the least tree between all points, which no tour is shorter than."""
+    target = [] if stops.target is None or stops.closed else [stops.target]
+    points = np.vstack([np.zeros((1, 2)), stops.points, *target])
+    # by hand: a distance below 1e-8 is no edge to SciPy's trees
+    tree, place = 0.0, 0
+    away = np.full(len(points), math.inf)
+    joined = np.zeros(len(points), np.bool_)
+    for _ in range(len(points) - 1):
+        joined[place] = True
+        away = np.minimum(away, np.hypot(*(points - points[place]).T))
+        place = int(np.where(joined, math.inf, away).argmin())
+        tree += float(away[place])
+    return tree * (1.0 - 4 * len(points) * EPS)
+
+
+def _sets_of(near: IntArray) -> SetArray:
+    """The points of each memory as a set, shape (points, memories)."""
+    memories = np.arange(1 << near.shape[1])
+    has = memories[:, None] >> np.arange(near.shape[1]) & 1
+    sets: SetArray = (has[None] << near[:, None, :]).sum(axis=2)
+    return sets
+
+
+def _united(
+    sets: SetArray, lasts: IntArray, costs: FloatArray
+) -> tuple[SetArray, IntArray, FloatArray]:
+    """One state of each set and last point, with the least costs."""
+    if not sets.size:
+        return sets, lasts, costs
+    order = np.lexsort((lasts, sets))
+    sets, lasts = sets[order], lasts[order]
+    new = np.append(True, (np.diff(sets) != 0) | (np.diff(lasts) != 0))
+    begins = np.flatnonzero(new)
+    return sets[begins], lasts[begins], np.minimum.reduceat(costs[order], begins)
+
+
+def _arc_headings(ways: FloatArray) -> FloatArray:
+    """Headings with which one arc leads to a point that is this way off, or from it."""
+    distances = np.hypot(*ways.T)
+    near = np.argsort(distances, kind="stable")
+    near = near[(distances[near] > 0.0) & (distances[near] < 2.0)]
+    chords = np.arctan2(ways[near, 1], ways[near, 0])
+    halves = np.arcsin(0.5 * distances[near])
+    to = (chords + halves, chords - halves, chords + math.pi - halves, chords - math.pi + halves)
+    both = [*to, *(heading + math.pi for heading in to)]
+    return np.array(both).T.ravel()
+
+
+def _end_intervals(heading: float | None) -> Intervals:
+    """The intervals of the start or the target."""
+    if heading is not None:
+        return Intervals(
+            np.array([math.remainder(heading, TWO_PI)]), np.array([OVERLAP]), np.zeros(1)
+        )
+    width = TWO_PI / _AT_ENDS
+    middle = np.linspace(0.5 * width - math.pi, math.pi - 0.5 * width, _AT_ENDS)
+    return Intervals(middle, np.full(_AT_ENDS, 0.5 * width + OVERLAP), np.zeros(_AT_ENDS))
+
+
+def _pair_bounds(way: FloatArray, first: Intervals, last: Intervals) -> FloatArray:
+    live = np.ones((first.middle.size, last.middle.size), np.int8)
+    bounds, words = np.empty(live.shape), np.empty(live.shape, np.int8)
+    bound_leg(way, first, last, live, bounds, words)
+    return bounds

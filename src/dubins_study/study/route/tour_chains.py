@@ -1,0 +1,340 @@
+"""Compiled loops of the search for tours: bounds between points, chains, and sets of points.
+
+A point has some intervals of headings; `begin` says where those of each point begin, shape
+(points + 1,). A chain goes from interval to interval, from one point to another: its cost is the
+sum of the bounds of its legs. One that remembers only a few of the points that it has passed may
+come back to the others, so that the cheapest of them costs no more than any tour
+(docs/derivation.md, section 18). Everything is in units of the turning radius, headings in radians.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
+from dubins_study.study.closed_form.kernel_compile import compiled
+from dubins_study.study.route.box import Box
+from dubins_study.study.route.heading_grids import shortest_leg
+from dubins_study.study.route.leg_bound import box_bound
+
+SetArray = NDArray[np.int64]  # of sets of points: bit i is that of point i
+_NO_POINT = -1
+
+
+@compiled
+def bounds_between(
+    points: FloatArray,
+    begin: IntArray,
+    intervals: tuple[FloatArray, FloatArray, FloatArray],
+    new: BoolArray,
+    row: int,
+    bounds: FloatArray,
+) -> None:
+    """Write bounds of the legs from the intervals of one point to all others, where they are new.
+
+    Args:
+        intervals: middles, halves of widths and slopes of the potential.
+        new, bounds: shape (intervals, intervals).
+        row: the point.
+    """
+    middle, half, slope = intervals
+    for other in range(points.shape[0]):
+        x = points[other, 0] - points[row, 0]
+        y = points[other, 1] - points[row, 1]
+        for p in range(begin[row], begin[row + 1]):
+            for q in range(begin[other], begin[other + 1]):
+                if new[p, q]:
+                    box = Box(x, y, middle[p], half[p], slope[p], middle[q], half[q], slope[q], 0)
+                    bounds[p, q] = box_bound(box)[0]
+
+
+@compiled
+def lengths_between(points: FloatArray, begin: IntArray, headings: FloatArray) -> FloatArray:
+    """Shortest lengths between the headings of different points, shape (headings, headings)."""
+    lengths = np.full((headings.size, headings.size), math.inf)
+    for i in range(points.shape[0]):
+        for j in range(points.shape[0]):
+            if i == j:
+                continue
+            x = points[j, 0] - points[i, 0]
+            y = points[j, 1] - points[i, 1]
+            for p in range(begin[i], begin[i + 1]):
+                for q in range(begin[j], begin[j + 1]):
+                    lengths[p, q] = shortest_leg(x, y, headings[p], headings[q])[0]
+    return lengths
+
+
+@compiled
+def memories_after(near: IntArray) -> IntArray:
+    """The memory of a chain after it has gone on to a point, shape (points, memories, points).
+
+    A memory at a point is a set of its near points: bit k is that of `near[point, k]`, and bit 0
+    is the point itself. A point that is remembered is not gone to: -1.
+    """
+    n, size = near.shape
+    after = np.full((n, 1 << size, n), _NO_POINT)
+    for here in range(n):
+        for memory in range(1, 1 << size, 2):
+            for there in range(n):
+                known = False
+                following = 1
+                for k in range(size):
+                    if memory >> k & 1:
+                        known |= near[here, k] == there
+                        for slot in range(1, size):
+                            if near[there, slot] == near[here, k]:
+                                following |= 1 << slot
+                if not known:
+                    after[here, memory, there] = following
+    return after
+
+
+@compiled
+def first_chains(
+    begin: IntArray, after: IntArray, starts: FloatArray, prices: FloatArray
+) -> FloatArray:
+    """Costs of chains of one point, and room for longer ones.
+
+    Args:
+        after: `memories_after`.
+        starts: bounds from the start, shape (intervals,).
+        prices: shape (points,).
+
+    Returns:
+        Shape (points, memories, intervals): of chains of k + 1 points that end in an interval.
+    """
+    n, memories = after.shape[0], after.shape[1]
+    costs = np.full((n, memories, starts.size), math.inf)
+    for i in range(n):
+        for p in range(begin[i], begin[i + 1]):
+            costs[0, 1, p] = starts[p] - prices[i]
+    return costs
+
+
+@compiled
+def extend_chains(
+    costs: FloatArray,
+    k: int,
+    bounds: FloatArray,
+    begin: IntArray,
+    after: IntArray,
+    prices: FloatArray,
+) -> None:
+    """Write the least costs of chains of k + 2 points, less the prices of those.
+
+    Args:
+        costs: `first_chains`, with those of k + 1 points.
+        bounds: of legs, shape (intervals, intervals).
+        after: `memories_after`.
+        prices: shape (points,).
+    """
+    n, memories = after.shape[0], after.shape[1]
+    for here in range(n):
+        first, end = begin[here], begin[here + 1]
+        for memory in range(1, memories, 2):
+            if not costs[k, memory, first:end].min() < math.inf:
+                continue
+            for there in range(n):
+                following = after[here, memory, there]
+                if following == _NO_POINT:
+                    continue
+                target = costs[k + 1, following]
+                for p in range(first, end):
+                    cost = costs[k, memory, p] - prices[there]
+                    for q in range(begin[there], begin[there + 1]):
+                        total = cost + bounds[p, q]
+                        target[q] = total if total < target[q] else target[q]
+
+
+@compiled
+def cheapest_chain(
+    costs: FloatArray,
+    bounds: FloatArray,
+    begin: IntArray,
+    after: IntArray,
+    ends: FloatArray,
+) -> IntArray:
+    """The points of the cheapest chain of `chains`, from the first to the last."""
+    n, memories = after.shape[0], after.shape[1]
+    owner = np.empty(ends.size, np.int64)
+    for i in range(n):
+        owner[begin[i] : begin[i + 1]] = i
+    least, memory, place = math.inf, 1, 0
+    for m in range(1, memories, 2):
+        for p in range(ends.size):
+            total = costs[n - 1, m, p] + ends[p]
+            if total < least:
+                least, memory, place = total, m, p
+    chain = np.empty(n, np.int64)
+    for k in range(n - 1, -1, -1):
+        chain[k] = owner[place]
+        least, found, before = math.inf, 1, 0
+        for p in range(ends.size):
+            for m in range(1, memories, 2):
+                if k > 0 and after[owner[p], m, owner[place]] == memory:
+                    total = costs[k - 1, m, p] + bounds[p, place]
+                    if total < least:
+                        least, found, before = total, m, p
+        memory, place = found, before
+    return chain
+
+
+@compiled
+def cheapest_through(ahead: FloatArray, bounds: FloatArray, behind: FloatArray) -> FloatArray:
+    """The least cost of a chain through each pair of intervals, shape (intervals, intervals).
+
+    Args:
+        ahead: least costs of chains of k + 1 points that end in an interval, of whatever memory.
+        behind: the same backwards, from the tour's end.
+    """
+    n, size = ahead.shape
+    through = np.full((size, size), math.inf)
+    for k in range(n - 1):
+        for p in range(size):
+            for q in range(size):
+                total = ahead[k, p] + bounds[p, q] + behind[n - 2 - k, q]
+                through[p, q] = total if total < through[p, q] else through[p, q]
+    return through
+
+
+@compiled
+def extended(
+    sets: SetArray, lasts: IntArray, costs: FloatArray, bounds: FloatArray, begin: IntArray
+) -> tuple[SetArray, IntArray, FloatArray]:
+    """States of one more point: a set that is passed, its last point, costs by its intervals.
+
+    Args:
+        sets, lasts: shape (states,).
+        costs: shape (states, most intervals of a point).
+    """
+    n, most = begin.size - 1, costs.shape[1]
+    room = 0
+    for state in range(sets.size):
+        for there in range(n):
+            room += 1 - (sets[state] >> there & 1)
+    new_sets, new_lasts = np.empty(room, np.int64), np.empty(room, np.int64)
+    new_costs = np.full((room, most), math.inf)
+    count = 0
+    for state in range(sets.size):
+        here = lasts[state]
+        for there in range(n):
+            if sets[state] >> there & 1:
+                continue
+            new_sets[count] = sets[state] | (1 << there)
+            new_lasts[count] = there
+            row = new_costs[count]
+            for p in range(begin[here + 1] - begin[here]):
+                cost = costs[state, p]
+                for q in range(begin[there + 1] - begin[there]):
+                    total = cost + bounds[begin[here] + p, begin[there] + q]
+                    row[q] = total if total < row[q] else row[q]
+            count += 1
+    return new_sets, new_lasts, new_costs
+
+
+@compiled
+def leave_out(
+    sets: SetArray,
+    lasts: IntArray,
+    costs: FloatArray,
+    to_go: FloatArray,
+    remembered: SetArray,
+    begin: IntArray,
+    prices: FloatArray,
+    cutoff: float,
+) -> BoolArray:
+    """Which states may still end within the cutoff; costs that may not become infinite.
+
+    Args:
+        to_go: of `chains` backwards, for as many points as are left and the last one.
+        remembered: the points of each memory, shape (points, memories).
+    """
+    kept = np.zeros(sets.size, np.bool_)
+    for state in range(sets.size):
+        here = lasts[state]
+        paid = prices[here]
+        for i in range(prices.size):
+            if not (sets[state] >> i & 1):
+                paid += prices[i]
+        for place in range(begin[here + 1] - begin[here]):
+            least = math.inf
+            for memory in range(1, remembered.shape[1], 2):
+                if remembered[here, memory] & sets[state] == 1 << here:
+                    least = min(least, to_go[memory, begin[here] + place])
+            if costs[state, place] + least + paid <= cutoff:
+                kept[state] = True
+            else:
+                costs[state, place] = math.inf
+    return kept
+
+
+@compiled
+def order_length(
+    order: IntArray,
+    lengths: FloatArray,
+    begin: IntArray,
+    starts: FloatArray,
+    ends: FloatArray,
+    room: FloatArray,
+) -> float:
+    """The length of an order by the best of some headings a point; `room`: shape (2, headings)."""
+    here = order[0]
+    room[0, begin[here] : begin[here + 1]] = starts[begin[here] : begin[here + 1]]
+    for k in range(1, order.size):
+        there = order[k]
+        ahead, behind = room[k % 2], room[1 - k % 2]
+        for q in range(begin[there], begin[there + 1]):
+            ahead[q] = math.inf
+        for p in range(begin[here], begin[here + 1]):
+            for q in range(begin[there], begin[there + 1]):
+                total = behind[p] + lengths[p, q]
+                ahead[q] = total if total < ahead[q] else ahead[q]
+        here = there
+    last = room[(order.size - 1) % 2]
+    least = math.inf
+    for p in range(begin[here], begin[here + 1]):
+        least = min(least, last[p] + ends[p])
+    return float(least)
+
+
+_MOST_MOVED = 3  # points that change their place together
+_SHORTER = 1e-9  # radii; less is no reason for another order
+
+
+@compiled
+def better_order(
+    order: IntArray, lengths: FloatArray, begin: IntArray, starts: FloatArray, ends: FloatArray
+) -> float:
+    """Shorten an order in place where it can be, and return its length by `order_length`.
+
+    A part of it is turned round, or up to three points are moved to another place. Each is tried
+    once, so that a shorter order may be left: ask again as long as the length is less.
+    """
+    n = order.size
+    room = np.empty((2, starts.size))
+    least = order_length(order, lengths, begin, starts, ends, room)
+    for i in range(n):
+        for j in range(i + 1, n):
+            for moved in range(-_MOST_MOVED, min(_MOST_MOVED, j - i) + 1):
+                # moved points of order[i : j + 1] go from its front to its end, or back
+                size = abs(moved)
+                if size > j - i:
+                    continue
+                part = order[i : j + 1]
+                trial = order.copy()
+                if moved == 0:
+                    trial[i : j + 1] = part[::-1]
+                elif moved > 0:
+                    trial[i : j + 1 - size] = part[size:]
+                    trial[j + 1 - size : j + 1] = part[:size]
+                else:
+                    trial[i : i + size] = part[part.size - size :]
+                    trial[i + size : j + 1] = part[: part.size - size]
+                length = order_length(trial, lengths, begin, starts, ends, room)
+                if length < least - _SHORTER:
+                    least = length
+                    order[:] = trial
+    return float(least)
