@@ -15,7 +15,17 @@ from typing import Any, ClassVar, NamedTuple
 
 from dubins_study.solvers.protocol import Method, Solver
 from dubins_study.solvers.setting_checks import OPTION_SETS, Options, missing_package
-from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
+from dubins_study.study.words import (
+    CONSTRAINTS,
+    DERIVATIVE_FREE,
+    MILP,
+    NLP,
+    PROVEN,
+    QP,
+    ROOTS,
+    ROUTING,
+    SAMPLING,
+)
 
 
 class Engine(NamedTuple):
@@ -343,6 +353,12 @@ ENGINES = {
             why="one thread, as all engines have",
         ),
     ),
+    # Of OR-tools, in whose package lies another HiGHS than highspy's: a process that has loaded one
+    # of the two cannot load the other.
+    # counts the processor's seconds
+    "cbc": Engine("CBC", MILP, ("ortools",), keeps_limit=False),
+    "cp-sat": Engine("CP-SAT", CONSTRAINTS, ("ortools",), keeps_limit=False),
+    "routing": Engine("OR-Tools routing", ROUTING, ("ortools",), keeps_limit=False),
 }
 
 

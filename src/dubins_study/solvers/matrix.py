@@ -8,14 +8,17 @@ from dubins_study.solvers.engines import APART, ENGINES
 from dubins_study.solvers.registry import SolverError, load, stated_method, unavailable
 from dubins_study.study.rows.manifest import MatrixEntry
 from dubins_study.study.words import (
+    CONSTRAINTS,
     DERIVATIVE_FREE,
     EXACT,
     FORMULATION_LIST,
     FORMULATIONS,
+    MILP,
     NLP,
     PROVEN,
     QP,
     ROOTS,
+    ROUTING,
     SAMPLING,
 )
 
@@ -29,6 +32,9 @@ _REASONS = {
     DERIVATIVE_FREE: _BOUNDS_ONLY,
     ROOTS: "finds roots of as many equations as unknowns, minimises nothing",
     QP: "takes no nonlinear equations; turn rates are a sequence of convex programs",
+    MILP: "reads linear rows only",
+    CONSTRAINTS: "reads whole numbers only",
+    ROUTING: "plans visits of vehicles, and reads no equations",
 }
 
 
@@ -68,11 +74,13 @@ def _of_engine(name: str, kind: str) -> Iterator[MatrixEntry]:
     for formulation in FORMULATION_LIST:
         asked = solvers.get(formulation.name)
         reason: str | None = formulation.reasons.get(kind, _REASONS[kind])
+        engine = label
         if asked is not None:
             reason = unavailable(asked[1])
+            engine = stated_method(asked[1]).engine  # exact ones are several
         yield MatrixEntry(
             formulation=formulation.name,
-            engine=label,
+            engine=engine,
             kind=kind,
             spec=asked[0] if asked and reason is None else None,
             reason=reason,

@@ -140,6 +140,26 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "infeasible": ("kInfeasible", "kUnboundedOrInfeasible"),
         "limit": ("kTimeLimit", "kIterationLimit", "kMemoryLimit"),
     },
+    # names of OR-tools: linear_solver.h, cp_model.proto, routing.h
+    "cbc": {
+        "optimal": ("OPTIMAL",),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("FEASIBLE", "NOT_SOLVED"),
+    },
+    "cp-sat": {
+        "optimal": ("OPTIMAL",),
+        "feasible": ("FEASIBLE",),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("UNKNOWN",),
+    },
+    # a success is a local optimum; the other one was ended by the limit
+    "routing": {
+        "optimal": ("ROUTING_OPTIMAL",),
+        "local": ("ROUTING_SUCCESS",),
+        "feasible": ("ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED",),
+        "infeasible": ("ROUTING_INFEASIBLE",),
+        "limit": ("ROUTING_FAIL_TIMEOUT",),
+    },
     # of a problem that it calls infeasible it may give the point that is nearest to feasible
     "proxqp": {
         "optimal": ("PROXQP_SOLVED",),

@@ -185,6 +185,27 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "failed": ("unbounded", "infeasible (inaccurate)", "interrupted", "indeterminate"),
     },
+    "cbc": {
+        "optimal": ("OPTIMAL",),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("FEASIBLE", "NOT_SOLVED"),
+        "failed": ("UNBOUNDED", "ABNORMAL", "MODEL_INVALID"),
+    },
+    "cp-sat": {
+        "optimal": ("OPTIMAL",),
+        "feasible": ("FEASIBLE",),
+        "infeasible": ("INFEASIBLE",),
+        "limit": ("UNKNOWN",),
+        "failed": ("MODEL_INVALID",),
+    },
+    "routing": {
+        "optimal": ("ROUTING_OPTIMAL",),
+        "local": ("ROUTING_SUCCESS",),
+        "feasible": ("ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED",),
+        "infeasible": ("ROUTING_INFEASIBLE",),
+        "limit": ("ROUTING_FAIL_TIMEOUT",),
+        "failed": ("ROUTING_NOT_SOLVED", "ROUTING_FAIL", "ROUTING_INVALID"),
+    },
     "highs": {
         "optimal": ("kOptimal",),
         "infeasible": ("kInfeasible", "kUnboundedOrInfeasible"),

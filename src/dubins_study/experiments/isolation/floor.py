@@ -17,11 +17,15 @@ from dubins_study.solvers.convex.solver import Convex
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.one_leg.model import case_of, end_point
 from dubins_study.solvers.paper_nlp.nlp import PaperNlp
-from dubins_study.solvers.protocol import Solver
+from dubins_study.solvers.protocol import Question, Solver
 from dubins_study.solvers.registry import load
+from dubins_study.solvers.tour.circuit import TourCircuit
+from dubins_study.solvers.tour.milp import TourMilp
+from dubins_study.solvers.tour.routing import TourRouting
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.body_coordinates import Local
 from dubins_study.study.convex.problem import read
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import DERIVATIVE_FREE, NLP, PROVEN, QP, ROOTS, SAMPLING
 
 # The first call loads and compiles; the least of the others counts.
@@ -54,6 +58,8 @@ def _trivial(solver: Solver) -> Callable[[], Any] | None:
         return _word(solver)
     if isinstance(solver, Convex):
         return _one_variable(solver)
+    if isinstance(solver, TourMilp | TourCircuit | TourRouting):
+        return _two_places(solver)
     engine = getattr(solver, "engine", getattr(solver, "root", None))
     if not isinstance(engine, str) or engine not in ENGINES:
         return None
@@ -72,6 +78,12 @@ def _one_variable(solver: Convex) -> Callable[[], Any]:
     """A frozen problem of one variable, built and solved."""
     problem, ask = read("trivial"), Ask(solver.tolerance, _LIMIT_S)
     return lambda: prepare(solver.engine, solver.interface, problem)(ask)
+
+
+def _two_places(solver: Solver) -> Callable[[], Any]:
+    """A tour of two places with one heading each, built once."""
+    model = solver.build(Question(Scenario(target_x=5, target_y=0, final_heading=0)))
+    return lambda: solver.solve(model, _LIMIT_S)
 
 
 def _nlp(engine: str) -> Callable[[], Any] | None:

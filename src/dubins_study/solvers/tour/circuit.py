@@ -1,0 +1,110 @@
+"""`tour-circuit`: a tour through headings on a grid, by CP-SAT's circuit with optional nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.statuses import claim_of
+from dubins_study.solvers.tour.graph import (
+    COSTS,
+    LENGTHS,
+    Graph,
+    answered,
+    found_by,
+    graph_of,
+)
+from dubins_study.solvers.tour.places import empty_path
+from dubins_study.study.words import NEEDS, Claim
+
+_ENGINE = ENGINES["cp-sat"]
+
+
+@dataclass(frozen=True)
+class TourCircuit(Solver):
+    """Points in any order and headings on a grid: a circuit that leaves nodes out.
+
+    A literal for each arc, and one for each heading that is not driven through. Costs are whole
+    numbers of about a millionth of a radius, rounded down.
+
+    Args:
+        costs, headings, gap, polish, seed: as those of `tour-milp`.
+    """
+
+    costs: str = one_of(LENGTHS, COSTS)
+    headings: int = whole(8, 2, 360)
+    gap: float = within(1e-6, 0, 1, ends=False)
+    polish: bool = False
+    seed: int = whole(0, 0, 10**6)
+
+    name: ClassVar[str] = "tour-circuit"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
+    summary: ClassVar[str] = "tours: order and headings on a grid, by CP-SAT's circuit"
+    # OR-tools carries another HiGHS than highspy, and no process can load both
+    keeps_limit = False
+    variants: ClassVar[tuple[str, ...]] = ("tour-circuit[costs=bounds]",)
+
+    @property
+    def method(self) -> Method:
+        return Method("tour circuit", _ENGINE.label)
+
+    def unavailable(self) -> str | None:
+        return _ENGINE.unavailable()
+
+    def build(self, question: Question) -> tuple[Graph, Circuit]:
+        graph = graph_of(question, self.headings, self.costs)
+        return graph, _circuit(graph)
+
+    def solve(self, model: tuple[Graph, Circuit], limit: float) -> Solution:
+        from ortools.sat.python import cp_model
+
+        graph, circuit = model
+        if there := empty_path(graph.question):
+            return there
+        began = perf_counter()
+        engine = cp_model.CpSolver()
+        engine.parameters.max_time_in_seconds = limit
+        engine.parameters.num_workers = 1
+        engine.parameters.random_seed = self.seed + graph.question.repeat
+        engine.parameters.relative_gap_limit = self.gap
+        status = engine.status_name(engine.solve(circuit.program))
+        claim = claim_of("cp-sat", status)
+        x = None
+        if claim in (Claim.OPTIMAL, Claim.FEASIBLE):
+            x = np.array(engine.values(circuit.literals))
+        bound = engine.best_objective_bound / circuit.scale
+        found = found_by(graph, x, claim, status, bound, int(engine.num_branches))
+        return answered(graph, found, perf_counter() - began, self.polish)
+
+
+class Circuit(NamedTuple):
+    """The model, and how many units of cost a radius has."""
+
+    program: Any
+    literals: list[Any]  # of the arcs
+    scale: float
+
+
+def _circuit(graph: Graph) -> Circuit:
+    from ortools.sat.python import cp_model
+
+    program = cp_model.CpModel()
+    arcs = list(zip(graph.tails.tolist(), graph.heads.tolist(), strict=True))
+    literals = [program.new_bool_var("") for _ in arcs]
+    skipped = [program.new_bool_var("") for _ in graph.owner]
+    circuit = [(tail, head, literal) for (tail, head), literal in zip(arcs, literals, strict=True)]
+    circuit += [(node, node, literal) for node, literal in enumerate(skipped)]
+    program.add_circuit(circuit)
+    for place in range(graph.places.count):
+        program.add_exactly_one(skipped[node].negated() for node in graph.nodes(place))
+    costs, scale = graph.whole_costs()
+    program.minimize(cp_model.LinearExpr.weighted_sum(literals, costs.tolist()))
+    return Circuit(program, literals, scale)

@@ -1,0 +1,185 @@
+"""A tour as a generalised travelling salesman problem: some headings a place, one is passed.
+
+The costs of its arcs are the shortest lengths between headings, or proven bounds of legs between
+intervals of headings. With bounds no tour costs more than it is long, in any order, so that a bound
+of the program's optimum is one of the question's.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.route.grid import layers_between
+from dubins_study.solvers.runs import EngineResult, Run, spent
+from dubins_study.solvers.tour.order_headings import headings_on_grid, polished
+from dubins_study.solvers.tour.places import Places, places_of, tour_path
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import FloatArray, IntArray
+from dubins_study.study.words import Claim
+
+LENGTHS, BOUNDS = COSTS = ("lengths", "bounds")
+# Of a bound: more than tolerances of engines and rounded sums make of it.
+_SAFE = 1e-6
+_UNITS = 1e6  # of whole costs in a radius, where the costs are not too long for that
+_MOST_UNITS = 1e12  # of all places together
+
+
+class Graph(NamedTuple):
+    """A question's headings as nodes, and arcs between those of places that may follow."""
+
+    question: Question
+    places: Places
+    per_place: int  # headings or intervals
+    of_bounds: bool  # whether costs are bounds over intervals, and headings their middles
+    owner: IntArray  # place of each node, shape (n,)
+    headings: FloatArray  # of each node (rad), shape (n,)
+    tails: IntArray  # nodes, shape (arcs,)
+    heads: IntArray
+    costs: FloatArray  # radii
+
+    @property
+    def pairs(self) -> tuple[IntArray, IntArray]:
+        """The places at both ends of each arc."""
+        return self.owner[self.tails], self.owner[self.heads]
+
+    def nodes(self, place: int) -> list[int]:
+        """The nodes of a place."""
+        nodes: list[int] = np.flatnonzero(self.owner == place).tolist()
+        return nodes
+
+    def whole_costs(self) -> tuple[IntArray, float]:
+        """Costs as whole numbers, rounded down, and how many of their units a radius has."""
+        longest = max(float(self.costs.max()) * self.places.count, 1.0)
+        scale = min(_UNITS, _MOST_UNITS / longest)
+        return np.floor(self.costs * scale).astype(np.int64), scale
+
+
+class Found(NamedTuple):
+    """The end of one run of an engine."""
+
+    tour: list[int] | None  # nodes from the start on, one of each place
+    claim: Claim
+    status: str
+    bound: float = -math.inf  # radii
+    cost: float = math.inf  # radii; of the tour
+    nodes: int | None = None  # of the engine's tree
+
+
+def graph_of(question: Question, count: int, costs: str) -> Graph:
+    """The graph of a question with this many headings or intervals a place."""
+    places = places_of(question.scenario)
+    grid = places.headings(count)
+    owner = np.repeat(np.arange(places.count), [each.size for each in grid])
+    begin = np.searchsorted(owner, np.arange(places.count + 1))
+    table = np.zeros((owner.size, owner.size))
+    for i, j in np.argwhere(places.next_places):
+        if j == 0 and not places.closed:  # an open tour does not go back to its start
+            continue
+        step = places.points[j] - places.points[i]
+        if costs == BOUNDS:
+            halves = [0.0 if places.given[k] is not None else math.pi / count for k in (i, j)]
+            block = _bounds(step, (grid[i], halves[0]), (grid[j], halves[1]))
+        else:
+            [block] = layers_between([grid[i], grid[j]], step[None]).lengths
+        table[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] = block
+    tails, heads = np.nonzero(places.next_places[owner[:, None], owner])
+    arcs = tails, heads, table[tails, heads]
+    return Graph(question, places, count, costs == BOUNDS, owner, np.concatenate(grid), *arcs)
+
+
+def _bounds(
+    step: FloatArray, first: tuple[FloatArray, float], last: tuple[FloatArray, float]
+) -> FloatArray:
+    """Bounds of a leg over intervals at both ends: their middles, and half of their width."""
+    from dubins_study.study.route.intervals import OVERLAP  # loads Numba
+    from dubins_study.study.route.leg_bound import bound_leg
+
+    ends = []
+    for headings, half in (first, last):
+        middles = np.remainder(headings + math.pi, TWO_PI) - math.pi
+        # the remainder's rounding grows with the heading
+        wide = half + OVERLAP * (1.0 + np.abs(headings))
+        ends.append((middles, wide, np.zeros(middles.size)))
+    live = np.ones((first[0].size, last[0].size), np.int8)
+    bounds = np.empty(live.shape)
+    bound_leg(step, *ends, live, bounds, np.empty(live.shape, np.int8))
+    return np.maximum(bounds, np.hypot(*step))
+
+
+def found_by(
+    graph: Graph, x: FloatArray | None, claim: Claim, status: str, bound: float, nodes: int
+) -> Found:
+    """What an engine found whose x has a number for each arc."""
+    tours = [] if x is None else cycles(graph, x)
+    if x is None or len(tours) != 1:
+        return Found(None, claim, status, bound, nodes=nodes)
+    cost = float(graph.costs @ x[: graph.costs.size])
+    return Found(tours[0], claim, status, bound, cost, nodes)
+
+
+def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:
+    """The nodes along each cycle of arcs whose number in x is near 1; the start's first."""
+    chosen = x[: graph.costs.size] > 0.5
+    after = dict(zip(graph.tails[chosen].tolist(), graph.heads[chosen].tolist(), strict=True))
+    found = []
+    while after:
+        node = min(after)
+        cycle = []
+        while node in after:
+            cycle.append(node)
+            node = after.pop(node)
+        found.append(cycle)
+    return found
+
+
+def answered(graph: Graph, found: Found, seconds: float, polish: bool) -> Solution:
+    """The solution of what an engine found.
+
+    The bound is the question's only if the costs are bounds. The claim is `feasible`: an optimum of
+    the program is none of the question.
+    """
+    scenario = graph.question.scenario
+    places = graph.places
+    result = EngineResult(np.empty(0), found.claim, iterations=found.nodes, status=found.status)
+    run = Run("tour", seconds, result, result.x)
+    lower_bound = None
+    if graph.of_bounds and 0.0 < found.bound < math.inf:
+        lower_bound = found.bound * (1.0 - _SAFE) * scenario.radius
+    if found.tour is None:
+        claim = Claim.LIMIT if found.claim is not Claim.FAILED else Claim.FAILED
+        message = f"no tour; {_bound_text(graph, found)}"
+        return Solution(claim, lower_bound=lower_bound, message=message, **spent([run]))
+    order = graph.owner[found.tour].tolist()
+    headings = graph.headings[found.tour]
+    if places.closed:
+        headings = np.append(headings, headings[0])
+    if graph.of_bounds:
+        headings = headings_on_grid(places, order, graph.per_place)
+    if polish:
+        headings = polished(places, order, headings, graph.per_place)
+    path = tour_path(scenario, places, order, headings)
+    return Solution(
+        Claim.FEASIBLE,
+        path=path,
+        claimed_length=path.length,
+        lower_bound=lower_bound,
+        message=_bound_text(graph, found) + "; then polished" * polish,
+        **spent([run], run),
+    )
+
+
+def _bound_text(graph: Graph, found: Found) -> str:
+    """What the engine proves, and of what."""
+    if found.bound == -math.inf:
+        return "no bound"
+    text = f"bound {found.bound * graph.question.scenario.radius:.9g}"
+    if found.tour is not None:
+        open_part = max(0.0, found.cost - found.bound)
+        text += f", gap {open_part / max(found.cost, 1.0 / _UNITS):.2g}"
+    if graph.of_bounds:
+        return f"{text}, of bounds over {graph.per_place} intervals a point"
+    return f"{text}, of {graph.per_place} headings a point only, not of the scenario"

@@ -1,0 +1,135 @@
+"""The generalised travelling salesman problem as a mixed-integer linear program.
+
+x is 1 on each arc that is driven. As many arcs reach a node as leave it, and one leaves each place.
+What forbids subtours is the model: `flow`, a commodity of which each place but the start takes one
+(Gavish and Graves 1978); `mtz`, positions of the places (Miller, Tucker and Zemlin 1960); `cuts`,
+rows that are added where a subtour is found (Dantzig, Fulkerson and Johnson 1954).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import block_array, csr_array, hstack, vstack
+
+from dubins_study.solvers.tour.graph import Graph
+from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
+
+FLOW, MTZ, CUTS = MODELS = ("flow", "mtz", "cuts")
+
+
+class LinearProgram(NamedTuple):
+    """min cost z subject to least <= rows z <= most and low <= z <= high, some z whole."""
+
+    cost: FloatArray  # shape (n,); the arcs come first
+    rows: csr_array
+    least: FloatArray
+    most: FloatArray
+    low: FloatArray
+    high: FloatArray
+    whole: BoolArray
+
+
+def program_of(graph: Graph, model: str) -> LinearProgram:
+    """The program of a graph with one of `MODELS`; that of `cuts` has no row against subtours."""
+    nodes = graph.owner.size
+    places = graph.places.count
+    arcs = np.arange(graph.costs.size)
+    i, j = graph.pairs
+    leave = _ones(graph.tails, arcs, nodes)
+    reach = _ones(graph.heads, arcs, nodes)
+    once = np.concatenate((np.zeros(nodes), np.ones(places)))
+    degrees = LinearProgram(
+        cost=graph.costs,
+        rows=csr_array(vstack([leave - reach, _ones(i, arcs, places)])),
+        least=once,
+        most=once,
+        low=np.zeros(arcs.size),
+        high=np.ones(arcs.size),
+        whole=np.ones(arcs.size, np.bool_),
+    )
+    if model == CUTS:
+        return degrees
+    codes, pair_of = np.unique(i * places + j, return_inverse=True)
+    z = _ones(pair_of, arcs, codes.size)  # whether one place follows another
+    i, j = np.divmod(codes, places)
+    if model == FLOW:
+        return _with_flow(degrees, z[j > 0], i[j > 0], j[j > 0])
+    inner = (i > 0) & (j > 0)
+    return _with_positions(degrees, z[inner], i[inner], j[inner], places)
+
+
+def _ones(rows: IntArray, columns: IntArray, height: int) -> csr_array:
+    """A matrix with a 1 in each of these places."""
+    return csr_array((np.ones(rows.size), (rows, columns)), shape=(height, columns.size))
+
+
+def _with_flow(program: LinearProgram, z: csr_array, i: IntArray, j: IntArray) -> LinearProgram:
+    """With a flow from i to j, of at most what is left to be passed; none goes to the start."""
+    flows = np.arange(i.size)
+    places = int(j.max()) + 1
+    taken = (_ones(j, flows, places) - _ones(i, flows, places))[1:]
+    most = np.where(i == 0, places - 1.0, places - 2.0)
+    return _extended(
+        program,
+        [[None, taken], [z.multiply(-most[:, None]), _ones(flows, flows, i.size)]],
+        least=np.concatenate((np.ones(places - 1), np.full(i.size, -np.inf))),
+        most=np.concatenate((np.ones(places - 1), np.zeros(i.size))),
+        high=most,
+    )
+
+
+def _with_positions(
+    program: LinearProgram, z: csr_array, i: IntArray, j: IntArray, places: int
+) -> LinearProgram:
+    """With the position of each place: that of j is at least 1 more than that of i before it."""
+    rows = np.arange(i.size)
+    ahead = csr_array((np.ones(i.size), (rows, i)), shape=(i.size, places))
+    behind = csr_array((np.ones(i.size), (rows, j)), shape=(i.size, places))
+    most = places - 2.0
+    return _extended(
+        program,
+        [[(most + 1.0) * z, ahead - behind]],
+        least=np.full(i.size, -np.inf),
+        most=np.full(i.size, most),
+        high=np.full(places, most),
+    )
+
+
+def _extended(
+    program: LinearProgram,
+    blocks: list[list[Any]],
+    least: FloatArray,
+    most: FloatArray,
+    high: FloatArray,
+) -> LinearProgram:
+    """The program with further rows, and further variables from 0 on that cost nothing."""
+    zeros = np.zeros(high.size)
+    wide = csr_array((program.least.size, high.size))
+    return LinearProgram(
+        cost=np.concatenate((program.cost, zeros)),
+        rows=csr_array(vstack([hstack([program.rows, wide]), block_array(blocks)])),
+        least=np.concatenate((program.least, least)),
+        most=np.concatenate((program.most, most)),
+        low=np.concatenate((program.low, zeros)),
+        high=np.concatenate((program.high, high)),
+        whole=np.concatenate((program.whole, zeros > 0.0)),
+    )
+
+
+def with_cuts(program: LinearProgram, graph: Graph, subtours: list[list[int]]) -> LinearProgram:
+    """The program with a row for each subtour: of the arcs that leave its places one is driven."""
+    i, j = graph.pairs
+    rows = []
+    for nodes in subtours:
+        places = graph.owner[nodes]
+        rows.append(np.isin(i, places) & ~np.isin(j, places))
+    cuts = np.ones(len(rows))
+    return _extended(
+        program,
+        [[csr_array(np.array(rows, np.float64))]],
+        least=cuts,
+        most=np.inf * cuts,
+        high=cuts[:0],
+    )

@@ -1,0 +1,101 @@
+"""`tour-milp`: a tour through headings on a grid, by engines of mixed-integer linear programs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import ClassVar
+
+from dubins_study.solvers.engines import EngineSolver, packages
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
+from dubins_study.solvers.setting_checks import one_of, whole, within
+from dubins_study.solvers.tour.graph import (
+    COSTS,
+    LENGTHS,
+    Graph,
+    answered,
+    cycles,
+    found_by,
+    graph_of,
+)
+from dubins_study.solvers.tour.linear_program import (
+    CUTS,
+    FLOW,
+    MODELS,
+    LinearProgram,
+    program_of,
+    with_cuts,
+)
+from dubins_study.solvers.tour.milp_engines import ENGINE_CALLS, FEASIBILITY, Asked
+from dubins_study.solvers.tour.places import empty_path
+from dubins_study.study.words import NEEDS, Claim
+
+_ENGINES = tuple(ENGINE_CALLS)
+
+
+@dataclass(frozen=True)
+class TourMilp(EngineSolver):
+    """Points in any order and headings on a grid: a generalised travelling salesman problem.
+
+    Args:
+        engine: `highs`, `scip`, or `cbc` by OR-tools.
+        model: what forbids subtours: `flow`, `mtz`, or `cuts`, which are added while some are
+            found.
+        costs: `lengths` of legs between headings: an optimum of the grid, and no bound; or `bounds`
+            of legs between intervals of headings: the engine's bound is one of the question, and
+            the tour has the best headings of the grid in the order that is found.
+        headings: headings or intervals at each point.
+        gap: relative gap at which the engine calls an answer optimal.
+        polish: whether the headings of the tour are improved at the end, off the grid; by this
+            package, not the engine.
+        seed: of the engine, together with the question's repeat.
+    """
+
+    engine: str = one_of("highs", _ENGINES)
+    model: str = one_of(FLOW, MODELS)
+    costs: str = one_of(LENGTHS, COSTS)
+    headings: int = whole(8, 2, 360)
+    gap: float = within(1e-6, 0, 1, ends=False)
+    polish: bool = False
+    seed: int = whole(0, 0, 10**6)
+
+    name: ClassVar[str] = "tour-milp"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
+    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
+    summary: ClassVar[str] = "tours: order and headings on a grid, by a MILP engine"
+    keeps_limit = False  # thousands of arcs take seconds to state
+    variants: ClassVar[tuple[str, ...]] = (
+        *("tour-milp[engine=scip]", "tour-milp[engine=cbc]"),
+        *("tour-milp[model=mtz]", "tour-milp[model=cuts]", "tour-milp[costs=bounds]"),
+    )
+
+    @property
+    def method(self) -> Method:
+        return Method("tour MILP", self.library.label, "none", FEASIBILITY)
+
+    def build(self, question: Question) -> tuple[Graph, LinearProgram]:
+        graph = graph_of(question, self.headings, self.costs)
+        return graph, program_of(graph, self.model)
+
+    def solve(self, model: tuple[Graph, LinearProgram], limit: float) -> Solution:
+        graph, program = model
+        if there := empty_path(graph.question):
+            return there
+        began = perf_counter()
+        asked = Asked(limit, self.gap, self.seed + graph.question.repeat)
+        call = ENGINE_CALLS[self.engine]
+        result = call(program, asked)
+        bound = result.bound
+        nodes = result.nodes or 0
+        while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
+            subtours = cycles(graph, result.x)
+            left = limit - (perf_counter() - began)
+            if len(subtours) == 1 or left <= 0.0:
+                break
+            program = with_cuts(program, graph, subtours)
+            result = call(program, asked._replace(seconds=left))
+            bound = max(bound, result.bound)
+            nodes += result.nodes or 0
+        found = found_by(graph, result.x, result.claim, result.status, bound, nodes)
+        return answered(graph, found, perf_counter() - began, self.polish)

@@ -1,0 +1,94 @@
+"""The places of a tour in units of the radius, and the path through them in one order.
+
+A route in its given order is a tour with one way on from each place, one leg a tour of two places.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dubins_study.solvers.course import coordinate_rounding, path_of
+from dubins_study.solvers.protocol import Question, Solution
+from dubins_study.solvers.route.legs import WORD_TURNS, legs
+from dubins_study.solvers.runs import at_start
+from dubins_study.study.angle import TWO_PI
+from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.body_coordinates import local
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.words import Order
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """The start, the via points, and the target if it is another point; place 0 is the start."""
+
+    points: FloatArray  # shape (m, 2), radii, seen from the start
+    given: tuple[float | None, ...]  # headings at the places (rad); None where free
+    with_target: bool  # whether the last place is the target, which is passed last
+    closed: bool
+    in_order: bool  # whether the via points are passed in their order
+
+    @property
+    def count(self) -> int:
+        """m."""
+        return len(self.points)
+
+    @property
+    def next_places(self) -> BoolArray:
+        """Whether a tour may go on from one place to another, shape (m, m).
+
+        It goes back to the start from its end: this is a leg only if the tour is closed.
+        """
+        m = self.count
+        if self.in_order:
+            return np.eye(m, k=1, dtype=np.bool_) | np.eye(m, k=1 - m, dtype=np.bool_)
+        may = ~np.eye(m, dtype=np.bool_)
+        if self.with_target:
+            may[1:-1, 0] = False
+            may[-1, 1:] = False
+            may[0, -1] = m == 2
+        return may
+
+    def steps(self, order: list[int]) -> FloatArray:
+        """From each place of an order, which begins with 0, to the next, shape (legs, 2)."""
+        passed = [*order, 0] if self.closed else order
+        steps: FloatArray = np.diff(self.points[passed], axis=0)
+        return steps
+
+    def headings(self, count: int) -> list[FloatArray]:
+        """Equally many headings at each place, from the start's on; one where it is given."""
+        first = self.given[0] or 0.0
+        grid: FloatArray = first + (TWO_PI / count) * np.arange(count, dtype=np.float64)
+        return [grid if heading is None else np.array([heading]) for heading in self.given]
+
+
+def places_of(scenario: Scenario) -> Places:
+    """The places of a scenario."""
+    stops = scenario.stops[:-1] if scenario.closed else scenario.stops
+    points = [(scenario.x, scenario.y), *((stop.x, stop.y) for stop in stops)]
+    return Places(
+        points=(np.array(points) - points[0]) / scenario.radius,
+        given=(scenario.heading, *(stop.heading for stop in stops)),
+        with_target=scenario.target is not None and not scenario.closed,
+        closed=scenario.closed,
+        in_order=scenario.order is Order.GIVEN,
+    )
+
+
+def empty_path(question: Question) -> Solution | None:
+    """The path of no length where one leg's target is its start, or None."""
+    scenario = question.scenario
+    if not scenario.one_free_leg:
+        return None
+    return at_start(scenario, local(scenario), coordinate_rounding(scenario))
+
+
+def tour_path(scenario: Scenario, places: Places, order: list[int], headings: FloatArray) -> Path:
+    """The shortest legs between headings, shape (legs + 1,), at the places of an order."""
+    x, y = places.steps(order).T
+    segments, words = legs(x, y, headings[:-1], headings[1:])
+    start = Pose(scenario.x, scenario.y, float(headings[0]))
+    return path_of(scenario, WORD_TURNS[words].ravel(), segments.T.ravel(), start)

@@ -1,0 +1,114 @@
+"""`tour-routing`: a tour through headings on a grid, by OR-tools' routing library."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import ClassVar
+
+import numpy as np
+
+from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import one_of, whole
+from dubins_study.solvers.statuses import claim_of
+from dubins_study.solvers.tour.graph import (
+    LENGTHS,
+    Found,
+    Graph,
+    answered,
+    graph_of,
+)
+from dubins_study.solvers.tour.places import empty_path
+from dubins_study.study.words import FREE_START, NEEDS
+
+_ENGINE = ENGINES["routing"]
+DESCENT, GUIDED = _SEARCHES = ("descent", "guided")
+# `operations_research::routing::RoutingSearchStatus`
+_STATUSES = (
+    *("ROUTING_NOT_SOLVED", "ROUTING_SUCCESS"),
+    *("ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED", "ROUTING_FAIL"),
+    *("ROUTING_FAIL_TIMEOUT", "ROUTING_INVALID", "ROUTING_INFEASIBLE", "ROUTING_OPTIMAL"),
+)
+
+
+@dataclass(frozen=True)
+class TourRouting(Solver):
+    """Points in any order and headings on a grid: a vehicle that visits one heading a point.
+
+    The headings of a point are a disjunction of which one is visited. The library proves nothing
+    and draws no random numbers.
+
+    Args:
+        headings, polish: as those of `tour-milp`.
+        search: `descent` ends in a local optimum; `guided` goes on from it by guided local search
+            until the time is up.
+    """
+
+    headings: int = whole(8, 2, 360)
+    search: str = one_of(DESCENT, _SEARCHES)
+    polish: bool = False
+
+    name: ClassVar[str] = "tour-routing"
+    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    # the vehicle has one depot: the start with its heading
+    takes: ClassVar[frozenset[str]] = frozenset(NEEDS) - {FREE_START}
+    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
+    summary: ClassVar[str] = "tours: order and headings on a grid, by OR-tools' routing library"
+    keeps_limit = False  # as that of `tour-circuit`
+
+    @property
+    def method(self) -> Method:
+        return Method("tour routing", _ENGINE.label)
+
+    def unavailable(self) -> str | None:
+        return _ENGINE.unavailable()
+
+    def build(self, question: Question) -> Graph:
+        return graph_of(question, self.headings, LENGTHS)
+
+    def solve(self, model: Graph, limit: float) -> Solution:
+        if there := empty_path(model.question):
+            return there
+        began = perf_counter()
+        found = _visited(model, self.search, limit)
+        return answered(model, found, perf_counter() - began, self.polish)
+
+
+def _visited(graph: Graph, search: str, seconds: float) -> Found:
+    """The nodes that the vehicle visits, from the start on."""
+    from ortools.constraint_solver import pywrapcp, routing_enums_pb2
+
+    began = perf_counter()
+    count = graph.owner.size
+    manager = pywrapcp.RoutingIndexManager(count, 1, 0)
+    routing = pywrapcp.RoutingModel(manager)
+    costs, _ = graph.whole_costs()
+    never = 10**13  # more than all whole costs together
+    table = np.full((count, count), never, np.int64)
+    table[graph.tails, graph.heads] = costs
+    routing.SetArcCostEvaluatorOfAllVehicles(routing.RegisterTransitMatrix(table.tolist()))
+    for place in range(1, graph.places.count):
+        must = -1  # the penalty of a disjunction that cannot be left out
+        nodes = [manager.NodeToIndex(node) for node in graph.nodes(place)]
+        routing.AddDisjunction(nodes, must, 1)
+    parameters = pywrapcp.DefaultRoutingSearchParameters()
+    first = routing_enums_pb2.FirstSolutionStrategy
+    parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC
+    goes_on = routing_enums_pb2.LocalSearchMetaheuristic
+    parameters.local_search_metaheuristic = (
+        goes_on.GUIDED_LOCAL_SEARCH if search == GUIDED else goes_on.GREEDY_DESCENT
+    )
+    left = max(seconds - (perf_counter() - began), 0.01)
+    parameters.time_limit.FromMilliseconds(int(1000 * left))
+    tour = routing.SolveWithParameters(parameters)
+    status = _STATUSES[routing.status()]
+    claim = claim_of("routing", status)
+    if tour is None or tour.ObjectiveValue() >= never:  # it has an arc that is none
+        return Found(None, claim, status)
+    index = routing.Start(0)
+    visited = []
+    while not routing.IsEnd(index):
+        visited.append(manager.IndexToNode(index))
+        index = tour.Value(routing.NextVar(index))
+    return Found(visited, claim, status)
