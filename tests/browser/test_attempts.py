@@ -15,6 +15,7 @@ from browser_tab import PHONE
 
 from dubins_study import Scenario, solve
 from dubins_study.study.path import Path
+from dubins_study.study.scenario_frame import solve_command
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, write_folder
 from tests.unit.report.topic_page import topic_page
@@ -368,6 +369,48 @@ def test_via_points_and_a_final_heading_are_drawn(new_tab, tmp_path: FilePath, s
     assert arrow.endswith(f"rotate({-math.degrees(2.0):.2f})")
 
 
+POINTS = [(3.0, 1.0, 1.5), (2.0, 4.0), (-1.0, 2.0)]
+TOURS = [
+    Scenario(0.5, 0, 0.3, via=POINTS, order="free", closed=True, label="closed"),
+    Scenario(0.5, 0, None, via=POINTS, order="free", label="to any from any heading"),
+]
+
+
+@pytest.mark.parametrize("scenario", TOURS, ids=lambda scenario: scenario.label)
+def test_a_tour_without_a_target_is_drawn(new_tab, tmp_path: FilePath, scenario: Scenario):
+    """From its own heading through all points, without a target; its command says what is asked."""
+    answer = solved(scenario, "analytic")
+    page = new_tab(reduced_motion="reduce")
+    page.goto(address_of(tmp_path, [answer]))
+    show(page, row(page, "analytic", -1))
+    line, dots, targets, arrow = page.evaluate(
+        """() => {
+            const drawn = document.querySelector("#attempt-drawer svg");
+            const pairs = drawn.querySelector(".solver").getAttribute("points").trim().split(" ");
+            const place = (dot) => ["cx", "cy"].map((name) => Number(dot.getAttribute(name)));
+            return [pairs.map((pair) => pair.split(",").map(Number)),
+                    [...drawn.querySelectorAll(".via")].map(place),
+                    drawn.querySelectorAll(".target").length,
+                    drawn.querySelector("path.start").getAttribute("transform")];
+        }"""
+    )
+    text = page.locator("#attempt-drawer").text_content()
+    heading = answer["start_heading"] or answer["heading"]
+
+    assert len(dots) == 3
+    for dot in dots:  # a step of the line is a few pixels
+        assert min(math.dist(dot, point) for point in line) < 3
+    assert targets == 0
+    assert arrow.endswith(f"rotate({-math.degrees(heading):.2f})")
+    assert ("in any order to the start" if scenario.closed else "to any of them") in text
+    expected = solve_command(answer | {"time_limit_s": 30.0})
+    assert f"{command_shown(page)} --solver analytic" == expected
+
+
+def command_shown(page) -> str:
+    return page.locator("#attempt-drawer .command code").text_content()
+
+
 def test_an_address_opens_its_attempt(plot):
     """A link of a hostile name too."""
     page = plot()
@@ -486,7 +529,7 @@ def in_a_shell(command: str, programs: FilePath, **options: Any) -> Any:
 
 def command_of(page, attempt_row: int) -> str:
     show(page, attempt_row)
-    return page.locator("#attempt-drawer .command code").text_content()
+    return command_shown(page)
 
 
 @pytest.mark.slow

@@ -128,3 +128,39 @@ def test_a_warm_up_that_fails_on_a_route_leaves_that_on_a_leg(tmp_path, monkeypa
     assert set(frame["legs"]) == {1, 3, 5}
     assert set(frame["outcome"]) == {"returned"}
     assert set(frame["message"]) == {"warm: True"}
+
+
+TOURS = """
+title = "rising"
+question = "who still finds the shortest tour?"
+rising = true
+time_limit_s = 20
+solvers = ["tourist.py:Late"]
+
+[[scenarios]]
+[scenarios.tour]
+points = [3, 2, 4]
+density = "8R"
+count = 1
+seed = 1
+end = "any"
+"""
+
+
+def test_tours_rise_by_their_points(tmp_path, monkeypatch):
+    """One that may end at any point has as many legs; the smallest is asked, and fails."""
+    monkeypatch.chdir(tmp_path)
+    takes = '"via points"})'
+    assert takes in LATE
+    (tmp_path / "tourist.py").write_text(LATE.replace(takes, '"via points", "free order"})'))
+    (tmp_path / "tours.toml").write_text(TOURS)
+
+    frame = load_results(run("tours.toml", trust_plugins=True))
+
+    sizes = frame["via_x"].map(len)
+    assert dict(zip(sizes, frame["outcome"], strict=True)) == {
+        2: "returned",
+        3: "not_asked",
+        4: "not_asked",
+    }
+    assert frame["target_x"].isna().all()

@@ -1,6 +1,6 @@
 """Check that a solver keeps the promise of `solvers/protocol.py`, and explain where it does not.
 
-`check_solver(solver)` puts 40 to 80 questions to a solver, by what it answers, in a worker process
+`check_solver(solver)` puts 40 to 90 questions to a solver, by what it answers, in a worker process
 and returns a `ConformanceReport`. `CHECKS` are the names of its checks, for
 `pytest.mark.parametrize`.
 """

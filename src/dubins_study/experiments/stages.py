@@ -33,11 +33,13 @@ def stages(chains: list[Chain], rising: bool) -> Iterator[tuple[float, list[Chai
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
     """The cells of a stage that are worth asking after all earlier ones, and rows of the others."""
-    rows = read_rows(folder, ["label", "via_x", "verdict", "outcome"]).to_pylist()
+    columns = ["label", "via_x", "target_x", "closed", "verdict", "outcome"]
+    rows = read_rows(folder, columns).to_pylist()
     solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
     for row in rows:
         sizes = solved.setdefault((row["solver"], row["label"]), {})
-        legs = 1 + len(row["via_x"] or ())
+        ends = row["target_x"] is not None or bool(row["closed"])
+        legs = len(row["via_x"] or ()) + ends
         sizes[legs] = sizes.get(legs, False) or (
             row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED) or row["outcome"] in _UNTOLD
         )

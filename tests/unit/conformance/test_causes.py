@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from dubins_study import Path
-from dubins_study.conformance.answers import cause_of, length_cause, mix_ups
-from dubins_study.conformance.questions import GENERAL, REFERENCE
+from dubins_study.conformance.answers import cause_of, length_cause, mix_ups, visit_cause
+from dubins_study.conformance.questions import GENERAL, OF_KIND, REFERENCE
 from dubins_study.study.closed_form.shortest import shortest_path
+from dubins_study.study.route.shortest import shortest_route
 
 RIGHT = shortest_path(REFERENCE)
 K, S = RIGHT.curvatures, RIGHT.lengths
@@ -75,3 +76,48 @@ def test_a_path_that_arrives_and_is_longer(controls, words):
 
     assert words in cause
     assert bool(words) == bool(cause)
+
+
+TOURS, ROUTES = OF_KIND["tour"], OF_KIND["route"]
+FAR, ANY = TOURS["4 points far apart"], TOURS["5 points, the end at any"]
+BACK, LINES = TOURS["4 points, closed"], TOURS["2 lines to fly along"]
+
+
+def bare(scenario):
+    """The via points without their headings."""
+    return {"via": tuple(point[:2] for point in scenario.via)}
+
+
+# words of the advice -> a question, and what a solver with this mistake takes it for
+TAKEN_FOR = {
+    "never passes .4, -3.,": (FAR, {"via": FAR.via[:-1]}),
+    "never passes .12, 5.,": (ANY, {"via": ANY.via[:-1]}),
+    "ends at a point of question.scenario.via": (FAR, {"target_x": None, "target_y": None}),
+    "drives on to its start": (BACK, {"closed": False}),
+    "not as it starts": (
+        BACK,
+        {"closed": False, "order": "given", "target_x": BACK.x, "target_y": BACK.y},
+    ),
+    "passes .3, 2. with another heading": (LINES, bare(LINES)),
+    "passes .4, 3. with another heading": (
+        ROUTES["3 legs, a heading on the way"],
+        bare(ROUTES["3 legs, a heading on the way"]),
+    ),
+    "the order of question.scenario.via": (
+        ROUTES["5 legs of 1 R to 2 R"],
+        {"order": "free"},
+    ),
+}
+
+
+@pytest.mark.parametrize("words", TAKEN_FOR)
+def test_what_a_path_through_points_leaves_out(words):
+    """The shortest path of another question, which lacks just that."""
+    scenario, changes = TAKEN_FOR[words]
+    if words == "ends at a point of question.scenario.via":
+        passed = (*scenario.via, (scenario.target_x, scenario.target_y))
+        changes = changes | {"via": passed}
+    path = shortest_route(replace(scenario, **changes), limit=2.0).path
+
+    assert re.search(words, visit_cause(scenario, path))
+    assert visit_cause(replace(scenario, **changes), path) == ""

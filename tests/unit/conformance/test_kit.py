@@ -37,6 +37,7 @@ from dubins_study.solvers.registry import SolverError
 from dubins_study.study.closed_form.shortest import shortest, shortest_path
 from dubins_study.study.kinds.table import reference_of
 from dubins_study.study.tolerances import DEFAULT, ProfileError
+from dubins_study.study.words import IN_ORDER
 
 ANSWERS = [name for name in CHECKS if name not in ("limits", "state")]
 TABLES = (GENERAL, AXIS, DISCS, CIRCLES, SYMMETRIES, SCALES)
@@ -86,6 +87,41 @@ class OfPoses(Right):
     """Answers one leg with a final heading, and nothing else."""
 
     takes = frozenset({"final heading"})
+
+
+class OfRoutes(Right):
+    """Answers via points in their order, and nothing else of routes."""
+
+    takes = IN_ORDER
+
+
+class OfTours(Right):
+    """Answers via points in any order, from a heading that is given to a target or any point."""
+
+    takes = IN_ORDER | {"free order"}
+
+
+class Fixed(Right):
+    """Begins with one heading where it is free, and ignores the headings of points."""
+
+    def solve(self, question, limit):
+        scenario = question.scenario
+        via = tuple(point[:2] for point in scenario.via)
+        heading = 0.0 if scenario.heading is None else scenario.heading
+        easier = replace(scenario, via=via, heading=heading)
+        return super().solve(replace(question, scenario=easier), limit)
+
+
+class InOrder(Right):
+    """Passes the points of a tour in their order."""
+
+    takes = IN_ORDER | {"free order"}
+
+    def solve(self, question, limit):
+        if question.scenario.target is not None:
+            easier = replace(question.scenario, order="given")
+            question = replace(question, scenario=easier)
+        return super().solve(question, limit)
 
 
 class OfNothing(Right):
@@ -237,7 +273,7 @@ class Brief(Right):
 class Lost(Right):
     """Drives straight on, and is sure."""
 
-    branches = ("best",)
+    branches, takes = ("best",), Right.takes - {"free start heading"}
 
     def solve(self, question, limit):
         return Solution(Claim.OPTIMAL, Path(question.scenario.start, [0.0], [1.0]))
@@ -566,10 +602,10 @@ def test_the_report_fits_the_terminal(kind, width):
 
 
 @pytest.mark.parametrize(
-    ("kind", "least", "most"), [(Modest, 40, 50), (Everything, 72, 80), (OneWord, 4, 40)]
+    ("kind", "least", "most"), [(Modest, 40, 50), (Everything, 82, 90), (OneWord, 4, 40)]
 )
 def test_how_many_questions_are_asked(kind, least, most):
-    """As the documentation says: 40 to 80 of a solver that answers `best`, by what else it does."""
+    """As the documentation says: 40 to 90 of a solver that answers `best`, by what else it does."""
     asked = sum(checked(kind, CHECKS).answers.values())
 
     assert least <= asked <= most
@@ -585,6 +621,36 @@ def test_only_what_a_solver_takes_is_asked():
     assert report["controls"].summary == "the solver takes only final heading"
     assert report["routes"].summary == "the solver takes only final heading"
     assert report["limits"].status is report["determinism"].status is Status.PASS
+
+
+@pytest.mark.parametrize(
+    ("kind", "routes", "tours"), [(OfRoutes, 6, 0), (OfTours, 6, 3), (Right, 9, 6)]
+)
+def test_routes_and_tours_are_asked_of_solvers_that_take_them(kind, routes, tours):
+    """Each with its order, end and headings only where those are taken."""
+    report = checked(kind, ["routes", "tours"])
+
+    assert report.passed, report
+    assert sum(report.answers.values()) == report.answers["optimal"] == routes + tours
+    assert report["routes"].summary == f"{routes} questions"
+    assert report["tours"].status is (Status.PASS if tours else Status.NOT_APPLICABLE)
+
+
+def test_headings_that_are_not_looked_at_are_named():
+    """One at a point is a miss; a start that is free is a false claim of the shortest path."""
+    report = checked(Fixed, ["routes", "tours"])
+
+    for check in ("routes", "tours"):
+        assert report[check].status is Status.FAIL
+        assert "with another heading than is given there" in text(report, check)
+        assert "it claims optimal, but its path" in text(report, check)
+
+
+def test_a_longer_tour_is_told_its_order():
+    """Beside that of the shortest: what is to be mended is the order, or the headings."""
+    found = text(checked(InOrder, ["tours"]), "tours")
+
+    assert re.search(r"% longer .*; its order is 0 1 2 3, the shortest one's (?!0 1 2 3)", found)
 
 
 def test_a_solver_has_to_take_an_end():

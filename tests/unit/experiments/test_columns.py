@@ -185,3 +185,96 @@ def test_a_final_heading_may_be_sampled():
 
     assert len(set(finals)) == 64
     assert -math.pi / 2 <= min(finals) < -1.5 < 1.5 < max(finals) <= math.pi / 2
+
+
+TOURS = {"points": [3, 6], "density": ["1.5R", "8R"], "count": 40, "seed": 3}
+
+
+def tours(**keys):
+    return list(scenarios(Block.model_validate({"tour": TOURS | keys}), "b"))
+
+
+def test_sampled_tours():
+    """Start and points fill a square of their own, as wide as the density says, uniformly."""
+    found = Block.model_validate({"tour": TOURS | {"count": 400}, "x": 5, "radius": [1, 3]})
+    made = list(scenarios(found, "b"))
+
+    assert len(made) == block_size(found) == 2 * 2 * 2 * 400
+    assert [s.legs for s in made] == np.repeat([3, 6], 1600).tolist()
+    assert {(s.x, s.y, s.order, s.closed, s.final_heading) for s in made} == {
+        (5, 0, "free", False, None)
+    }
+    for n, density, radius in itertools.product([3, 6], [1.5, 8], [1, 3]):
+        place = 1600 * (n == 6) + 800 * (density == 8) + (radius == 3)
+        some = made[place : place + 800 : 2]
+        side = density * radius * math.sqrt(n)
+        spread = np.array([np.ptp(s.points, axis=0) for s in some])
+        # of n + 1 uniform points: the range has the mean n / (n + 2); four standard errors
+        variance = 2 * n / ((n + 2) ** 2 * (n + 3))
+        assert spread.max() < side
+        assert abs(spread.mean() / side - n / (n + 2)) < 4 * math.sqrt(variance / spread.size)
+    headings = np.array([s.heading for s in made])
+    assert 0 <= headings.min() < 0.1 < 6.2 < headings.max() < 2 * math.pi
+
+
+def test_tours_with_other_ends_have_the_same_points():
+    """A tour that is closed or ends at any point passes what is the target of the others."""
+    to_target, anywhere, closed, free = (
+        tours(),
+        tours(end="any"),
+        tours(closed=True),
+        tours(heading="free"),
+    )
+
+    for one, other in zip(to_target, anywhere, strict=True):
+        assert [*one.via, (one.target_x, one.target_y)] == [*other.via]
+        assert other.target is None
+        assert one.heading == other.heading
+    assert [s.via for s in closed] == [s.via for s in anywhere]
+    assert {s.closed for s in closed} == {True}
+    assert {s.heading for s in free} == {None}
+    assert [s.points.tolist() for s in free] == [s.points.tolist() for s in to_target]
+    assert len({scenario_id(s) for s in [*to_target, *anywhere, *closed, *free]}) == 4 * 160
+
+
+def test_denser_tours_are_smaller_ones_of_a_longer_list():
+    """The same unit square at every density; the first tours of a longer list, whatever its size"""
+    few, many = tours(count=2), tours()
+    sparse, dense = many[40], many[0]
+
+    assert [few[i].points.tolist() for i in (0, 1, 2, 4)] == [
+        many[i].points.tolist() for i in (0, 1, 40, 80)
+    ]
+    np.testing.assert_allclose(sparse.points / 8, dense.points / 1.5, rtol=1e-12, atol=1e-15)
+
+
+def test_orders_ends_and_headings_of_a_block():
+    """What is free or left out is so in the scenario; a heading at a point is its third value."""
+    via = [[1, 2], [3, 4, "90deg"], [5, 6, "free"]]
+    found = Block.model_validate({"via": via, "order": "free", "heading": ["free", 0.5]})
+    points = ((1, 2), (3, 4, math.pi / 2), (5, 6))
+    back = Block.model_validate({"via": via, "closed": True, "heading": "free"})
+    ends = Block.model_validate(
+        {"via": via, "target_x": 9, "target_y": 1, "final_heading": ["free", "0deg"]}
+    )
+
+    assert list(scenarios(found, "b")) == [
+        Scenario(via=points, order="free", heading=heading) for heading in (None, 0.5)
+    ]
+    assert list(scenarios(back, "b")) == [Scenario(via=points, closed=True, heading=None)]
+    assert [s.final_heading for s in scenarios(ends, "b")] == [None, 0]
+
+
+def test_what_older_scenarios_do_not_have_leaves_their_ids():
+    """By hand: order, end and headings follow after another byte that is in no UTF-8."""
+    import hashlib
+
+    nan = math.nan
+    closed = Scenario(1, 2, None, radius=2, via=[(5, 6), (7, 8, 0.5)], order="free", closed=True)
+    numbers = struct.pack("<7d", 1, 2, nan, nan, nan, 2, 1)
+    points = b"\xff" + struct.pack("<4d", 5, 6, 7, 8)
+    more = b"\xff" + struct.pack("<2?2d", True, True, nan, 0.5)
+    given = Scenario(1, 2, 0.1, 3, 4, 2, via=[(5, 6)], order="given", closed=False)
+
+    assert scenario_id(closed) == hashlib.sha256(numbers + points + more).hexdigest()[:16]
+    assert scenario_id(given) == scenario_id(Scenario(1, 2, 0.1, 3, 4, 2, via=[(5, 6)]))

@@ -173,7 +173,7 @@ def test_sizes_are_counted_exactly():
         ("scenarios = 3\n" + HEAD, "line 1: scenarios is 3: expected a valid list"),
         (
             HEAD + 'first = { scenarios = 1, solvers = ["slsqp"] }\n' + BLOCK,
-            "line 4: first: expected a block with a sample or a route, without solvers of its own",
+            "line 4: first: expected a block with a sample, a route or a tour, without solvers",
         ),
         # a key by the name that it had before has no alias
         (HEAD + BLOCK + "begin = {z1 = 0, z2 = 0, z3 = 1}\n", "scenarios.0.begin: unknown key"),

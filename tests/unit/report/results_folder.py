@@ -99,6 +99,7 @@ def compared_row(question: int, solver: str, **changes: Any) -> dict[str, Any]:
         **{"repeat": 0, "formulation": "one NLP a word", "engine": solver, "guess": "bearing"},
         **{"branch": "best", "profile": "default", "answerable": True, "presolved": False},
         **{"proves": None, "knows": "", "label": "", "via_x": None, "guesses": "one"},
+        **{"target_x": 9.0, "closed": None},
         **{"floor_s": None, "subproblem_runs": None, "late": False, "elsewhere": False},
         "started": "2026-12-01T00:00:00Z",
         "presolve": "presolve=True" in solver,

@@ -12,15 +12,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from dubins_study import load_results, render, status
-from dubins_study.report.data.rejudged import same_set_up
+from dubins_study import load_results, render, solve, status
+from dubins_study.report.data.rejudged import judged_anew, same_set_up
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.appendix import runs_section
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.rows.manifest import read_manifest
 from dubins_study.study.rows.parts import ResultsError, read_part
 from dubins_study.study.rows.schema import VERSION
-from dubins_study.study.words import FROZEN
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import FROZEN, Claim
 from tests.unit.report.results_folder import SCHEMA, attempt, paper_scenarios, write_folder
 from tests.unit.report.topic_page import topic_page
 
@@ -232,6 +233,31 @@ def test_what_differs_is_counted_and_corrected(here, tmp_path, change, differing
     if differing:
         assert (row["verdict"], row["false_claim"]) == ("optimal", False)
         assert abs(row["gap"]) < 1e-4
+
+
+POINTS = [(4, 1, "90deg"), (6, -2), (-3, 5)]
+
+
+def test_tours_and_free_starts_are_judged_anew_as_they_were(tmp_path):
+    """From a part: the path's start heading, the order and the headings at points come back."""
+    asked = [
+        Scenario(target_x=9, target_y=2, via=POINTS, order="free"),
+        Scenario(heading=None, via=POINTS, order="free"),
+        Scenario(heading=2, via=POINTS, order="free", closed=True),
+        Scenario(via=POINTS, closed=True),
+        Scenario(heading=None, target_x=9, target_y=2, via=POINTS, final_heading=1),
+    ]
+    rows = [attempt(one, path=None, claim=Claim.NONE) | solve(one).row() for one in asked]
+    folder = write_folder(tmp_path / "tours", "tours", rows)
+    (file,) = (folder / "parts").iterdir()
+
+    table, recheck = judged_anew(read_part(file), read_manifest(folder))
+
+    assert (recheck.judged, recheck.changed) == (len(asked), 0)
+    found = table.to_pylist()
+    assert {row["verdict"] for row in found} == {"optimal"}
+    for name in ("visits", "visit_order", "start_heading", "reference_word"):
+        assert [row[name] for row in found] == [row[name] for row in rows], name
 
 
 def test_what_did_not_return_has_no_path(here, tmp_path):

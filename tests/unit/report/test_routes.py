@@ -98,7 +98,15 @@ def test_published_lengths(load_rows):
 
 
 def traced(evaluations, lengths, solver="a"):
-    via = {"via_x": [1.0], "via_y": [2.0], "verdict": "longer", "presolved": False, "late": False}
+    via = {
+        "via_x": [1.0],
+        "via_y": [2.0],
+        "target_x": 9.0,
+        "closed": None,
+        "verdict": "longer",
+        "presolved": False,
+        "late": False,
+    }
     known = {"reference_low": 10.0, "radius": 1.0, "solver": solver}
     return {**via, **known, "trace_evaluations": evaluations, "trace_lengths": lengths}
 

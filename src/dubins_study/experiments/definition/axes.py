@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,12 +21,20 @@ from pydantic import (
 )
 
 from dubins_study.study.angle import parse_angle
+from dubins_study.study.scenario import FREE
+from dubins_study.study.values import number_of_text
 
 _NUMBER_SCHEMA = {"type": ["number", "string"]}  # a text is an angle, such as "120deg"
 Number = Annotated[
     float,
     BeforeValidator(lambda value: parse_angle(value) if isinstance(value, str) else value),
     Field(allow_inf_nan=False, strict=True),
+    WithJsonSchema(_NUMBER_SCHEMA),
+]
+# None is free.
+Heading = Annotated[
+    Number | None,
+    BeforeValidator(lambda value: None if value == FREE else value),
     WithJsonSchema(_NUMBER_SCHEMA),
 ]
 _AboveZero = Annotated[Number, Field(gt=0)]
@@ -123,12 +132,36 @@ Axis = Annotated[
     WrapValidator(_written_out),
     WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _NUMBERS_SCHEMA, _SPACED_SCHEMA]}),
 ]
+HeadingAxis = Annotated[
+    list[Heading],
+    Field(min_length=1),
+    WrapValidator(_written_out),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _NUMBERS_SCHEMA, _SPACED_SCHEMA]}),
+]
 # Numbers of legs, written as one or several.
 LegCounts = Annotated[
     list[LegCount],
     Field(min_length=1),
     WrapValidator(_written_out),
     WithJsonSchema({"anyOf": [_LEGS_SCHEMA, {"type": "array", "items": _LEGS_SCHEMA}]}),
+]
+
+
+def _radii(written: Any) -> float:
+    """The number of radii that a text such as `8R` says."""
+    if isinstance(written, str) and written.endswith("R"):
+        with suppress(ValueError):
+            return number_of_text(written[:-1])
+    raise ValueError("expected a text such as '8R': a number of radii")
+
+
+_RADII_SCHEMA = {"type": "string", "pattern": "R$"}
+# Lengths in radii, written as one or several texts.
+RadiiList = Annotated[
+    list[Annotated[float, BeforeValidator(_radii), Field(ge=1e-3, le=1e6)]],
+    Field(min_length=1),
+    BeforeValidator(lambda written: written if isinstance(written, list) else [written]),
+    WithJsonSchema({"anyOf": [_RADII_SCHEMA, {"type": "array", "items": _RADII_SCHEMA}]}),
 ]
 
 
@@ -140,11 +173,23 @@ def _as_lists(value: Any) -> Any:
 
 
 _Coordinate = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-_POINTS_SCHEMA = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
-Points = tuple[tuple[_Coordinate, _Coordinate], ...]
+
+
+def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, ...]:
+    """A via point: two coordinates and, where it is given, the heading there."""
+    several = written if isinstance(written, list) else []
+    point: tuple[float, ...] = validate(several[:2] if len(several) == 3 else written)
+    if len(several) < 3 or several[2] == FREE:
+        return point
+    return (*point, parse_angle(several[2]))
+
+
+_POINTS_SCHEMA = {"type": "array", "items": {"type": "array", "items": _NUMBER_SCHEMA}}
+Points = tuple[tuple[float, ...], ...]
+_Stop = Annotated[tuple[_Coordinate, _Coordinate], WrapValidator(_stop)]
 # The via points of a scenario, or of several.
 ViaLists = Annotated[
-    tuple[Points, ...],
+    tuple[tuple[_Stop, ...], ...],
     BeforeValidator(_as_lists),
     WithJsonSchema({"anyOf": [_POINTS_SCHEMA, {"type": "array", "items": _POINTS_SCHEMA}]}),
 ]

@@ -21,11 +21,13 @@ from dubins_study.experiments.definition.axes import (
 )
 from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import (
+    DRAWN,
     Block,
     Branches,
     GuessLengths,
     Route,
     Sample,
+    Tour,
 )
 from dubins_study.study.tolerances import PROFILES
 from dubins_study.study.values import did_you_mean
@@ -87,13 +89,13 @@ def text_of(name: str) -> tuple[str, str, str]:
 
 
 class First(StrictModel):
-    """Solvers that are asked only the first scenarios of every sample or route, such as slow ones.
+    """Solvers that are asked only the first scenarios of what is drawn, such as slow ones.
 
     The first scenarios of a Sobol sample cover its ranges as well.
     """
 
     scenarios: Count
-    """How many of the first scenarios of each sample, and of each number of legs."""
+    """How many of the first scenarios of each sample, and of each number of legs or points."""
     solvers: SolverSpecs
     """The solvers that are asked these only."""
 
@@ -126,8 +128,8 @@ class Experiment(StrictModel):
     seed: Seed = 0
     """Of the order in which cells are solved."""
     rising: bool = False
-    """Whether routes are asked by rising number of legs: a solver that finds the shortest route of
-    none with one number of legs is not asked the longer ones of the same label. These count as
+    """Whether routes and tours are asked by rising number of legs: a solver that finds the shortest
+    of none with one number of legs is not asked the longer ones of the same label. These count as
     failures, with the outcome `not_asked`."""
     matrix: bool = False
     """Whether the report lists every pair of formulation and engine, and why some have no row."""
@@ -141,7 +143,7 @@ class Experiment(StrictModel):
         sampled = any(block.drawn is not None and block.solvers is None for block in blocks)
         if first is not None and blocks and not sampled:
             raise ValueError(
-                "expected a block with a sample or a route, without solvers of its own, "
+                "expected a block with a sample, a route or a tour, without solvers of its own, "
                 "and there is none"
             )
         return first
@@ -157,7 +159,7 @@ class Experiment(StrictModel):
             drawn = block.drawn
             if drawn is not None and block.solvers is None:
                 fewer = drawn.model_copy(update={"count": min(drawn.count, first.scenarios)})
-                name = "route" if drawn is block.route else "sample"
+                name = next(name for name in DRAWN if getattr(block, name) is drawn)
                 firsts.append(block.model_copy(update={name: fewer, "solvers": first.solvers}))
         return [*self.scenarios, *firsts]
 
@@ -169,6 +171,7 @@ TABLE_KEYS = {
     "scenarios": tuple(Block.model_fields),
     "sample": tuple(Sample.model_fields),
     "route": tuple(Route.model_fields),
+    "tour": tuple(Tour.model_fields),
     "guess_lengths": tuple(GuessLengths.model_fields),
 }
 

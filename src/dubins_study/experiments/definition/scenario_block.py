@@ -15,7 +15,9 @@ from pydantic import (
 from dubins_study.experiments.definition.axes import (
     Axis,
     Count,
+    HeadingAxis,
     LegCounts,
+    RadiiList,
     Range,
     Seconds,
     Seed,
@@ -31,6 +33,7 @@ CARTESIAN = ("target_x", "target_y")
 POLAR = ("distance", "bearing")
 CIRCULAR = ("arc", "margin")
 _WAYS = (CARTESIAN, POLAR, CIRCULAR)
+DRAWN = ("sample", "route", "tour")  # the tables that draw scenarios at random
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR, "final_heading")
 # the fields that may be written as texts: "120deg"
 _ANGLES = ("heading", "bearing", "arc", "final_heading")
@@ -51,7 +54,7 @@ else:
     FieldName = Literal[FIELDS]
     SpacingName = Literal[tuple(SPACINGS)]
 Branches = Annotated[list[Branch], Field(min_length=1)]
-_MOST_LEGS = 10**7  # of all routes of a block: 160 MB
+_MOST_LEGS = 10**7  # of all routes or tours of a block: 160 MB
 
 
 def _numbers(written: Any) -> list[Any]:
@@ -119,6 +122,54 @@ class Route(StrictModel):
             raise ValueError(f"{legs} legs in all; expected at most {_MOST_LEGS}")
         return self
 
+    @property
+    def size(self) -> int:
+        """How many routes are drawn."""
+        return self.count * len(self.legs)
+
+
+class Tour(StrictModel):
+    """Tours drawn at random: points of a square, to be passed in any order.
+
+    The start and n points are spread uniformly over a square. Its side is `density` times sqrt(n),
+    so that points are as close to each other in tours of all sizes. The same seed draws the same
+    points in squares of all sizes, wherever the tour ends and whether its start heading is free.
+    """
+
+    points: LegCounts
+    """Number n of points beside the start, or several numbers."""
+    density: RadiiList
+    """Side of the square over sqrt(n), in radii, such as `"8R"`, or several; more is sparser."""
+    count: Count
+    """Number of tours for each number of points and each density."""
+    seed: Seed
+    """The same seed draws the same tours."""
+    heading: Literal["sampled", "free"] = "sampled"
+    """Whether the start heading is `sampled` from all headings, or `free`."""
+    end: Literal["point", "any"] = "point"
+    """Where a tour ends: at a `point`, the last that is drawn, or at `any` of them."""
+    closed: bool = Field(default=False, strict=True)
+    """Whether a tour ends as it starts, with all n points on its way."""
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Tour:
+        points = self.count * sum(self.points) * len(self.density)
+        if points > _MOST_LEGS:
+            raise ValueError(f"{points} points in all; expected at most {_MOST_LEGS}")
+        if self.closed and self.end == "any":
+            raise ValueError("end is 'any', but a closed tour ends at its start; leave it out")
+        return self
+
+    @property
+    def size(self) -> int:
+        """How many tours are drawn."""
+        return self.count * len(self.points) * len(self.density)
+
+    @property
+    def to_target(self) -> bool:
+        """Whether the last point is the target."""
+        return self.end == "point" and not self.closed
+
 
 class GuessLengths(StrictModel):
     """The lengths z1, z2, z3 of the paper's path, in radii, from which a local solver starts.
@@ -158,7 +209,8 @@ class Block(StrictModel):
     `distance` in radii and `bearing` in radians from the start's heading;
     `arc` and `margin`: `arc` radians along a turning circle from the start (positive on the left
     circle, negative on the right one), and `margin` radii outside that circle (negative inside).
-    A sampled `route` has targets of its own.
+    A sampled `route` or `tour` has targets of its own. A path that is `closed` has none, and one
+    whose `order` is free may have none: it then ends at any of its points.
 
     Combinations are numbered in the order of `FIELDS`, `via` behind them; the last field varies
     fastest.
@@ -172,8 +224,8 @@ class Block(StrictModel):
     """Start position."""
     y: Axis = _ZERO
     """Start position."""
-    heading: Axis = _ZERO
-    """Start heading, counter-clockwise from +x: radians, or a text such as "120deg" or "2pi/3"."""
+    heading: HeadingAxis = _ZERO
+    """Start heading, counter-clockwise from +x: radians, a text such as "120deg", or "free"."""
     target_x: Axis | None = None
     """Target position."""
     target_y: Axis | None = None
@@ -186,10 +238,15 @@ class Block(StrictModel):
     """Radians along a turning circle: positive on the left circle, negative on the right one."""
     margin: Axis | None = None
     """Radii outside that circle; negative inside."""
-    final_heading: Axis | None = None
-    """Heading at the target: radians, or a text; free where it is not given."""
+    final_heading: HeadingAxis | None = None
+    """Heading at the target: radians, or a text; free where it is not given, or "free"."""
     via: ViaLists | None = None
-    """Points to pass on the way, such as `[[1, 2], [3, 4]]`; a list of such lists is an axis."""
+    """Points to pass on the way, such as `[[1, 2], [3, 4, "90deg"]]`, the third value a heading; a
+    list of such lists is an axis."""
+    order: Literal["given", "free"] = "given"
+    """Whether the points of `via` are passed in the order that is given, or in any: a tour."""
+    closed: bool = Field(default=False, strict=True)
+    """Whether a path ends as it starts, in place and heading."""
     radius: Axis = _ONE
     """Minimum turning radius."""
     speed: Axis = _ONE
@@ -198,6 +255,8 @@ class Block(StrictModel):
     """Scenarios drawn over ranges instead of combined from axes."""
     route: Route | None = None
     """Routes drawn at random, instead of targets."""
+    tour: Tour | None = None
+    """Tours drawn at random, instead of targets."""
     solvers: SolverSpecs | None = None
     """Replaces the experiment's solvers for this block."""
     branches: Branches | None = None
@@ -215,33 +274,50 @@ class Block(StrictModel):
 
     @model_validator(mode="after")
     def _check_target(self) -> Block:
-        """Refuse a block with no target or several, and keys that say what a route draws."""
+        """Refuse a block with no target or several, and keys that say what is drawn."""
         if isinstance(self, ListedBlock):
             return self
         ranges = {} if self.sample is None else self.sample.ranges
         keys = self.model_fields_set.union(ranges)
         target = keys.intersection(itertools.chain(*_WAYS))
-        if self.route is None:
-            if target not in map(set, _WAYS):
-                ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route"])
-                raise ValueError(f"expected {ways}")
-            return self
         twice = target | keys & {"via", "sample"}
-        if self.route.final_heading == "sampled":
-            twice |= keys & {"final_heading"}
-        if twice:
-            raise ValueError(f"{', '.join(sorted(twice))}; expected none beside route")
+        if self.tour is not None:
+            twice |= keys & {"route", "heading", "order", "closed"}
+            _refuse_beside("tour", twice)
+        elif self.route is not None:
+            if self.route.final_heading == "sampled":
+                twice |= keys & {"final_heading"}
+            _refuse_beside("route", twice)
+        elif target or not (self.closed or self.order == "free"):
+            self._check_way(target)
         return self
 
-    @property
-    def drawn(self) -> Sample | Route | None:
-        """What draws scenarios or routes at random, if anything does."""
-        return self.sample or self.route
+    def _check_way(self, target: set[str]) -> None:
+        """Refuse a target that is not written in one way, or from a heading that is free."""
+        if target not in map(set, _WAYS):
+            ways = ", or ".join([*(" and ".join(way) for way in _WAYS), "a route", "a tour"])
+            raise ValueError(f"expected {ways}")
+        if None in self.heading and target != set(CARTESIAN):
+            raise ValueError(
+                f"heading is free, and {' and '.join(sorted(target))} begin there; "
+                "expected target_x and target_y"
+            )
 
-    def axis(self, field: str) -> Axis | None:
+    @property
+    def drawn(self) -> Sample | Route | Tour | None:
+        """What draws scenarios, routes or tours at random, if anything does."""
+        return self.sample or self.route or self.tour
+
+    def axis(self, field: str) -> HeadingAxis | None:
         """The values of one of `FIELDS`, or None if the block does not give that field."""
-        values: Axis | None = getattr(self, field)
+        values: HeadingAxis | None = getattr(self, field)
         return values
+
+
+def _refuse_beside(drawn: str, keys: set[str]) -> None:
+    """Refuse keys that say what a table draws."""
+    if keys:
+        raise ValueError(f"{', '.join(sorted(keys))}; expected none beside {drawn}")
 
 
 class ListedBlock(Block):

@@ -14,14 +14,15 @@ from dubins_study.experiments.definition.table_file import (
     note_passed_over,
     read_table,
 )
-from dubins_study.study.scenario import COLUMNS, DEFAULTS, VIA, Scenario, ScenarioError
+from dubins_study.study.scenario import COLUMNS, DEFAULTS, TOUR, VIA, Scenario, ScenarioError
 from dubins_study.study.scenario_frame import column_problems, scenario_of
 from dubins_study.study.units import doubtful_units
 from dubins_study.study.values import nearest, number_of_text, plain, short
 
 _LOG = logging.getLogger(__name__)
+_FLAGS = {"true": True, "True": True, "false": False, "False": False}
 # of other columns an empty cell is a measurement that is missing
-_MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading")
+_MAY_BE_EMPTY = ("speed", "label", *VIA, "final_heading", *TOUR, "target_x", "target_y")
 
 
 def read_scenarios(file: str | FilePath) -> list[Scenario]:
@@ -93,11 +94,13 @@ def _value(name: str, row: dict[str, Any]) -> Any:
     value = row.get(name)
     if value is None or value == "":
         if name not in row or name in _MAY_BE_EMPTY:
-            return DEFAULTS[name]
+            return DEFAULTS.get(name)
         raise TableFileError(f"{name} is empty; expected a number")
     if name.endswith("heading"):
         return str(value)  # also of a number, which is refused beyond a full turn if it is a text
-    if name in ("label", *VIA) or not isinstance(value, str):
+    if name == "closed" and value in _FLAGS:
+        return _FLAGS[value]
+    if name in ("label", *VIA, *TOUR) or not isinstance(value, str):
         return value  # `Scenario` checks it
     try:
         return number_of_text(value)

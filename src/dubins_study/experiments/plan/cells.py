@@ -217,8 +217,11 @@ def _add_sweep(sweeps: dict[Key, str], keys: tuple[Key, ...], block_key: str) ->
 
 
 def given_guess(cell: Cell) -> Path | None:
-    """The path whose lengths the cell's `initial_guess` holds; None for `cold` and `warm`."""
-    if cell.initial_guess in ("cold", "warm"):
+    """The path whose lengths the cell's `initial_guess` holds; None for `cold` and `warm`.
+
+    It begins with the start heading; where that is free, there is none.
+    """
+    if cell.initial_guess in ("cold", "warm") or cell.scenario.heading is None:
         return None
     R = cell.scenario.radius
     lengths = [R * float(length) for length in cell.initial_guess.split()]

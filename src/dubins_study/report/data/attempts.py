@@ -58,8 +58,13 @@ def own(specs: Iterable[str]) -> list[str]:
 
 
 def legs_of(rows: pd.DataFrame) -> pd.Series[int]:
-    """How many legs the scenario of each row has: one more than via points."""
-    return rows["via_x"].map(lambda via: 1 + len(numbers_of("via_x", via) or ())).astype(int)
+    """How many legs the scenario of each row has: one to each via point and one to its end.
+
+    A tour that may end at any of its points has no more than they are.
+    """
+    via = rows["via_x"].map(lambda via: len(numbers_of("via_x", via) or ()))
+    ends = rows["target_x"].notna() | is_true(rows["closed"])
+    return (via + ends).astype(int)
 
 
 def is_true(values: pd.Series) -> pd.Series[bool]:

@@ -15,6 +15,7 @@ from dubins_study.study.judging.judge import judge
 from dubins_study.study.kinds.table import BRANCHES_WITHOUT_PATH
 from dubins_study.study.path import Path
 from dubins_study.study.rows.manifest import Manifest
+from dubins_study.study.rows.parts import start_of
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario_frame import is_missing, scenario_of
 from dubins_study.study.tolerances import PROFILES
@@ -86,7 +87,7 @@ def _found(row: Mapping[str, Any], manifest: Manifest) -> dict[str, Any]:
     allowed = replace(usual, gap=manifest.gap_tolerance, search_s=limit)
     path = None
     if row["outcome"] == "returned" and row["curvatures"] is not None:
-        path = Path(scenario.start, row["curvatures"], row["lengths"])
+        path = Path(start_of(row), row["curvatures"], row["lengths"])
     claim = Claim(row["claim"]) if row["outcome"] == "returned" else Claim.NONE
     judgement = judge(scenario, path, claim, branch, allowed)
     both = row["multiplier_x"], row["multiplier_y"]

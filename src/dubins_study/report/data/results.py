@@ -24,12 +24,13 @@ from dubins_study.study.rows.parts import (
     folder_paths,
     part_files,
     printable_batches,
+    start_of,
 )
 from dubins_study.study.rows.schema import MEASURED_TIMES, ROW
-from dubins_study.study.scenario import Pose
 
 _LOG = logging.getLogger(__name__)
 _CONTROLS = ["curvatures", "lengths"]
+_START = ["x", "y", "heading", "start_heading"]  # what `start_of` reads
 _SCALARS = [c.name for c in ROW if not c.manifest and c.name not in _CONTROLS]
 _COLUMNS = [*_SCALARS, *_CONTROLS]
 _NO_ROWS = pa.schema([ARROW_SCHEMA.field(name) for name in _COLUMNS]).empty_table()
@@ -75,7 +76,7 @@ class Results:
     untaken: pd.DataFrame  # solver and experiment of each question that a solver does not take
     # the rows of other machines, with their times, which `rows` lacks: nothing ranks them with ours
     elsewhere: pd.DataFrame
-    # curvatures, lengths, x, y and heading, in Arrow because most sections draw no path; by index
+    # curvatures, lengths and how a path starts, in Arrow because most sections draw none; by index
     controls: pa.Table
     methods: pd.DataFrame  # solver, formulation, engine, guess
     # by `only`, since several sections are about the same rows
@@ -111,8 +112,7 @@ class Results:
         [row] = self.controls.slice(index, 1).to_pylist()
         if row["curvatures"] is None or row["lengths"] is None:
             return None
-        start = Pose(row["x"], row["y"], row["heading"])
-        return Path(start, row["curvatures"], row["lengths"])
+        return Path(start_of(row), row["curvatures"], row["lengths"])
 
 
 def load_results(folders: str | FilePath | Iterable[str | FilePath]) -> pd.DataFrame:
@@ -227,6 +227,6 @@ def _joined(stored: Sequence[_Stored]) -> Results:
         rows=every[~untaken],
         untaken=every.loc[untaken, ["solver", "experiment"]],
         elsewhere=elsewhere,
-        controls=rows.select([*_CONTROLS, *Pose._fields]).combine_chunks(),
+        controls=rows.select([*_CONTROLS, *_START]).combine_chunks(),
         methods=methods(every[~untaken]),
     )

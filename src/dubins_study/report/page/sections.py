@@ -41,6 +41,7 @@ _MODULES = (
     "topics.basins",
     "topics.bias",
     "topics.convex",
+    "topics.tours",
     "topics.ladder",
     "topics.failures",
     # single attempts, and what they rest on

@@ -49,7 +49,7 @@ def plot_paths(
             centre = x - side * math.sin(heading), y + side * math.cos(heading)
             look: dict[str, Any] = {"edgecolor": RULE, "linewidth": 0.8, "zorder": 1}
             ax.add_patch(Circle(centre, radius, fill=False, **look))
-    plot_start_and_target(ax, scenario.start, (scenario.target_x, scenario.target_y))
+    plot_start_and_target(ax, scenario.start, scenario.stops[-1][:2])
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.07)
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -49,8 +50,11 @@ from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.check.verdict import visits_in_any_order
 from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
+from dubins_study.study.tolerances import ARRIVES
+from dubins_study.study.words import Order
 
 TITLE = "Routes of many legs"
 _CELL = ["solver", "label", "legs"]
@@ -201,20 +205,29 @@ def plot_routes(
     return figure
 
 
-def plot_success(ax: Axes, cells: pd.DataFrame, solvers: list[str]) -> None:
+def plot_success(
+    ax: Axes,
+    cells: pd.DataFrame,
+    solvers: list[str],
+    marks: Sequence[Mark] = GAPS,
+    largest: Sequence[float] = _LARGEST,
+    *,
+    size: str = "legs",
+) -> None:
     """A map with a line for each solver, the first on top, and a column for each number of legs.
 
-    Columns: those of `by_legs`, of one stratum.
+    Columns: those of `by_legs`, of one stratum; `size` is the one with the number of legs. `marks`
+    are the classes of gaps, with the `largest` gap of each but the last.
     """
-    legs = sorted(cells["legs"].unique())
-    classes = np.searchsorted(_LARGEST, cells["gap"])
+    legs = sorted(cells[size].unique())
+    classes = np.searchsorted(largest, cells["gap"])
     placed = cells.assign(
-        x=cells["legs"].map(legs.index),
+        x=cells[size].map(legs.index),
         y=cells["solver"].map(solvers.index),
-        kind=[GAPS[place].key for place in classes],
+        kind=[marks[place].key for place in classes],
         colour=np.where(classes >= _DARK, MAP_PAPER, ON_MAP),
     )
-    draw_kinds(ax, placed, GAPS)
+    draw_kinds(ax, placed, marks)
     for cell in placed.to_dict("records"):
         text = "?" if cell["undecided"] else ""
         if cell["trials"]:
@@ -312,6 +325,15 @@ def _number(ax: Axes, points: FloatArray, unit: float) -> None:
             ax.annotate(str(number), point, tuple(lift), fontsize=7.5, zorder=6, **where)
 
 
+def _as_passed(path: Path, scenario: Scenario) -> FloatArray:
+    """The points of a scenario in the order in which a path passes them, shape (legs + 1, 2)."""
+    points = scenario.points
+    if scenario.order is Order.FREE:
+        found = visits_in_any_order(scenario, path, ARRIVES * scenario.radius)
+        points[1 : len(scenario.via) + 1] = points[1:][list(found.order)]
+    return points
+
+
 def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
     """A path by its turns, with the via points and both poses of a scenario.
 
@@ -343,11 +365,13 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
         if len(runs):
             drawn = look | {"linewidth": thin * look["linewidth"]}
             kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **drawn)[0]
-    via = scenario.points[1:-1]
+    via = scenario.points[1 : len(scenario.via) + 1]
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
-    _number(ax, scenario.points, unit)
-    target = (scenario.target_x, scenario.target_y)
-    plot_start_and_target(ax, path.start, target, scenario.final_heading)
+    points = _as_passed(path, scenario)
+    _number(ax, points, unit)
+    target = (float(points[-1, 0]), float(points[-1, 1]))
+    final = None if scenario.target is None else scenario.stops[-1].heading
+    plot_start_and_target(ax, path.start, target, final)
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
     title = f"{name}: length {digits(6)(path.length)}"

@@ -25,8 +25,9 @@ from dubins_study.report.elements.content import General, Section, Topic, Widget
 from dubins_study.report.elements.formats import count
 from dubins_study.report.elements.looks import Palette, names_of
 from dubins_study.report.elements.style import VARIABLES
+from dubins_study.study.arrays import FloatArray
 from dubins_study.study.rows.schema import MEASURED_TIMES, METHOD, ROW, names
-from dubins_study.study.scenario import NUMBERS
+from dubins_study.study.scenario import DEFAULTS, NUMBERS
 
 # The embedded attempts take at most so many bytes of the page, as base64 of gzip. More points than
 # these would also be slow to draw.
@@ -152,7 +153,7 @@ def sample(results: Results, most: int) -> pd.DataFrame:
         (arrays), spread (whether it is one of a stratum), worst (rank among the solver's worst, 1
         to `WORST`; 0 for others). Sorted by solver and question.
     """
-    names = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, "repeat"]
+    names = [*TEXTS, *NUMBERS, *ROUTE, *MEASURED, *FLAGS, *_EXACT, "repeat"]
     rows = results.attempts[names].copy()
     rows.update(results.elsewhere[[name for name in MEASURED_TIMES if name in names]])
     rows = rows.sort_values([*_QUESTION, "repeat"], kind="stable")
@@ -184,6 +185,7 @@ def _ranks(rows: pd.DataFrame) -> pd.Series[int]:
 
 _DIGITS = 4  # that are kept of measured numbers; the page shows three
 _ARC_DIGITS = 7  # of controls, from which the page draws a path
+_EXACT = ("start_heading",)  # with all digits: the page draws a path from it
 _OF_SCENARIO = ("scenario_id", "label", "region", "margin", *NUMBERS)
 _MEASURED = [name for name in MEASURED if name not in ("evaluations", *_OF_SCENARIO)]
 # what a solver is made of stands once in the header
@@ -205,9 +207,8 @@ def packed(rows: pd.DataFrame, more: Mapping[str, Any]) -> bytes:
         texts[name] = [str(value) for value in values]
     for name in _MEASURED:
         columns[name] = [_rounded(value) for value in rows[name].astype("Float64")]
-    columns["evaluations"] = [
-        _rounded(value, 17) for value in rows["evaluations"].astype("Float64")
-    ]
+    for name in ("evaluations", *_EXACT):
+        columns[name] = [_rounded(value, 17) for value in rows[name].astype("Float64")]
     columns |= {name: rows[name].eq(True).astype(int).tolist() for name in FLAGS}
     columns |= {name: rows[name].tolist() for name in ("repeat", "worst")}
     columns["scenario"], scenarios = _scenarios(rows)
@@ -235,16 +236,22 @@ def _rounded(value: Any, digits: int = _DIGITS) -> float | str | None:
 def _scenarios(rows: pd.DataFrame) -> tuple[list[int], dict[str, list[Any]]]:
     """The place of each row's scenario in the table of scenarios, and that table by columns."""
     key = ["scenario_id", *NUMBERS]
-    given = [*_OF_SCENARIO, *(name for name in ROUTE if rows[name].notna().any())]
-    groups = rows.groupby(key, sort=False)
+    some = [name for name in ROUTE if (rows[name].notna() & rows[name].ne(DEFAULTS[name])).any()]
+    given = [*_OF_SCENARIO, *some]
+    groups = rows.groupby(key, sort=False, dropna=False)
     # of attempts that are not judged the region is null: the first that is known
     first = groups[[name for name in given if name not in key]].first()
     table = first.reset_index().astype(object)
     table = table.where(table.notna(), None)
     columns = {
-        name: [list(v) if isinstance(v, np.ndarray) else v for v in table[name]] for name in given
+        name: [_null_for_nan(v) if isinstance(v, np.ndarray) else v for v in table[name]]
+        for name in given
     }
     return groups.ngroup().tolist(), columns
+
+
+def _null_for_nan(values: FloatArray) -> list[float | None]:
+    return [None if math.isnan(value) else value for value in values.tolist()]
 
 
 def arcs_of(

@@ -19,7 +19,7 @@ from dubins_study.report.two_runs.changes import (
     newly_false,
 )
 from dubins_study.study.rows.manifest import Manifest
-from dubins_study.study.scenario_frame import solve_command
+from dubins_study.study.scenario_frame import is_missing, solve_command
 
 ALPHA = 0.05  # a change of the share of right answers is as sure as the tests of the page
 _FEWEST_TIMED = 6  # questions: fewer times, all longer, are no sign at this level
@@ -146,6 +146,8 @@ def _questions(
     """A line for each question, with what both runs have in a column."""
     for row in rows.to_dict("records"):
         place = f"target {row['target_x']:.6g}, {row['target_y']:.6g}"
+        if is_missing(row["target_x"]):
+            place = "no target"
         yield {
             "kind": kind,
             "solver": row["solver"],

@@ -52,16 +52,27 @@ window.attempts = (() => {
       return [...values].sort(window.studyTables.compareTexts);
     }
 
+    // The scenario of a row as it is drawn. A heading that is free is the path's own; without a
+    // target the place is that of the start of a closed path, else of the last via point.
     scenario(i) {
       const names = ["x", "y", "heading", "target_x", "target_y", "radius", "speed"];
-      return Object.fromEntries(names.map((name) => [name, this.ofScenario(name, i)]));
+      const drawn = Object.fromEntries(names.map((name) => [name, this.ofScenario(name, i)]));
+      drawn.heading ??= this.columns.start_heading?.[i] ?? 0;
+      drawn.has_target = drawn.target_x !== null;
+      if (!drawn.has_target) {
+        const {via_x, via_y, closed} = this.route(i);
+        [drawn.target_x, drawn.target_y] = closed ? [drawn.x, drawn.y] : [via_x.at(-1), via_y.at(-1)];
+      }
+      return drawn;
     }
 
-    // The via points and the final heading of a row's scenario; null where that is free.
+    // The via points of a row's scenario with the headings there, the final heading (null where it is
+    // free), the order, and whether the path is closed.
     route(i) {
-      const {via_x, via_y, final_heading} = this.scenarios, place = this.columns.scenario[i];
-      return {via_x: via_x?.[place] ?? [], via_y: via_y?.[place] ?? [],
-        final_heading: final_heading?.[place] ?? null};
+      const given = (name) => this.scenarios[name]?.[this.columns.scenario[i]] ?? null;
+      return {via_x: given("via_x") ?? [], via_y: given("via_y") ?? [],
+        via_heading: given("via_heading") ?? [], final_heading: given("final_heading"),
+        order: given("order") ?? "given", closed: given("closed") ?? false};
     }
 
     // What names an attempt in every report of the same rows.

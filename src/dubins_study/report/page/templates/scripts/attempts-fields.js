@@ -13,7 +13,8 @@
   }
 
   function offset(data, i) {
-    const {x, y, heading, target_x, target_y, radius} = data.scenario(i);
+    const {x, y, heading, target_x, target_y, radius, has_target} = data.scenario(i);
+    if (!has_target) return [NaN, NaN];
     const dx = (target_x - x) / radius, dy = (target_y - y) / radius;
     const cos = Math.cos(heading), sin = Math.sin(heading);
     return [dx * cos + dy * sin, dy * cos - dx * sin];
@@ -77,7 +78,7 @@
   // many digits as tell it from its neighbours, so the scenario is the same to the last bit.
   function command(data, i) {
     const [x, y, heading, targetX, targetY, radius, speed] =
-      NUMBERS.map((name) => String(data.scenario(i)[name]));
+      NUMBERS.map((name) => String(data.ofScenario(name, i) ?? "free"));
     const limit = data.columns.limit_s[i];
     const options = {
       "--radius": [radius, "1"],
@@ -87,15 +88,22 @@
       "--profile": [data.text("profile", i), "default"],
       "--time-limit": [limit ? String(limit) : "60", "60"],
     };
-    const unit = Math.abs(heading) > 2 * Math.PI ? "rad" : ""; // more than a turn needs one
-    const words = ["dubins-study", "solve", "--from", x, y, heading + unit];
-    const {via_x, via_y, final_heading} = data.route(i);
-    via_x.forEach((via, place) => words.push("--via", String(via), String(via_y[place])));
+    // more than a turn needs a unit
+    const angle = (text) => text + (Math.abs(text) > 2 * Math.PI ? "rad" : "");
+    const words = ["dubins-study", "solve", "--from", x, y, angle(heading)];
+    const {via_x, via_y, via_heading, final_heading, order, closed} = data.route(i);
+    via_x.forEach((via, place) => {
+      words.push("--via", String(via), String(via_y[place]));
+      const there = via_heading[place] ?? null;
+      if (there !== null) words.push("--via-heading", String(place + 1), angle(String(there)));
+    });
+    if (order === "free") words.push("--order", "free");
+    if (closed) words.push("--closed");
     if (final_heading !== null) words.push("--final-heading", `${final_heading}rad`);
     for (const [name, [value, usual]] of Object.entries(options)) {
       if (value !== usual) words.push(name, value);
     }
-    words.push("--", targetX, targetY); // a negative number is no option
+    if (targetX !== "free") words.push("--", targetX, targetY); // a negative number is no option
     return words.map(quoted).join(" ");
   }
 

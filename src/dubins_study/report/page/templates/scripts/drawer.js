@@ -16,15 +16,18 @@
 
   function facts(data, i) {
     const {columns} = data, radius = data.ofScenario("radius", i);
-    const {target_x, target_y, x, y, heading} = data.scenario(i);
+    const {target_x, target_y, x, y, has_target} = data.scenario(i);
+    const heading = data.ofScenario("heading", i);
+    const angle = (rad) => (rad === null ? "free" : `${short(rad * 180 / Math.PI)}°`);
     const claim = data.text("claim", i), verdict = data.text("verdict", i);
-    const margin = data.ofScenario("margin", i), {via_x, final_heading} = data.route(i);
+    const margin = data.ofScenario("margin", i), {via_x, final_heading, order, closed} = data.route(i);
+    const end = has_target ? `(${short(target_x)}, ${short(target_y)})` : closed ? "the start" : "any of them";
     const where = [data.ofScenario("label", i), data.ofScenario("region", i),
       margin === null ? "" : `margin ${number(margin)} R`];
-    const at = `from (${short(x)}, ${short(y)}), heading ${short(heading * 180 / Math.PI)}°, `
+    const at = `from (${short(x)}, ${short(y)}), heading ${angle(heading)}, `
       + (via_x.length ? `via ${via_x.length} point${via_x.length > 1 ? "s" : ""} ` : "")
-      + `to (${short(target_x)}, ${short(target_y)}), `
-      + (final_heading === null ? "" : `heading ${short(final_heading * 180 / Math.PI)}°, `)
+      + (order === "free" ? "in any order " : "") + `to ${end}, `
+      + (final_heading === null ? "" : `heading ${angle(final_heading)}, `)
       + `R = ${short(radius)}`;
     const asked = data.text("branch", i) === "best" ? "the shortest path of all"
       : `the shortest path of word ${data.text("branch", i)}`;

@@ -16,7 +16,8 @@
   // computes one leg with a free final heading; of other questions a right attempt is the reference.
   function reference(data, i) {
     const scenario = data.scenario(i), branch = data.text("branch", i), route = data.route(i);
-    if (route.via_x.length || route.final_heading !== null) return data.rightPath(i);
+    const searched = route.via_x.length || data.ofScenario("heading", i) === null;
+    if (searched || route.final_heading !== null) return data.rightPath(i);
     try {
       const path = branch === "best" ? window.dubins.shortest(scenario)
         : window.dubins.words(scenario).find((entry) => entry.branch === branch);
@@ -105,8 +106,8 @@
       ...dots.map(([cx, cy]) => shape("circle", {cx, cy, r: 2.4, class: "via"})), ...arrow,
       shape("path", {d: "M 13 0 L -5 -6 L -2 0 L -5 6 Z", class: "start",
         ...turned(scenario.x, scenario.y, scenario.heading)}),
-      shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 6, class: "target"}),
-      shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 1.8, class: "start"}),
+      ...(scenario.has_target ? [shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 6, class: "target"}),
+        shape("circle", {cx: tidy(tx), cy: tidy(ty), r: 1.8, class: "start"})] : []),
     ];
   }
 
@@ -121,7 +122,7 @@
     const unit = round(size[0] / 4 / scale / scenario.radius) * scenario.radius, y = size[1] - 8;
     return [
       label(start, heading.map((part) => -part), "start", size, taken),
-      label(target, arriving, "target", size, taken),
+      ...(scenario.has_target ? [label(target, arriving, "target", size, taken)] : []),
       shape("path", {d: `M 4 ${y - 4} V ${y} H ${tidy(4 + unit * scale)} V ${y - 4}`, class: "scale"}),
       named(8 + unit * scale, y, `${window.attempts.number(unit / scenario.radius, 1)} R`)];
   }

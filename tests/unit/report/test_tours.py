@@ -1,0 +1,193 @@
+"""The section on tours: what closes, and proved tours against others; numbers by hand."""
+
+import math
+
+import pandas as pd
+import pytest
+
+from dubins_study.report.data.results import load
+from dubins_study.report.topics.single_attempts import sample
+from dubins_study.report.topics.tours import (
+    against_proof,
+    asked_of_most,
+    by_engine,
+    by_points,
+    tours_section,
+    with_points,
+)
+from dubins_study.study.route.shortest import shortest_route
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.words import Claim
+from tests.unit.report.results_folder import attempt, lost
+from tests.unit.report.test_single_attempts import unpacked
+from tests.unit.report.topic_page import topic_page
+
+DENSE, SPARSE = "1.5 R sqrt(n)", "8 R sqrt(n)"
+EXACT, GRID, BOUNDS = "analytic", "tour-milp", "tour-milp[costs=bounds]"
+METHODS = {
+    EXACT: ("closed form", "closed form"),
+    GRID: ("tour MILP", "HiGHS"),
+    "tour-milp[engine=scip]": ("tour MILP", "SCIP"),
+    BOUNDS: ("tour MILP", "HiGHS"),
+    "tour-order": ("order then headings", "dynamic programming"),
+    "tour-order[order=alternating]": ("order then headings", "dynamic programming"),
+}
+SETTINGS = {
+    GRID: {"costs": "lengths", "headings": 8, "polish": False},
+    "tour-milp[engine=scip]": {"costs": "lengths", "headings": 8, "polish": False},
+    BOUNDS: {"costs": "bounds", "headings": 8, "polish": False},
+    "tour-order": {"order": "euclidean"},
+    "tour-order[order=alternating]": {"order": "alternating"},
+}
+
+
+def tour(n=2, **changes):
+    """Points on a line, then the target."""
+    via = [(2.0 + i, 5.0 - i) for i in range(n)]
+    return Scenario(**{"target_x": 9, "target_y": 1, "via": via, "order": "free", **changes})
+
+
+def row(name, solver, scenario=None, *, gap=0.0, order=(0, 1), solved=False, **changes):
+    """A judged attempt at a tour of 3 points."""
+    formulation, engine = METHODS[solver]
+    exact = solver == EXACT
+    status = "kOptimal" if solved else "kTimeLimit"
+    given = {
+        "scenario_id": name,
+        "claim": Claim.OPTIMAL if exact and solved else Claim.FEASIBLE,
+        "verdict": "optimal" if gap < 1e-6 else "longer",
+        "native_status": "" if exact else status,
+        "label": DENSE,
+        "visit_order": list(map(float, order)),
+        **{"gap": gap, "formulation": formulation, "engine": engine, "wall_s": 0.5},
+        **{"reference_low": 10.0, "reference_high": 10.0, "false_bound": False},
+    }
+    line = attempt(scenario or tour(), solver, path=None, claim=Claim.NONE)
+    return line | given | changes
+
+
+def rows():
+    """Of tour a the search has a proof, of b none; of c, closed, it has one."""
+    back = tour(3, closed=True, target_x=None, target_y=None)
+    return [
+        row("a", EXACT, solved=True, lower_bound=10.0),
+        row("b", EXACT, gap=0.2, lower_bound=5.0),
+        row("c", EXACT, back, order=(2, 0, 1), solved=True, lower_bound=10.0),
+        row("a", GRID, gap=0.04, solved=True),
+        row("b", GRID, gap=0.5, solved=True),
+        row("c", GRID, back, gap=0.1, order=(1, 0, 2), solved=True),
+        row("a", "tour-milp[engine=scip]", gap=0.04, solved=True),
+        row("b", "tour-milp[engine=scip]", gap=0.4),
+        row("a", BOUNDS, gap=0.3, order=(1, 0), solved=True, lower_bound=8.0),
+        lost(tour(), BOUNDS, scenario_id="b", label=DENSE, formulation="tour MILP"),
+        row("a", "tour-order", gap=0.0),
+        row("c", "tour-order", back, gap=0.3, order=(0, 1, 2)),
+        row("a", "tour-order[order=alternating]", gap=0.6),
+    ]
+
+
+def test_what_closes_by_hand(load_rows):
+    """A proof of the search, or an optimum of an engine's own program, each in time."""
+    table = with_points(load_rows("tours", rows()).rows)
+    cells = by_points(table).set_index(["solver", "label", "points"])
+
+    assert cells.loc[(EXACT, DENSE, 3), ["successes", "trials"]].tolist() == [2, 3]
+    assert cells.loc[(EXACT, DENSE, 3), "gap"] == 0.0
+    assert cells.loc[(GRID, DENSE, 3), ["successes", "trials"]].tolist() == [3, 3]
+    assert cells.loc[(BOUNDS, DENSE, 3), ["successes", "trials"]].tolist() == [1, 2]
+    assert cells.loc[(BOUNDS, DENSE, 3), "gap"] == 0.3  # the other attempt has none: infinite
+    assert cells.loc[("tour-order", DENSE, 3), ["successes", "trials"]].tolist() == [0, 0]
+
+
+def test_points_do_not_count_the_start():
+    """Whether a tour ends at a target, at any point or at its start."""
+    three = [
+        tour(),
+        tour(3, target_x=None, target_y=None),
+        tour(3, target_x=None, target_y=None, closed=True),
+    ]
+    frame = pd.DataFrame([row(str(n), EXACT, each) for n, each in enumerate(three)])
+
+    assert with_points(frame.assign(late=False))["points"].tolist() == [3, 3, 3]
+
+
+def test_gaps_of_answers_and_bounds(load_rows):
+    """Who has no answer has an infinite gap, and no bound is the bound 0."""
+    table = by_engine(with_points(load_rows("tours", rows()).rows)).set_index("solver")
+
+    assert table.loc[GRID, "gap"] == 0.1
+    assert table.loc[BOUNDS, "bound_gap"] == pytest.approx(0.2)  # of 20 % and 100 % the lower
+    assert math.isnan(table.loc[GRID, "bound_gap"])
+    assert table.loc[EXACT, "closes_text"].startswith("66.7 % of 3")
+    assert table.loc["tour-order", "closes_text"] == "–"
+
+
+def test_engines_are_compared_on_the_same_questions(load_rows):
+    """Tour a is the only one that all six solvers were asked."""
+    table = asked_of_most(with_points(load_rows("tours", rows()).rows))
+
+    assert set(table["scenario_id"]) == {"a"}
+    assert table["solver"].nunique() == 6
+
+
+def test_proved_tours_against_others(load_rows):
+    """Only questions with a proof; of a grid the optimum; a closed tour may be driven back."""
+    results = load_rows("tours", rows())
+    compared = against_proof(with_points(results.rows), SETTINGS)
+    found = {
+        (kind, name): (gap, other)
+        for kind, name, gap, other in zip(
+            compared["kind"],
+            compared["scenario_id"],
+            compared["gap"],
+            compared["other_order"],
+            strict=True,
+        )
+    }
+
+    assert found == {
+        ("best tour of 8 headings", "a"): (0.04, False),
+        ("best tour of 8 headings", "c"): (0.1, False),  # 1 0 2 is 2 0 1 driven back
+        ("order by straight lines, best headings", "a"): (0.0, False),
+        ("order by straight lines, best headings", "c"): (0.3, True),
+        ("that order, every other leg straight", "a"): (0.6, False),
+    }
+
+
+def test_the_section_says_what_is_proved(load_rows):
+    results = load_rows("tours", rows())
+    section = tours_section(results)
+
+    assert "The search proves 2 of 3 tours" in section.text
+    assert section.blocks[0].name == "tours"
+    written = {text.get_text() for ax in section.blocks[0].figure.axes for text in ax.texts}
+    assert {"2/3", "3/3", "1/2"} <= written
+
+
+def test_a_page_of_tours_of_all_ends(results, tmp_path):
+    """Free starts, closed tours, none arriving: what the page draws and asks again is there."""
+    made = []
+    for number, changes in enumerate(
+        ({}, {"heading": None}, {"target_x": None, "target_y": None, "closed": True})
+    ):
+        scenario = tour(3, label=SPARSE, **changes)
+        path = shortest_route(scenario, limit=1.0).path
+        line = attempt(scenario, EXACT, path=path, formulation="closed form")
+        made.append(line | {"scenario_id": str(number)})
+    made.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
+    folder = results("tours", made)
+    page = topic_page(folder, tmp_path / "out", "tours", "single attempts", "failures")
+    loaded = load([folder])
+    shown = unpacked(sample(loaded, 10))
+
+    scenarios = shown["scenarios"]
+    starts = {row["scenario_id"]: row["start_heading"] for row in made}
+    order = [scenarios["scenario_id"][place] for place in shown["columns"]["scenario"]]
+
+    assert 'id="tours"' in page.read_text(encoding="utf-8")
+    assert scenarios["order"] == ["free"] * 4
+    assert scenarios["closed"] == [each == "2" for each in scenarios["scenario_id"]]
+    assert sorted(map(str, scenarios["heading"])) == ["0.0", "0.0", "0.0", "None"]
+    assert shown["columns"]["start_heading"] == [starts[name] for name in order]
+    [free] = loaded.rows.index[loaded.rows["scenario_id"] == "1"]
+    assert loaded.path(free).start == (0, 0, starts["1"])
