@@ -1,4 +1,4 @@
-"""Unit tests start no process: they ask our own solvers in their own."""
+"""Unit tests start no process: they ask our own solvers in their own, but for OR-tools'."""
 
 import pytest
 
@@ -15,7 +15,11 @@ def _asked_here():
     in_worker = asking._in_worker
 
     def here(solver, isolated, *, frames=False):
-        chosen = False if isolated is None and isinstance(solver, Solver) else isolated
+        # OR-tools and highspy cannot be loaded in one process
+        chosen = isolated
+        if isolated is None and isinstance(solver, Solver):
+            engine = getattr(solver, "engine", "cbc")  # the only one of several
+            chosen = "ortools" in solver.packages and engine == "cbc"
         return in_worker(solver, chosen, frames=frames)
 
     with pytest.MonkeyPatch.context() as patch:

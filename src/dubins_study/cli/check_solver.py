@@ -29,7 +29,7 @@ def check_solver(
 ) -> None:
     """Check a solver of your own.
 
-    Asks 40 to 80 questions, by what the solver answers. Exit code 1 if the solver fails a check.
+    Asks 40 to 90 questions, by what the solver answers. Exit code 1 if the solver fails a check.
     """
     from dubins_study.asking.attempt import check_request
     from dubins_study.conformance import CHECKS

@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,15 +20,16 @@ if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
     from dubins_study.experiments.definition.point_file import NamedPoint
     from dubins_study.study.path import Path
+    from dubins_study.study.scenario import Scenario
 
-# Fields of an answer in the JSON object, which also has `via`, `final_heading`, `segments` and
-# `tied_words`.
+# Fields of an answer in the JSON object, which also has the question's, `given_order_length`,
+# `segments` and `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
     *("presolved", "miss", "region", "margin", "reference", "reference_word"),
     *("curvature_excess", "claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
     *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
-    *("native_status", "message", "build_s", "solve_s", "wall_s"),
+    *("native_status", "message", "build_s", "solve_s", "wall_s", "visits", "order"),
 )
 
 # Fields of an answer that the path in a GeoJSON file has beside its own.
@@ -37,6 +39,8 @@ _GEOJSON = (
 )
 
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
+_MOST_POINTS = 24  # of an order
+_SAME = 1e-8  # relative; two searches to 1e-9 each
 
 
 def solve(
@@ -45,6 +49,9 @@ def solve(
     start: arguments.StartPose = ("0", "0", "0"),
     via: arguments.Via = [],  # noqa: B006  typer makes a new one
     via_file: arguments.ViaFile = None,
+    via_headings: arguments.ViaHeadings = [],  # noqa: B006
+    order: arguments.OrderOfVia = "given",
+    closed: arguments.Closed = False,
     final_heading: arguments.FinalHeading = None,
     radius: arguments.Radius = 1,
     speed: arguments.Speed = 1,
@@ -81,12 +88,26 @@ def solve(
     from dubins_study.study.tolerances import SEARCH_S
     from dubins_study.study.values import unwritable
 
-    points = _points(x, y, via, via_file)
-    target = points[-1]
-    passed = [arguments.Point(each.x, each.y) for each in points[:-1]]
+    no_target = closed or (order == "free" and x is None)
+    points = _with_headings(_points(x, y, via, via_file, no_target), via_headings, no_target)
+    last = None if no_target else points[-1]
+    if last is not None and last.heading is not None:
+        if final_heading is not None:
+            message = "the last point has a heading, and --final-heading is given"
+            raise arguments.CommandError(f"{message}; expected one of them")
+        final_heading = f"{last.heading!r}rad"
     scenario = arguments.scenario_of(
-        target.x, target.y, start, radius, speed, via=passed, final_heading=final_heading
+        x if last is None else last.x,
+        y if last is None else last.y,
+        start,
+        radius,
+        speed,
+        via=[(each.x, each.y, each.heading) for each in (points if no_target else points[:-1])],
+        final_heading=final_heading,
+        order=order,
+        closed=closed,
     )
+    names = [each.name for each in points]
     check_request(branch, time_limit, "--time-limit")
     for option, file in (("--plot", plot), ("--geojson", geojson)):
         if file is not None and (reason := unwritable(file)):  # before a solve that takes long
@@ -97,12 +118,17 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    at_most = time_limit + min(time_limit, SEARCH_S)
+    searches = 2 if order == "free" else 1  # of a tour the given order is searched too
+    at_most = searches * time_limit + min(time_limit, SEARCH_S)
+    in_given_order = None
     with output.solvers_to_stderr(), output.steps(f"solving, at most {at_most:g} s"):
         answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
+        if answer.order is not None:
+            in_given_order = ask(_route_of(scenario), limit=time_limit, isolated=True)
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
-        print(answer_json(answer) if as_json else answer_text(answer), flush=True)
+        text = answer_json if as_json else answer_text
+        print(text(answer, names, in_given_order), flush=True)
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
@@ -113,7 +139,7 @@ def solve(
     drivable = flown.length is not None and flown.path is not None
     if drivable:
         _draw(flown, plot)
-        _write_geojson(flown, geojson, [each.name for each in points])
+        _write_geojson(flown, geojson, names)
     for file in () if drivable else written:
         print(f"dubins-study: {file} is not written: there is no finite path", file=sys.stderr)
     ended = answer.outcome == Outcome.RETURNED and (drivable or not written)
@@ -122,21 +148,57 @@ def solve(
 
 
 def _points(
-    x: float | None, y: float | None, via: list[arguments.Point], file: FilePath | None
+    x: float | None,
+    y: float | None,
+    via: list[arguments.Point],
+    file: FilePath | None,
+    no_target: bool,
 ) -> list[NamedPoint]:
-    """Via points and the target, of which a file may have all."""
+    """Via points and, unless there is none, the target, of which a file may have all."""
     from dubins_study.experiments.definition.point_file import NamedPoint, read_points
 
     if via and file is not None:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
-    if (x is None and file is None) or (x is not None and y is None):
+    if x is not None and y is not None and no_target:
+        raise arguments.CommandError("X Y and --closed are given; a closed path ends at its start")
+    if (x is None and file is None and not no_target) or (x is not None and y is None):
         # of `--from 0 0 1 2` the third number is the heading
         message = "the target is missing, or a single number; expected X Y, or --via-file"
         raise arguments.CommandError(f"{message}; --from takes X Y HEADING")
-    points = [NamedPoint(*each, "") for each in via] if file is None else read_points(file)
+    points = [NamedPoint(*each) for each in via] if file is None else read_points(file)
     if x is not None and y is not None:
-        points.append(NamedPoint(x, y, ""))
+        points.append(NamedPoint(x, y))
     return points
+
+
+def _with_headings(
+    points: list[NamedPoint], headings: list[arguments.StopHeading], no_target: bool
+) -> list[NamedPoint]:
+    """The points with the headings that are given at some of the via points."""
+    from dubins_study.study.angle import parse_angle
+
+    count = len(points) if no_target else len(points) - 1
+    found = list(points)
+    for place, text in headings:
+        if not 1 <= place <= count:
+            expected = f"expected one from 1 to {count}" if count else "there is no via point"
+            raise arguments.CommandError(f"--via-heading: place {place}; {expected}")
+        if found[place - 1].heading is not None:
+            message = f"via point {place} has two headings; expected one"
+            raise arguments.CommandError(f"--via-heading: {message}")
+        if text != "free":
+            found[place - 1] = found[place - 1]._replace(heading=parse_angle(text))
+    return found
+
+
+def _route_of(scenario: Scenario) -> Scenario:
+    """A tour's question with its order given: where it ends at any point, at the last one."""
+    changed: dict[str, Any] = {"order": "given"}
+    if scenario.target is None:
+        x, y, heading = scenario.stops[-1]
+        changed |= {"via": scenario.via[:-1], "target_x": x, "target_y": y}
+        changed |= {"final_heading": heading}
+    return replace(scenario, **changed)
 
 
 def _draw(answer: Answer, file: FilePath | None) -> None:
@@ -166,24 +228,42 @@ def answer_geojson(answer: Answer, path: Path, names: Sequence[str]) -> dict[str
     """
     properties = {"kind": "path"} | {name: getattr(answer, name) for name in _GEOJSON}
     features = [path.to_geojson(radius=answer.scenario.radius, **properties)]
-    points = answer.scenario.points[1:].tolist()
-    at = [*(answer.visits or ()), path.length]
+    scenario = answer.scenario
+    via, order = len(scenario.via), answer.order or range(len(scenario.via))
+    # where the path is at each via point, in the order of the question; then at its end
+    along: list[float] = []
+    if len(answer.visits or ()) == via:
+        along = [at for _, at in sorted(zip(order, answer.visits or (), strict=True))]
+    at = [*along, path.length]
     turned = [math.remainder(heading, math.tau) for heading in path.at(at)[:, 2]]
-    headings = turned if len(at) == len(points) else [None] * len(points)
-    for index, (name, point, heading) in enumerate(zip(names, points, headings, strict=True), 1):
-        kind = "target" if index == len(points) else "via"
-        shown = {"kind": kind, "index": index, "name": name or None, "heading_rad": heading}
-        geometry = {"type": "Point", "coordinates": point}
+    places = dict(zip(order, range(1, via + 1), strict=True))
+    for index, (x, y, _) in enumerate(scenario.stops):
+        is_via = index < via
+        shown = {
+            "kind": "via" if is_via else "target",
+            "index": index + 1,
+            "name": (names[index] if index < len(names) else "") or None,
+            "heading_rad": turned[index] if len(at) > via else None,
+        }
+        if answer.order is not None:
+            shown["visit"] = places[index] if is_via else None
+        geometry = {"type": "Point", "coordinates": [x, y]}
         features.append({"type": "Feature", "geometry": geometry, "properties": shown})
     return {"type": "FeatureCollection", "features": features}
 
 
-def answer_json(answer: Answer) -> str:
+def answer_json(
+    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+) -> str:
     """One object: the answer, its segments, and the question."""
     pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["via"] = [list(point) for point in answer.scenario.via]
+    fields["names"] = list(names)
     fields["final_heading"] = answer.scenario.final_heading
+    fields["closed"] = answer.scenario.closed
+    fields["start_heading"] = answer.path.start.heading if answer.path is not None else None
+    fields["given_order_length"] = None if in_given_order is None else in_given_order.length
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]
@@ -195,12 +275,21 @@ def _letter(curvature: float) -> str:
     return "L" if curvature > 0 else "R" if curvature < 0 else "S"
 
 
-def answer_text(answer: Answer) -> str:
-    """The answer as a few lines for the terminal."""
+def answer_text(
+    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+) -> str:
+    """The answer as a few lines for the terminal.
+
+    Args:
+        names: of the via points, some of which may be empty.
+        in_given_order: the answer to a tour's points in the order in which they are given.
+    """
     fields: dict[str, str] = {}
     if answer.length is not None:
+        fields["order"] = _order(answer, names)
         fields["word"] = _word(answer)
         fields["length"] = f"{answer.length:.12g}"
+        fields["given order"] = _given_order(answer, in_given_order)
         fields["travel time"] = f"{answer.travel_time:.12g}"
         fields["segments"] = _segments(answer)
         fields["optimum"] = _optimum(answer)
@@ -231,6 +320,27 @@ def answer_text(answer: Answer) -> str:
     return output.listing(fields)
 
 
+def _order(answer: Answer, names: Sequence[str]) -> str:
+    """The via points of a tour in the order in which the path passes them: names, or numbers."""
+    order = answer.order or []
+    texts = [plain(names[place]) if place < len(names) else "" for place in order]
+    shown = [text or str(place + 1) for text, place in zip(texts, order, strict=True)]
+    more = len(shown) - _MOST_POINTS
+    rest = f", and {more} more: --json lists them" if more > 0 else ""
+    return ", ".join(shown[:_MOST_POINTS]) + rest
+
+
+def _given_order(answer: Answer, route: Answer | None) -> str:
+    """What a tour's points would have cost in the order in which they are given."""
+    if route is None or route.length is None or not answer.length:
+        return ""
+    if abs(route.length - answer.length) <= _SAME * answer.length:
+        return "as short"
+    longer = 100 * (route.length / answer.length - 1)
+    proved = "" if route.proof == "proved" else ", not proved to be the shortest"
+    return f"{route.length:.12g}, {longer:.3g} % longer{proved}"
+
+
 def _word(answer: Answer) -> str:
     """The word of the path, and the words that are as short."""
     none = "none" if answer.gap is None else "none: the target is the start"
@@ -245,7 +355,7 @@ def _proof(answer: Answer) -> str:
 
     unchecked = answer.gap is not None and answer.pmp_residual is None
     if unchecked and kind_of(answer.scenario, answer.branch).searched:
-        return f"{answer.proof}; Pontryagin's conditions were not checked in time"
+        return f"{answer.proof}; Pontryagin's conditions were not checked"
     return str(answer.proof)
 
 

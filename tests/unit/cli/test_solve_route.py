@@ -128,7 +128,9 @@ def test_points_without_names_as_geojson(tmp_path):
     asked(*ROUTE, "--geojson", str(file))
     marks = json.loads(file.read_text())["features"][1:]
     answer = solve(Scenario(target_x=3, target_y=0, via=[(2, 0)]))
-    missed = SimpleNamespace(**dict.fromkeys([*_GEOJSON, "visits"]), scenario=answer.scenario)
+    missed = SimpleNamespace(
+        **dict.fromkeys([*_GEOJSON, "visits", "order"]), scenario=answer.scenario
+    )
     unseen = answer_geojson(missed, answer.path, ["", ""])["features"][1:]
 
     assert [mark["properties"]["name"] for mark in marks] == [None] * 3
@@ -261,7 +263,7 @@ def test_the_check_s_shorter_path_can_be_taken(tmp_path):
 
 
 def test_columns_that_are_passed_over_are_named(tmp_path, caplog):
-    """Headings at points are refused, since a path that ignores them would be no answer."""
+    """A heading whose column says more, such as a unit, is refused: it would be read wrongly."""
     file = tmp_path / "points.csv"
     file.write_text("x,y,alt,heading,z\n4,1,120,,0\n6,-2,120,,0\n")
 
@@ -269,7 +271,10 @@ def test_columns_that_are_passed_over_are_named(tmp_path, caplog):
 
     assert "columns that are passed over: alt, z" in caplog.text
     file.write_text("x,y,heading\n4,1,90\n6,-2,\n")
-    with pytest.raises(DubinsStudyError, match="line 2: heading is '90': headings at points are"):
+    with pytest.raises(DubinsStudyError, match="line 2: heading: 90 is more than a full turn; wri"):
+        asked("solve", "--via-file", str(file))
+    file.write_text("x,y,heading_deg\n4,1,90\n6,-2,\n")
+    with pytest.raises(DubinsStudyError, match="column 'heading_deg': expected one column heading"):
         asked("solve", "--via-file", str(file))
 
 

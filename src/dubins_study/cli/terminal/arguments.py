@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -36,7 +36,7 @@ class Point(NamedTuple):
 
 
 # The options that take two words: typer knows no list of pairs.
-PAIRS = ("via",)
+PAIRS = ("via", "via_headings")
 
 
 def point(words: Sequence[str] | Point) -> Point:
@@ -45,10 +45,27 @@ def point(words: Sequence[str] | Point) -> Point:
     return Point(number(x), number(y))
 
 
+class StopHeading(NamedTuple):
+    """A heading at a via point: its place in their order, from 1 on, and the angle as written."""
+
+    place: int
+    heading: str
+
+
+def stop_heading(words: Sequence[str] | StopHeading) -> StopHeading:
+    """The value of an option that is a heading at a via point."""
+    place, heading = words
+    try:
+        return StopHeading(int(place), str(heading))
+    except ValueError:
+        expected = "expected the number of a via point, from 1 on, and a heading"
+        raise typer.BadParameter(f"{place!r:.60}; {expected}") from None
+
+
 # the question of a solve
 TargetX = Annotated[float, typer.Argument(metavar="X", parser=number, help="target position")]
 TargetY = Annotated[float, typer.Argument(metavar="Y", parser=number, help="target position")]
-_OR_LAST = "target position; default: the last point of --via-file"
+_OR_LAST = "target position; default: the last point of --via-file, none with --order free"
 MaybeX = Annotated[
     float | None, typer.Argument(metavar="X", parser=number, help=_OR_LAST, show_default=False)
 ]
@@ -56,8 +73,8 @@ MaybeY = Annotated[
     float | None, typer.Argument(metavar="Y", parser=number, help=_OR_LAST, show_default=False)
 ]
 _FROM = (
-    "start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad; headings run counterclockwise from +x (east), "
-    "so north is 90deg"
+    "start pose, e.g. 0 0 120deg, or 0 0 2.1 in rad, or 0 0 free; headings run counterclockwise "
+    "from +x (east), so north is 90deg"
 )
 StartPose = Annotated[
     tuple[str, str, str],
@@ -67,7 +84,22 @@ _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
 ViaFile = Annotated[
     FilePath | None,
-    typer.Option(metavar="CSV", help="points to pass on the way: columns x, y, maybe name"),
+    typer.Option(
+        metavar="CSV", help="points to pass on the way: columns x, y, maybe name and heading"
+    ),
+]
+_VIA_HEADING = "heading at a via point, e.g. 2 90deg at the second; repeat it for several"
+ViaHeadings = Annotated[
+    list[StopHeading],
+    typer.Option("--via-heading", metavar="PLACE HEADING", parser=stop_heading, help=_VIA_HEADING),
+]
+_ORDER = (
+    "of the via points: given, or free for the shortest of all orders; without X Y a free order "
+    "ends at whichever point comes last"
+)
+OrderOfVia = Annotated[str, typer.Option("--order", metavar="NAME", help=_ORDER)]
+Closed = Annotated[
+    bool, typer.Option("--closed", help="end at the start, with the heading there; no X Y")
 ]
 FinalHeading = Annotated[
     str | None,
@@ -88,15 +120,17 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 
 def scenario_of(
-    x: float,
-    y: float,
+    x: float | None,
+    y: float | None,
     start: tuple[str, str, str],
     radius: float,
     speed: float = 1.0,
-    via: Sequence[Point] = (),
-    final_heading: str | None = None,
+    **rest: Any,
 ) -> Scenario:
-    """A scenario from the words of the command line; every refusal names the field."""
+    """A scenario from the words of the command line; every refusal names the field.
+
+    `rest` has the other fields of a scenario.
+    """
     from dubins_study.study.scenario import Scenario
 
     try:
@@ -104,4 +138,4 @@ def scenario_of(
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    return Scenario(*pose, x, y, radius, speed, via=via, final_heading=final_heading)
+    return Scenario(*pose, x, y, radius, speed, **rest)

@@ -1,0 +1,166 @@
+"""`dubins-study solve` of tours, closed paths, free starts and headings at via points."""
+
+import json
+import math
+import shlex
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from dubins_study import Scenario, plot_path, solve
+from dubins_study.errors import DubinsStudyError
+from dubins_study.study.scenario_frame import solve_command
+from tests.unit.cli.conftest import asked, line_of
+
+POINTS = "x,y,name\n9,-6,mill\n3,7,oak\n-5,4,\n4,-3,ford\n"
+
+
+@pytest.fixture
+def file(tmp_path):
+    place = tmp_path / "points.csv"
+    place.write_text(POINTS)
+    return place
+
+
+def json_of(*words):
+    return json.loads(asked("solve", *words, "--json").stdout)
+
+
+def test_the_text_of_a_tour_names_its_points(file):
+    """By their names, or numbers; and what the order of the file would have cost."""
+    asked_for = ("--via-file", str(file), "--order", "free", "--from", "0", "0", "30deg", "12", "3")
+
+    text = asked("solve", *asked_for).stdout
+    answer = json_of(*asked_for)
+
+    names = ["mill", "oak", "3", "ford"]
+    assert line_of("order", text) == ", ".join(names[place] for place in answer["order"])
+    given = solve(Scenario(0, 0, "30deg", 12, 3, via=[(9, -6), (3, 7), (-5, 4), (4, -3)]))
+    longer = 100 * (given.length / answer["length"] - 1)
+    assert line_of("given order", text) == f"{given.length:.12g}, {longer:.3g} % longer"
+    assert answer["given_order_length"] == pytest.approx(given.length, rel=1e-12)
+
+
+def test_a_tour_is_the_shortest_of_all_orders(file):
+    """Without X Y it ends at whichever point comes last."""
+    answer = json_of("--via-file", str(file), "--order", "free", "--from", "0", "0", "free")
+
+    points = [(9, -6), (3, 7), (-5, 4), (4, -3)]
+    lengths = {
+        order: solve(
+            Scenario(
+                heading=None,
+                target_x=points[order[-1]][0],
+                target_y=points[order[-1]][1],
+                via=[points[place] for place in order[:-1]],
+            )
+        ).length
+        for order in permutations(range(4))
+    }
+    best = min(lengths, key=lengths.__getitem__)
+    assert answer["proof"] == "proved"
+    assert answer["length"] == pytest.approx(lengths[best], rel=1e-9)
+    assert tuple(answer["order"]) == best
+
+
+def test_a_closed_path_ends_as_it_starts(file, tmp_path):
+    drawn, written = tmp_path / "tour.svg", tmp_path / "tour.json"
+    options = ("--closed", "--order", "free", "--from", "1", "2", "free")
+    files = ("--plot", str(drawn), "--geojson", str(written))
+
+    answer = json_of("--via-file", str(file), *options, *files)
+
+    assert answer["proof"] == "proved"
+    path, *points = json.loads(written.read_text())["features"]
+    first, *_, last = path["geometry"]["coordinates"]
+    assert first == pytest.approx([1, 2])
+    assert last == pytest.approx([1, 2], abs=1e-9)
+    start, end = (path["properties"][f"{name}_heading_rad"] for name in ("start", "end"))
+    assert math.remainder(end - start, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+    shown = [each["properties"] for each in points]
+    assert [each["name"] for each in shown] == ["mill", "oak", None, "ford", None]
+    by_visit = sorted((each for each in shown if each["kind"] == "via"), key=lambda p: p["visit"])
+    assert [each["index"] - 1 for each in by_visit] == answer["order"]
+    assert drawn.stat().st_size > 1000
+
+
+def test_headings_at_points_are_met(tmp_path):
+    """From a column of the file, or by the number of a point; the last one's is the target's."""
+    file = tmp_path / "lines.csv"
+    file.write_text("x,y,heading\n4,1,90deg\n6,-2,free\n10,5,-pi/2\n")
+    typed = ("10", "5", "--via", "4", "1", "--via", "6", "-2", "--via-heading", "1", "90deg")
+
+    answers = [
+        json_of("--via-file", str(file)),
+        json_of(*typed, "--final-heading", "-pi/2"),
+    ]
+
+    assert answers[0]["length"] == answers[1]["length"]
+    asked_for = Scenario(
+        target_x=10, target_y=5, via=[(4, 1, "90deg"), (6, -2)], final_heading="-90deg"
+    )
+    answer = solve(asked_for)
+    assert answer.length == pytest.approx(answers[0]["length"], rel=1e-12)
+    assert answer.path.at(answer.visits[0])[0, 2] % (2 * math.pi) == pytest.approx(math.pi / 2)
+
+
+REFUSED = {
+    "3 4 --order free --closed": "X Y and --closed are given; a closed path ends at its start",
+    "3 4 --order sideways --via 1 2": "order is 'sideways'; expected given or free",
+    "--order free": "via is empty; expected points to pass, which a tour without a target needs",
+    "--closed": "via is empty; expected points to pass, which a closed path needs",
+    "--closed --via 3 4 --final-heading 3": "final_heading is '3', but a closed path ends as it",
+    "3 4 --via-heading 1 90deg": "--via-heading: place 1; there is no via point",
+    "3 4 --via 1 2 --via-heading 2 90deg": "--via-heading: place 2; expected one from 1 to 1",
+    "3 4 --via 1 2 --via-heading 1 90degg": "'90degg' is not an angle",
+    "3 4 --via 1 2 --via 1 2 --order free": "(1.0, 2.0) is a point of the tour twice, as points",
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_is_refused(words):
+    with pytest.raises(DubinsStudyError) as refused:
+        asked("solve", *words.split())
+
+    assert REFUSED[words] in str(refused.value)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_command_of_a_scenario_asks_it(seed):
+    random = np.random.default_rng(seed)
+    closed, free_order, free_start = random.random(3) < 0.5
+    via = [tuple(random.uniform(-9, 9, 2)) for _ in range(3)]
+    if random.random() < 0.5:
+        via[1] = (*via[1], float(random.uniform(-3, 3)))
+    x, y = random.uniform(-9, 9, 2)
+    target = {} if closed else {"target_x": x, "target_y": y}
+    scenario = Scenario(
+        heading=None if free_start else float(random.uniform(-3, 3)),
+        radius=0.5,
+        via=via,
+        order="free" if free_order else "given",
+        closed=bool(closed),
+        **target,
+    )
+    answer = solve(scenario)
+
+    command = solve_command(answer.row() | {"solver": "analytic"})
+    _, solve_, *words = shlex.split(command)
+    again = json.loads(asked(solve_, "--json", *words).stdout)
+
+    assert again["length"] == answer.length
+    assert again["order"] == answer.order
+
+
+def test_a_tour_is_drawn_with_its_points_in_the_order_of_visits():
+    """The numbers beside the points, along the path, are 1, 2, 3."""
+    answer = solve(Scenario(heading=0.3, via=[(9, -6), (3, 7), (-5, 4)], order="free", closed=True))
+
+    [axes] = plot_path(answer).axes
+
+    numbers = {text.get_text(): text.xy for text in axes.texts if text.get_text().isdigit()}
+    points = answer.scenario.points[1:]
+    assert {int(text): tuple(xy) for text, xy in numbers.items()} == {
+        place: tuple(points[i]) for place, i in enumerate(answer.order, 1)
+    }
