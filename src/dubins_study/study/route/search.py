@@ -52,6 +52,7 @@ _SOON = 0.5  # of the gap: intervals whose bounds are nearer to the best route's
 _BOTH = 0.5  # weight of what both ends of a leg gain by halves together, beside one alone
 _PAIRS_AT_ONCE = 50_000  # about a tenth of a second between looks at the clock
 _MOST_PAIRS = 40_000_000
+_MOST_SUMS = 400_000_000  # in a round of the programs of a loop
 
 
 class Route(NamedTuple):
@@ -135,6 +136,13 @@ def potential_at(
     return _Search(points, given, Effort(), 1.0, cyclic=closed)._slopes_at(headings)
 
 
+def _through(cost: FloatArray, rows: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Of each row the least of cost and row, for each row of cost, and where that is."""
+    ways = ((way.min(axis=1), way.argmin(axis=1)) for way in (cost + row for row in rows))
+    least, mates = zip(*ways, strict=True)
+    return np.array(least), np.array(mates)
+
+
 class _Chains:
     """The least cost of a chain through each interval, and its neighbours there.
 
@@ -153,13 +161,13 @@ class _Chains:
         self._before: list[IntArray] = []
         after: list[IntArray] = []
         for cost in costs:
-            ways = [row[:, None] + cost for row in self.ahead[-1]]
-            self.ahead.append(np.array([way.min(axis=0) for way in ways]))
-            self._before.append(np.array([way.argmin(axis=0) for way in ways]))
+            least, mates = _through(cost.T, self.ahead[-1])
+            self.ahead.append(least)
+            self._before.append(mates)
         for cost in reversed(costs):
-            ways = [cost + row for row in self.behind[0]]
-            self.behind.insert(0, np.array([way.min(axis=1) for way in ways]))
-            after.insert(0, np.array([way.argmin(axis=1) for way in ways]))
+            least, mates = _through(cost, self.behind[0])
+            self.behind.insert(0, least)
+            after.insert(0, mates)
         both = [a + b for a, b in zip(self.ahead, self.behind, strict=True)]
         self.through: list[FloatArray] = [each.min(axis=0) for each in both]
         row = [each.argmin(axis=0) for each in both]
@@ -409,7 +417,9 @@ class _Search:
             alive = chains.through_pairs(i) * margin <= threshold
             live = np.where(alive, self.live[i], 0)
             self.live[i] = np.ascontiguousarray(live[np.ix_(parents[i], parents[i + 1])])
-        return sum(live.size for live in self.live) <= _MOST_PAIRS
+        pairs = sum(live.size for live in self.live)
+        programs = self.intervals[0].middle.size if self.cyclic else 1
+        return pairs <= _MOST_PAIRS and pairs * programs <= _MOST_SUMS
 
     def _aimed(self, chains: _Chains) -> list[Intervals]:
         """The intervals with slopes of the potential from the best chain through each of them."""
