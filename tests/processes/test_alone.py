@@ -38,8 +38,10 @@ from dubins_study.solvers.registry import load, registered
 from dubins_study.asking.reply import ask
 from dubins_study.study.scenario import Scenario
 
+know_a_leg = {"analytic", "headings", "heading-milp", "route-nlp"}
+know_a_leg |= {"tour-circuit", "tour-milp", "tour-order", "tour-routing"}
 for name in registered():
-    if name not in ("analytic", "headings", "heading-milp", "route-nlp"):  # these know a leg
+    if name not in know_a_leg:
         for branch in ("best", "LS"):
             ask(load(name), Question(Scenario(target_x=0.2, target_y=0.7), branch), 10.0)
 """

@@ -49,7 +49,7 @@ LIES = {
     "sorts the via points": ("routes", "passes the via points in another order"),
     "any final heading": (
         "poses",
-        "claims optimal, but the path ends .* rad from the final heading.*leaves it free",
+        "claims optimal, but the path is .* rad from the final heading.*leaves it free",
     ),
     "denies routes": ("routes", "claims infeasible, that no path exists; there is one, RSR RS, of"),
     "always optimal": ("discs", "claims optimal, but its path, RS, is 27.4 % longer.*claim LOCAL"),
