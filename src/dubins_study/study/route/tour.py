@@ -50,14 +50,15 @@ _LOG = logging.getLogger(__name__)
 # them, a chain remembers. Of more points there is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
 _FEW = 12  # points up to which an order of straight lines is not tried as a route
-_ON_GRID = 40  # points up to which the first tour is improved with headings, not straight lines
+_ON_GRID = 100  # points up to which the first tour is improved with headings, not straight lines
 _IMPROVED = 200  # points up to which it is improved at all
 _ROUNDS, _LATER_ROUNDS = 40, 8  # of prices: at first, and where they are good
 _FIRST_STEP, _SHRINK = 0.02, 0.93  # of prices: a share of the bound, and from round to round
 _PATIENCE = 12  # rounds of prices without a better bound
-_HEADINGS = 24  # at each point, from which the first tour chooses
-_MOST_ARCS = 24  # further ones of single arcs to near points
-_STARTS = 5  # random orders that the first tour begins with, beside nearest neighbours
+_SOME = 40  # points up to which the first tour chooses from more headings
+_HEADINGS, _FEWER = 24, 16  # at each point
+_MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
+_KICKS = 16  # changes of the first tour from which it is shortened anew
 _NEARLY = 1.02  # times the best length on the grid: other orders are not tried
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _MOST_STATES = 100_000
@@ -219,6 +220,8 @@ class _TourSearch:
                 self._prove(*size[1:])
         except SpentError:
             _LOG.info("the search has spent its effort")
+        if self.best is None:  # something to show, whatever the limit
+            self._search_order(self.order, quick=True)
         assert self.best is not None
         return Tour(
             order=self.order,
@@ -275,7 +278,6 @@ class _TourSearch:
 
     def _first_tour(self) -> None:
         """Orders that are short on a grid of headings, the best of them as routes."""
-        self._search_order(self.order, quick=True)  # something to show, whatever the limit
         straight = self._nearest_neighbours()
         if self.n <= _IMPROVED:
             self._shorten(straight, np.arange(self.n + 1), *self._straight_lines())
@@ -288,14 +290,22 @@ class _TourSearch:
         lengths = lengths_between(self.stops.points, begin, headings)
         starts, ends = self._to_ends(begin, headings)
         found: dict[tuple[int, ...], float] = {}
-        for order in [straight, *(self.random.permutation(self.n) for _ in range(_STARTS))]:
+        order = straight
+        for _ in range(1 + _KICKS):
             length = self._shorten(order, begin, lengths, starts, ends)
             found[tuple(order.tolist())] = length
+            order = self._kicked(min(found, key=found.__getitem__))
         shortest = min(found.values())
         for tried, length in sorted(found.items(), key=lambda item: item[1]):
             if length <= _NEARLY * shortest:
                 self._search_order(tried, quick=True)
         _LOG.info("a tour of length %.6g", self.length)
+
+    def _kicked(self, order: tuple[int, ...]) -> IntArray:
+        """An order with two neighbouring parts exchanged (Martin, Otto and Felten 1991)."""
+        cuts = self.random.choice(np.arange(1, self.n + 1), 3)
+        a, b, c = np.sort(cuts).tolist()
+        return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
 
     def _shorten(
         self,
@@ -335,10 +345,11 @@ class _TourSearch:
     def _heading_grid(self) -> tuple[IntArray, FloatArray]:
         """Headings at each point: of a grid, and of single arcs to points near by."""
         sizes, headings = [0], []
-        grid = np.linspace(-math.pi, math.pi, _HEADINGS, endpoint=False)
+        count = _HEADINGS if self.n <= _SOME else _FEWER
+        grid = np.linspace(-math.pi, math.pi, count, endpoint=False)
         for i, given in enumerate(self.stops.headings):
             some = grid if given is None else np.array([given])
-            if given is None:
+            if given is None and self.n <= _SOME:
                 arcs = _arc_headings(self.stops.points - self.stops.points[i])
                 some = np.append(grid, arcs[:_MOST_ARCS])
             headings.append(some)
@@ -374,7 +385,7 @@ class _TourSearch:
             limit=max(left, 0.0),
             boxes=_QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent,
             tolerance=self.tolerance,
-            cutoff=math.inf if quick or order == self.order else self.high,
+            cutoff=self.high,
             closed=self.stops.closed,
         )
         self.effort.spent += found.boxes
@@ -416,7 +427,7 @@ class _TourSearch:
         if self.closed:
             return False
         behind = self._leave_out()
-        if not self.live.any():
+        if np.unique(self.owner).size < self.n:  # no tour as short passes one of the points
             self.low = self.high
             return False
         orders = self._orders(behind)
@@ -473,10 +484,11 @@ class _TourSearch:
         bounds = np.ascontiguousarray(self.bounds.T) if back else self.bounds
         ends = self.ends if back else self.starts
         begin = self.begin
+        goes = np.minimum.reduceat(bounds, begin[:-1], axis=1) < math.inf
         costs: FloatArray = first_chains(begin, self.after, ends, prices)
         for k in range(self.n - 1):
             self.effort.look_at_the_clock()
-            extend_chains(costs, k, bounds, begin, self.after, prices)
+            extend_chains(costs, k, bounds, goes, begin, self.after, prices)
         return costs
 
     def _price(self) -> None:
@@ -496,7 +508,9 @@ class _TourSearch:
             chain = cheapest_chain(costs, self.bounds, self.begin, self.after, self.ends)
             missing = 1 - np.bincount(chain, minlength=self.n)
             if not missing.any():
-                self._search_order(tuple(chain.tolist()), quick=True)
+                order = tuple(chain.tolist())
+                if order != self.order:
+                    self._search_order(order, quick=True)
                 break
             step = _FIRST_STEP * bound if round_ == 0 else _SHRINK * step
             prices = prices + 2.0 * step * missing / (missing @ missing)

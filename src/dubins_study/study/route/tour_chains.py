@@ -119,6 +119,7 @@ def extend_chains(
     costs: FloatArray,
     k: int,
     bounds: FloatArray,
+    goes: BoolArray,
     begin: IntArray,
     after: IntArray,
     prices: FloatArray,
@@ -128,6 +129,7 @@ def extend_chains(
     Args:
         costs: `first_chains`, with those of k + 1 points.
         bounds: of legs, shape (intervals, intervals).
+        goes: whether a chain can go on from an interval to a point, shape (intervals, points).
         after: `memories_after`.
         prices: shape (points,).
     """
@@ -144,6 +146,8 @@ def extend_chains(
                 target = costs[k + 1, following]
                 for p in range(first, end):
                     cost = costs[k, memory, p] - prices[there]
+                    if not (goes[p, there] and cost < math.inf):
+                        continue
                     for q in range(begin[there], begin[there + 1]):
                         total = cost + bounds[p, q]
                         target[q] = total if total < target[q] else target[q]
@@ -272,32 +276,36 @@ def leave_out(
 
 
 @compiled
-def order_length(
+def _go(
+    costs: FloatArray,
+    here: int,
+    there: int,
+    lengths: FloatArray,
+    begin: IntArray,
+    following: FloatArray,
+) -> None:
+    """Write the least costs at the headings of a point of going on to it from another one."""
+    first, end = begin[there], begin[there + 1]
+    following[first:end] = math.inf
+    for p in range(begin[here], begin[here + 1]):
+        for q in range(first, end):
+            total = costs[p] + lengths[p, q]
+            following[q] = total if total < following[q] else following[q]
+
+
+@compiled
+def _costs_along(
     order: IntArray,
     lengths: FloatArray,
     begin: IntArray,
     starts: FloatArray,
-    ends: FloatArray,
-    room: FloatArray,
-) -> float:
-    """The length of an order by the best of some headings a point; `room`: shape (2, headings)."""
-    here = order[0]
-    room[0, begin[here] : begin[here + 1]] = starts[begin[here] : begin[here + 1]]
+    costs: FloatArray,
+) -> None:
+    """Write the least costs of an order up to each of the headings at its points."""
+    first = slice(begin[order[0]], begin[order[0] + 1])
+    costs[first] = starts[first]
     for k in range(1, order.size):
-        there = order[k]
-        ahead, behind = room[k % 2], room[1 - k % 2]
-        for q in range(begin[there], begin[there + 1]):
-            ahead[q] = math.inf
-        for p in range(begin[here], begin[here + 1]):
-            for q in range(begin[there], begin[there + 1]):
-                total = behind[p] + lengths[p, q]
-                ahead[q] = total if total < ahead[q] else ahead[q]
-        here = there
-    last = room[(order.size - 1) % 2]
-    least = math.inf
-    for p in range(begin[here], begin[here + 1]):
-        least = min(least, last[p] + ends[p])
-    return float(least)
+        _go(costs, order[k - 1], order[k], lengths, begin, costs)
 
 
 _MOST_MOVED = 3  # points that change their place together
@@ -308,14 +316,17 @@ _SHORTER = 1e-9  # radii; less is no reason for another order
 def better_order(
     order: IntArray, lengths: FloatArray, begin: IntArray, starts: FloatArray, ends: FloatArray
 ) -> float:
-    """Shorten an order in place where it can be, and return its length by `order_length`.
+    """Shorten an order in place where it can be, and return its length by the best headings.
 
     A part of it is turned round, or up to three points are moved to another place. Each is tried
     once, so that a shorter order may be left: ask again as long as the length is less.
     """
     n = order.size
-    room = np.empty((2, starts.size))
-    least = order_length(order, lengths, begin, starts, ends, room)
+    back = np.ascontiguousarray(lengths.T)
+    ahead, behind, costs = np.empty(starts.size), np.empty(starts.size), np.empty(starts.size)
+    _costs_along(order, lengths, begin, starts, ahead)
+    _costs_along(order[::-1], back, begin, ends, behind)
+    least = (starts + behind)[begin[order[0]] : begin[order[0] + 1]].min()
     for i in range(n):
         for j in range(i + 1, n):
             for moved in range(-_MOST_MOVED, min(_MOST_MOVED, j - i) + 1):
@@ -323,18 +334,30 @@ def better_order(
                 size = abs(moved)
                 if size > j - i:
                     continue
-                part = order[i : j + 1]
-                trial = order.copy()
+                part = order[i : j + 1].copy()
                 if moved == 0:
-                    trial[i : j + 1] = part[::-1]
+                    part[:] = order[i : j + 1][::-1]
                 elif moved > 0:
-                    trial[i : j + 1 - size] = part[size:]
-                    trial[j + 1 - size : j + 1] = part[:size]
+                    part[: part.size - size] = order[i + size : j + 1]
+                    part[part.size - size :] = order[i : i + size]
                 else:
-                    trial[i : i + size] = part[part.size - size :]
-                    trial[i + size : j + 1] = part[: part.size - size]
-                length = order_length(trial, lengths, begin, starts, ends, room)
+                    part[:size] = order[j + 1 - size : j + 1]
+                    part[size:] = order[i : j + 1 - size]
+                if i == 0:
+                    _costs_along(part, lengths, begin, starts, costs)
+                else:
+                    _go(ahead, order[i - 1], part[0], lengths, begin, costs)
+                    _costs_along(part, lengths, begin, costs, costs)
+                last = slice(begin[part[-1]], begin[part[-1] + 1])
+                if j == n - 1:
+                    length = (costs[last] + ends[last]).min()
+                else:
+                    _go(costs, part[-1], order[j + 1], lengths, begin, costs)
+                    last = slice(begin[order[j + 1]], begin[order[j + 1] + 1])
+                    length = (costs[last] + behind[last]).min()
                 if length < least - _SHORTER:
                     least = length
-                    order[:] = trial
+                    order[i : j + 1] = part
+                    _costs_along(order, lengths, begin, starts, ahead)
+                    _costs_along(order[::-1], back, begin, ends, behind)
     return float(least)
