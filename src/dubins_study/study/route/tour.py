@@ -52,9 +52,10 @@ _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
 _FEW = 12  # points up to which an order of straight lines is not tried as a route
 _ON_GRID = 100  # points up to which the first tour is improved with headings, not straight lines
 _IMPROVED = 200  # points up to which it is improved at all
-_ROUNDS, _LATER_ROUNDS = 40, 8  # of prices: at first, and where they are good
-_FIRST_STEP, _SHRINK = 0.02, 0.93  # of prices: a share of the bound, and from round to round
-_PATIENCE = 12  # rounds of prices without a better bound
+_ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
+_STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
+_SHRINK, _PATIENCE = 0.6, 3  # of the step, after so many rounds without a better bound
+_LEAST_STEP = 0.02
 _SOME = 40  # points up to which the first tour chooses from more headings
 _HEADINGS, _FEWER = 24, 16  # at each point
 _MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
@@ -492,18 +493,26 @@ class _TourSearch:
         return costs
 
     def _price(self) -> None:
-        """Raise prices of points that the cheapest chain misses, and lower those it repeats."""
+        """Raise prices of points that the cheapest chain misses, and lower those it repeats.
+
+        A step is a share of what would close the gap, were the bound linear (Polyak 1969).
+        """
         prices, best, waited = self.prices, -math.inf, 0
-        step = 0.0
-        rounds, self.priced = _LATER_ROUNDS if self.priced else _ROUNDS, True
-        for round_ in range(rounds):
+        rounds, step = (_LATER_ROUNDS, _LATER_STEP) if self.priced else (_ROUNDS, _STEP)
+        self.priced = True
+        for _ in range(rounds):
             costs = self._chains(prices)
             bound = float((costs[-1] + self.ends).min() + prices.sum())
-            waited = 0 if bound > best * (1.0 + 1e-6) else waited + 1
+            waited += 1
+            if bound > best * (1.0 + 1e-6):
+                waited = 0
             if bound > best:
                 best, self.prices = bound, prices
                 self.low = max(self.low, min(bound - self.slack, self.high))
-            if bound == math.inf or self.closed or waited > _PATIENCE:
+            if waited >= _PATIENCE:
+                step *= _SHRINK
+                waited = 0
+            if bound == math.inf or self.closed or step < _LEAST_STEP:
                 break
             chain = cheapest_chain(costs, self.bounds, self.begin, self.after, self.ends)
             missing = 1 - np.bincount(chain, minlength=self.n)
@@ -512,8 +521,8 @@ class _TourSearch:
                 if order != self.order:
                     self._search_order(order, quick=True)
                 break
-            step = _FIRST_STEP * bound if round_ == 0 else _SHRINK * step
-            prices = prices + 2.0 * step * missing / (missing @ missing)
+            open_part = max(self.high - bound, 0.0)
+            prices = prices + step * open_part * missing / (missing @ missing)
         _LOG.info("proven to within %.2g of the length", 1.0 - self.low / self.high)
 
     def _leave_out(self) -> FloatArray:
