@@ -1,10 +1,11 @@
 """How long the explorer's page takes to answer a drag, in Chromium.
 
-500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, and
-of a via point and the final heading of routes with five via points. Three times are taken of each
-move: the handler's, with the layout that it causes; until the frame is painted, as the page itself
-sees it; and the CPU time of the page's thread until the next move, from the browser's trace, which
-knows nothing of what else runs on the machine (but holds some 1 ms of the trace and the driver).
+500 moves of each handle, by the browser's own input: of target, heading and radius of one leg, of a
+via point and the final heading of routes with five via points, and of a via point of tours with
+five. Three times are taken of each move: the handler's, with the layout that it causes; until the
+frame is painted, as the page itself sees it; and the CPU time of the page's thread until the next
+move, from the browser's trace, which knows nothing of what else runs on the machine (but holds some
+1 ms of the trace and the driver).
 
 The same moves are made three times. The least of the three is the move's own time, since what else
 runs only ever adds; the slowest of these is compared with a frame. Garbage is not collected at the
@@ -43,7 +44,11 @@ ROUTES = (
     "0,0,60deg,1,1,1;via=0.9,0.2,0.3,1.1,1.4,0.8,0.6,-0.4,1.7,-0.1;final=180deg",
     "0,0,0deg,12,0,1;via=2,0,4,0,6,0,8,0,10,0;final=0deg",
 )
-DRAGS = {"target": STARTS, "heading": STARTS, "radius": STARTS, "via-3": ROUTES, "final": ROUTES}
+TOURS = tuple(f"{route};order=free" for route in ROUTES)
+DRAGS = {
+    **{"target": STARTS, "heading": STARTS, "radius": STARTS},
+    **{"via-3": ROUTES, "final": ROUTES, "via-4": TOURS},
+}
 
 _WATCH = """() => {
   const times = window.times = {handler: [], painted: []}, channel = new MessageChannel();

@@ -1,9 +1,10 @@
-"""Routes in the explorer: via points and a final heading by mouse, finger and keyboard."""
+"""Routes and tours in the explorer: via points and final heading by mouse, finger and keys."""
 
 import json
 import math
 import shlex
 from contextlib import redirect_stdout
+from dataclasses import replace
 from io import StringIO
 from typing import Any
 
@@ -19,6 +20,7 @@ from dubins_study.study.scenario import Pose
 
 ROUTE = "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg"
 POSE = "0,0,30deg,4,1,1;final=180deg"
+TOUR = "0,0,30deg,12,3,1;via=9,-2,3,5,-3,4,4,-3,8,6;order=free"
 
 
 def summary(page: Any) -> tuple[str, str, float]:
@@ -187,6 +189,8 @@ def test_a_broken_route_is_refused_in_words(explorer):
         "0,0,0,1,1,1;to=3": "to=3 is neither",
         "0,0,0,1,1,1;via=a,b": "via point 1: target_x is NaN; expected a finite number",
         "0,0,0,1,1,1;via=2,2,2,2": "a via point is equal to the point before or after it",
+        "0,0,0,9,1,1;via=2,2,5,5,2,2;order=free": "two points are equal",
+        "0,0,0,9,1,1;via=2,2;order=best": "order=best is neither",
         "0,0,0,1,1,1;final=north": "final heading is not an angle",
         f"0,0,0,1,1,1;via={','.join(map(str, range(26)))}": "expected at most 12",
     }
@@ -194,3 +198,118 @@ def test_a_broken_route_is_refused_in_words(explorer):
         page = explorer(text)
         assert reason in page.locator("[data-answer=problem]").inner_text()
         assert scenario_in(page).one_free_leg  # the first example
+
+
+def numbers(page: Any) -> list[str]:
+    """What the handles of the via points show, in the order of the list of points."""
+    handles = page.locator(".handle[class*=via]:visible")
+    texts: list[str] = handles.evaluate_all(
+        "all => all.map(handle => handle.querySelector('text').textContent)"
+    )
+    return texts
+
+
+def place(page: Any) -> str:
+    """What the page says about its answer."""
+    text: str = page.locator("[data-answer=place]").inner_text()
+    return text
+
+
+def test_a_tour_and_its_copies(explorer):
+    """Points are numbered by their visits; what is proved is said, and what the list would cost."""
+    page = explorer(TOUR)
+    expected = scenario_in(page)
+    assert expected.order == "free"
+    answer = solve(expected)
+    assert summary(page) == ("Found", answer.word, pytest.approx(answer.length, rel=6e-6))
+    assert answer.order == [2, 1, 4, 3, 0]
+    assert numbers(page) == ["5", "2", "1", "4", "3"]
+    assert [row[0] for row in legs(page)] == [
+        *("start → 1", "1 → 2", "2 → 3", "3 → 4", "4 → 5", "5 → T")
+    ]
+    given = solve(replace(expected, order="given"))
+    assert place(page).startswith("The best order found, not proved.")
+    cost = f"the route found in the given order is {given.length:.4f} long"
+    assert f"It is 3, 2, 5, 4, 1 of the given points; {cost}" in place(page)
+    assert "All 120 orders" in place(page)
+    page.wait_for_function("document.querySelector('[data-copy=link]').textContent")
+    assert page.locator("[data-copy=link]").inner_text().endswith(f"#explore={TOUR}")
+
+    command = shlex.split(page.locator("[data-copy=command]").inner_text())
+    printed = json.loads(CliRunner().invoke(app, [*command[1:], "--json"]).stdout)
+    assert printed["length"] == pytest.approx(answer.length, rel=1e-9)
+    assert printed["order"] == [2, 1, 4, 3, 0]
+    names: dict[str, Any] = {}
+    with redirect_stdout(StringIO()):
+        exec(page.locator("[data-copy=python]").text_content(), names)  # our own text
+    assert names["answer"].scenario == expected
+
+
+def test_the_order_is_free_or_given(explorer):
+    """By the button, with keys too; the list of points stays, and the address follows."""
+    page = explorer(TOUR.removesuffix(";order=free"))
+    button = page.get_by_role("button", name="Any order", exact=True)
+    assert button.get_attribute("aria-pressed") == "false"
+    assert numbers(page) == ["1", "2", "3", "4", "5"]
+    length, points = summary(page)[2], scenario_in(page).via
+    button.focus()
+    page.keyboard.press("Space")
+    assert button.get_attribute("aria-pressed") == "true"
+    assert scenario_in(page).via == points
+    assert summary(page)[2] < length
+    page.wait_for_function("location.hash.endsWith(';order=free')")
+    handle = page.locator(".handle.via-3")
+    assert handle.get_attribute("aria-label").startswith("Via point 3, visit 1: arrow keys")
+    page.keyboard.press("Enter")
+    assert summary(page)[2] == length
+    assert numbers(page) == ["1", "2", "3", "4", "5"]
+    assert handle.get_attribute("aria-label").startswith("Via point 3: arrow keys")
+
+
+def test_points_of_a_tour_are_added_dragged_and_removed(explorer):
+    """A new point is the last of the list; without points there is no order to be free."""
+    page = explorer(TOUR)
+    before = scenario_in(page)
+    x, y = centre(page, "via-3")
+    page.mouse.click(x + 60, y + 40)
+    page.get_by_role("button", name="Add a via point").click()
+    added = scenario_in(page)
+    assert added.via[:5] == before.via
+    assert len(added.via) == 7
+    drag(page, "via-1", -150, -60)
+    moved = scenario_in(page)
+    assert moved.via[1:] == added.via[1:]
+    answer = solve(moved)
+    assert summary(page)[2] == pytest.approx(answer.length, rel=6e-6)
+    visits = {point: str(visit + 1) for visit, point in enumerate(answer.order or ())}
+    assert numbers(page) == [visits[point] for point in range(7)]
+    page.locator(".handle.via-1").focus()
+    for _ in range(6):
+        page.keyboard.press("Delete")
+    assert len(scenario_in(page).via) == 1
+    assert place(page).startswith("Not proved: ")  # of one point there is one order
+    page.keyboard.press("Delete")
+    page.get_by_role("button", name="Add a via point").click()
+    assert scenario_in(page).order == "given"
+
+
+def test_the_given_order_may_be_the_best(explorer):
+    page = explorer("0,0,0deg,12,0,1;via=4,1,8,-1;order=free")
+    assert "It is the given order. All 2 orders" in place(page)
+
+
+def test_the_first_view_knows_no_order(explorer):
+    """The map of words, its copies and handles are of one leg; the button waits for points."""
+    page = explorer()
+    assert page.get_by_role("button", name="Any order", exact=True).count() == 0
+    assert page.get_by_role("button", name="Final heading", exact=True).count() == 1
+    assert page.get_by_role("slider").count() == 3
+    assert page.locator(".explorer-place").text_content() == (
+        "Shortest: RS, length 11.8681 (11.8681 R). "
+        "The target lies outside both turning circles, 9.182 R from the nearer one."
+    )
+    assert page.locator("[data-copy=command]").text_content() == (
+        "dubins-study solve 10 5 --from 0 0 120deg --radius 1"
+    )
+    assert "order" not in page.locator("[data-copy=python]").text_content()
+    assert page.locator("[data-copy=link]").text_content().endswith("#explore=0,0,120deg,10,5,1")

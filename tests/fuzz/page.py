@@ -19,7 +19,7 @@ _ATTRIBUTES = """
     lang charset name content class id href src alt title scope aria-label aria-hidden aria-live
     role style tabindex open autocomplete onsubmit step min max
     data-answer data-branch data-cell data-copies data-copy data-explorer data-fit data-label
-    data-add data-final placeholder aria-pressed data-scenario data-title data-value
+    data-add data-final data-order placeholder aria-pressed data-scenario data-title data-value
     d transform x y width height viewbox version xmlns xmlns:xlink xlink:href clip-path fill stroke
     opacity preserveaspectratio stroke-width type patternunits
 """.split()  # noqa: SIM905

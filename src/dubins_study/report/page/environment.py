@@ -29,7 +29,7 @@ STYLES = (
 )
 # The order in which the scripts run: later ones use what earlier ones hand out.
 SCRIPTS = (
-    *("tolerances", "dubins", "dubins-certificate", "dubins-pose", "dubins-route"),
+    *("tolerances", "dubins", "dubins-certificate", "dubins-pose", "dubins-route", "dubins-tour"),
     *("svg", "page", "tables"),
     *("attempts-data", "attempts-fields", "path-picture", "drawer", "attempts-solvers"),
     *("attempts-choice", "attempts-plot", "attempts-list", "attempts", "worst"),

@@ -44,6 +44,7 @@ PRESETS = (
     Preset("Just inside", "0,0,0deg,0.2952,0.0456,1", "0.001 R inside the left circle: RL"),
     Preset("Pose", "0,0,30deg,4,1,1;final=180deg", "A final heading is given: six words"),
     Preset("Route", "0,0,30deg,10,5,1;via=4,1,6,-2;final=90deg", "Two points to pass on the way"),
+    Preset("Tour", "0,0,30deg,12,3,1;via=9,-2,3,5,-3,4,4,-3,8,6;order=free", "Points in any order"),
 )
 
 
@@ -69,7 +70,7 @@ def explorer_section(results: Results) -> Section:
     )
     lead = (
         "Drag the target across a turning circle to see the shortest path jump to another word. "
-        "Add via points or a final heading to plan a route."
+        "Add via points or a final heading to plan a route, in the given order or in any."
     )
     widget = Widget("explorer", caption, _explorer())
     return Section("explorer", "Explore the problem", "", (widget,), lead)

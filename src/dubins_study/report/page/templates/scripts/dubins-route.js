@@ -43,14 +43,17 @@ window.dubins.route = (() => {
   // The legs in radii, and which headings are free.
   function problemOf({x, y, heading, target_x, target_y, radius, via, final_heading}) {
     const points = [[x, y], ...via, [target_x, target_y]];
-    const legs = points.slice(1).map(([x2, y2], i) => {
-      const [x1, y1] = points[i], dx = (x2 - x1) / radius, dy = (y2 - y1) / radius;
-      const extent = (Math.abs(x1) + Math.abs(y1) + Math.abs(x2) + Math.abs(y2)) / radius;
-      return {x: dx, y: dy, delta: uncertainty(extent, dx, dy), arcs: singleArcs(dx, dy), near: dx * dx + dy * dy < 16};
-    });
+    const legs = points.slice(1).map((point, i) => legOf(points[i], point, radius));
     const n = legs.length;
     const given = points.map((_, i) => (i === 0 ? heading : i === n ? final_heading : null));
     return {points, legs, given};
+  }
+
+  // A leg between two points, in radii.
+  function legOf([x1, y1], [x2, y2], radius) {
+    const x = (x2 - x1) / radius, y = (y2 - y1) / radius;
+    const extent = (Math.abs(x1) + Math.abs(y1) + Math.abs(x2) + Math.abs(y2)) / radius;
+    return {x, y, delta: uncertainty(extent, x, y), arcs: singleArcs(x, y), near: x * x + y * y < 16};
   }
 
   // Headings [first, last] with which a leg is one arc: two turns, a short and a long way.
@@ -200,12 +203,26 @@ window.dubins.route = (() => {
 
   const shorter = (a, b) => (b.length < a.length ? b : a);
 
-  return (scenario) => {
+  function route(scenario) {
     const problem = problemOf(scenario), {points} = problem;
     const best = coarse(problem).map((route) => improved(problem, route, WIDTH, NARROW)).reduce(shorter);
     const {headings} = improved(problem, best, NARROW, NARROWEST);
     const pose = (i) => ({x: points[i][0], y: points[i][1], heading: headings[i]});
     const entries = problem.legs.map((_, i) => words(pose(i), pose(i + 1), scenario.radius).find((entry) => entry.optimal));
+    if (scenario.final_heading === null) { // the last leg is known exactly
+      const start = pose(entries.length - 1), last = window.dubins.shortest({...scenario, ...start});
+      entries.splice(-1, 1, Object.assign(last, {start}));
+      headings.splice(-1, 1, last.curvatures.reduce((heading, turn, i) => heading + turn * last.lengths[i], start.heading));
+    }
     return {headings, entries, length: entries.reduce((sum, entry) => sum + entry.length, 0)};
-  };
+  }
+
+  // The length (radii) of the best route near these headings at the via points, roughly.
+  function near(scenario, headings) {
+    const problem = problemOf(scenario), {given, legs} = problem, last = legs.at(-1);
+    const all = [given[0], ...headings, given.at(-1) ?? Math.atan2(last.y, last.x)];
+    return improved(problem, {headings: all, length: Infinity}, WIDTH, NARROW).length;
+  }
+
+  return Object.assign(route, {near, shorter, legOf, twoArcs, twoArcsBack});
 })();

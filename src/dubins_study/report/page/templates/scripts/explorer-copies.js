@@ -26,19 +26,21 @@ window.explorerCopies = (root) => {
   // A heading as the command takes it: one of more than a turn only with its unit.
   const asOption = (written) => written.replace("°", "deg").replace(/\d$/, "$&rad").replace(/\s/g, "");
 
-  function command({x, y, written, target_x, target_y, radius, via, final_written}) {
+  function command({x, y, written, target_x, target_y, radius, via, final_written, order}) {
     const points = via.map(([u, v]) => ` --via ${u} ${v}`).join("");
     const final = final_written && ` --final-heading ${asOption(final_written)}`;
-    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${asOption(written)}${points}${final} --radius ${radius}`;
+    const free = order === "free" ? " --order free" : "";
+    return `dubins-study solve ${target_x} ${target_y} --from ${x} ${y} ${asOption(written)}${points}${free}${final} --radius ${radius}`;
   }
 
   const asPython = (written) => (/[a-z°]/i.test(written.replace(/e[+-]?\d+$/i, "")) ? `"${written}"` : written);
 
-  function python({x, y, written, target_x, target_y, radius, via, final_written}) {
+  function python({x, y, written, target_x, target_y, radius, via, final_written, order}) {
     const points = via.length ? `, via=[${via.map(([u, v]) => `(${u}, ${v})`).join(", ")}]` : "";
     const final = final_written && `, final_heading=${asPython(final_written)}`;
+    const free = order === "free" ? ', order="free"' : "", shown = free && "answer.order, ";
     return `from dubins_study import Scenario, solve\n\nanswer = solve(Scenario(${x}, ${y}, ${asPython(written)}, `
-      + `${target_x}, ${target_y}, radius=${radius}${points}${final}))\nprint(answer.word, answer.length, answer.verdict)`;
+      + `${target_x}, ${target_y}, radius=${radius}${points}${free}${final}))\nprint(${shown}answer.word, answer.length, answer.verdict)`;
   }
 
   return {

@@ -4,14 +4,16 @@
 //
 // `model` is {state(), side(), change(values, view), rest()}: `change` is called for every move, with
 // the view "keep" in a drag; `rest` is called once a drag has ended. `place(places)` moves the handles
-// to pixels of the plane and hides those that have none, `speak(scenario, summary)` sets what screen
-// readers say, `dragged()` says whether one is being dragged, `pointed(event)` returns the place under
-// the pointer: its pixel, and the plane's point [x, y] as exactly as one can point.
+// to pixels of the plane and hides those that have none, `number(order, tour)` numbers via points by
+// their visits, `speak(scenario, summary)` sets what screen readers say, `dragged()` says whether one is
+// being dragged, `pointed(event)` returns the place under the pointer: its pixel, and the plane's point
+// [x, y] as exactly as one can point.
 window.explorerHandles = (scene, model) => {
   const {element, set, write} = window.svgElements, {svg} = scene, DEGREE = Math.PI / 180;
   const ROUGH = 10; // steps of an arrow key with shift, and of page up and down
   const TWICE_MS = 400; // between two presses that remove what a handle stands for
   const MOVED_BY = "arrow keys move it by a twentieth of R, with shift by half of R";
+  const REMOVED_BY = `${MOVED_BY}, Delete removes it`;
   const TURNED_BY = "arrow keys turn it by 1 degree, with shift by 10";
   // Handles in the order of tabs; later ones lie over earlier ones.
   const LABELS = {
@@ -19,7 +21,7 @@ window.explorerHandles = (scene, model) => {
     radius: ["Turning radius", "arrow keys change it by 1 percent, with shift by 10", "R"],
   };
   for (let number = 1; number <= window.explorerHandles.MOST_VIA; number += 1) {
-    LABELS[`via-${number}`] = [`Via point ${number}`, `${MOVED_BY}, Delete removes it`, String(number)];
+    LABELS[`via-${number}`] = [`Via point ${number}`, REMOVED_BY, String(number)];
   }
   Object.assign(LABELS, {
     final: ["Final heading", `${TURNED_BY}, Delete sets it free`, "φ"],
@@ -183,6 +185,14 @@ window.explorerHandles = (scene, model) => {
     }
   }
 
+  function number(order, tour) {
+    order.forEach((i, visit) => {
+      const visited = tour ? `, visit ${visit + 1}` : "", made = handles[`via-${i + 1}`];
+      write(made.querySelector("text"), String(visit + 1));
+      set(made, {"aria-label": `Via point ${i + 1}${visited}: ${REMOVED_BY}`});
+    });
+  }
+
   function speak(scenario, summary) {
     const {number} = window.explorerNumbers, {x, y, radius, via, final_heading} = scenario;
     const place = ([px, py]) => [Math.hypot(px - x, py - y) / radius, `${number(px)}, ${number(py)}`];
@@ -199,7 +209,7 @@ window.explorerHandles = (scene, model) => {
 
   for (const name in LABELS) handles[name] = handle(name);
   return {
-    place, speak, rounded, dragged: () => dragged !== null,
+    place, number, speak, rounded, dragged: () => dragged !== null,
     pointed(event) {
       const pixel = pixelsOf(event), {x, y} = scene.pointAt(pixel.x, pixel.y);
       return {pixel, point: [rounded(x), rounded(y)]};

@@ -1,11 +1,14 @@
 "use strict";
 // window.explorerLegs(root): the explorer's table and sentences where there are via points or a final
-// heading: all six words of one leg, or the leg to each point. `fill(scenario, answer)` returns the
+// heading: all six words of one leg, or the leg to each point in the order of the visits. `fill(scenario, answer)` returns the
 // summary. Everything is set as text.
 window.explorerLegs = (root) => {
   const {set, write} = window.svgElements, {number, degrees, segments} = window.explorerNumbers;
   const table = root.querySelector(".explorer-legs"), body = table.tBodies[0], rows = [];
   const named = (name) => root.querySelector(`[data-answer=${name}]`);
+  const EXACT = "Exact: the shortest of all six words, each in closed form.";
+  const NOT_PROVED = "Not proved: the page has searched the headings at the points, and a shorter route may exist. "
+    + "The command below proves an interval around the shortest length.";
   const summary = named("summary"), place = named("place"), first = named("leg"), last = named("leg-note");
 
   function row(i) {
@@ -24,7 +27,8 @@ window.explorerLegs = (root) => {
     return rows[i];
   }
 
-  function fill(scenario, {kind, entries, headings}) {
+  function fill(scenario, answer) {
+    const {kind, entries, headings} = answer;
     const best = kind === "pose" ? entries.find((entry) => entry.optimal) : null, {via} = scenario;
     write(first, best ? "word" : "leg");
     const noted = best ? "over the shortest" : "heading at its end";
@@ -48,10 +52,17 @@ window.explorerLegs = (root) => {
       : summaryOf("Found", entries.map((entry) => entry.word).join(" "),
         entries.reduce((sum, entry) => sum + entry.length, 0), scenario);
     write(summary, text);
-    write(place, best ? "Exact: the shortest of all six words, each in closed form."
-      : "Not proved: the page has searched the headings at the points, and a shorter route may exist. "
-      + "The command below proves an interval around the shortest length.");
+    write(place, {pose: () => EXACT, route: () => NOT_PROVED, tour: tourPlace}[kind](answer));
     return text;
+  }
+
+  function tourPlace({order, length, given}) {
+    const all = order.reduce((product, _, i) => product * (i + 1), 1).toLocaleString("en");
+    const places = order.map((i) => i + 1).join(", "), over = number(100 * (given / length - 1), 3);
+    const compared = order.every((i, visit) => i === visit) ? "It is the given order."
+      : `It is ${places} of the given points; the route found in the given order is ${number(given)} long (+${over} %).`;
+    return `The best order found, not proved. ${compared} All ${all} orders were compared on a grid of headings and the best `
+      + "few searched; a shorter tour may exist. The command below proves an interval around the shortest length.";
   }
 
   // A heading within half a turn, without the last digits: 1e-15 for 0 says nothing.

@@ -11,7 +11,7 @@
   const SETTLED_MS = 250; // after the last change: address, spoken summary
   const LARGEST = 1e100; // beyond it, squares of pixels and scales of axes overflow
   const NUMBERS = ["x", "y", "target_x", "target_y", "radius"];
-  const FORM = "x, y, heading, target x, target y, radius; then ;via=x,y,x,y... and ;final=heading";
+  const FORM = "x, y, heading, target x, target y, radius; then ;via=x,y,x,y..., ;order=free and ;final=heading";
   const scene = window.explorerScene(root.querySelector(".explorer-stage")), {svg} = scene;
   const handles = window.explorerHandles(scene, {
     state: () => state, side: () => side, change: changed, rest: () => set({}),
@@ -22,7 +22,7 @@
   const fields = {};
   for (const input of root.querySelectorAll("input[name]")) fields[input.name] = input;
   const problem = root.querySelector("[data-answer=problem]"), more = root.querySelector(".explorer-more");
-  const finalButton = root.querySelector("[data-final]");
+  const finalButton = root.querySelector("[data-final]"), orderButton = root.querySelector("[data-order]");
 
   // The scenario, and its headings as people write them ("120deg", or a number: rad). `touched` says
   // whether a reader changed anything: only then the address follows.
@@ -42,14 +42,16 @@
     const [x, y, written, target_x, target_y, radius] = parts;
     const scenario = {x: Number(x), y: Number(y), heading: angle(written),
       target_x: Number(target_x), target_y: Number(target_y), radius: Number(radius), written: written.trim(),
-      via: [], final_heading: null, final_written: ""};
+      via: [], order: "given", final_heading: null, final_written: ""};
     for (const option of options) {
       const [name, value = ""] = option.split("="), numbers = value.split(",");
       if (name === "via" && numbers.length % 2 === 0 && numbers.every((number) => number.trim())) {
         for (let i = 0; i < numbers.length; i += 2) scenario.via.push([Number(numbers[i]), Number(numbers[i + 1])]);
       } else if (name === "final" && value) {
         Object.assign(scenario, {final_heading: angle(value), final_written: value.trim()});
-      } else throw new RangeError(`${option} is neither via=x,y,... nor final=heading`);
+      } else if (option === "order=free") {
+        scenario.order = "free";
+      } else throw new RangeError(`${option} is neither via=x,y,... nor final=heading nor order=free`);
     }
     const message = refusal(scenario);
     if (message) throw new RangeError(message);
@@ -58,17 +60,24 @@
 
   // Why a scenario cannot be shown; "" if it can be.
   function refusal(scenario) {
-    const {x, y, target_x, target_y, via, final_heading} = scenario;
+    const {x, y, target_x, target_y, via, order, final_heading} = scenario;
     if (Number.isNaN(final_heading)) return "final heading is not an angle; expected one such as 90deg";
     if (via.length > MOST_VIA) return `there are ${via.length} via points; expected at most ${MOST_VIA}: the command takes more`;
     const points = [[x, y], ...via, [target_x, target_y]];
     for (let i = 1; i < points.length; i += 1) {
-      const [x1, y1] = points[i - 1], [x2, y2] = points[i];
-      const message = refusalOfLeg({...scenario, x: x1, y: y1, target_x: x2, target_y: y2});
-      if (message) return i < points.length - 1 ? `via point ${i}: ${message}` : message;
-      if (via.length && x1 === x2 && y1 === y2) return "a via point is equal to the point before or after it; expected another place";
+      const before = order === "free" ? points.slice(0, i) : [points[i - 1]], [x2, y2] = points[i];
+      for (const [x1, y1] of before) {
+        const message = refusalOfLeg({...scenario, x: x1, y: y1, target_x: x2, target_y: y2});
+        if (message) return i < points.length - 1 ? `via point ${i}: ${message}` : message;
+        if (via.length && x1 === x2 && y1 === y2) return sameTwice(order);
+      }
     }
     return "";
+  }
+
+  function sameTwice(order) {
+    return order === "free" ? "two points are equal; expected points apart"
+      : "a via point is equal to the point before or after it; expected another place";
   }
 
   function refusalOfLeg(scenario) {
@@ -80,18 +89,23 @@
       ? `radius is ${scenario.radius}; expected at least ${1 / LARGEST}, which can be drawn` : "";
   }
 
-  function listed({x, y, written, target_x, target_y, radius, via, final_written}) {
+  function listed({x, y, written, target_x, target_y, radius, via, order, final_written}) {
     const leg = [x, y, written, target_x, target_y, radius].join(",");
-    return leg + (via.length ? `;via=${via.join(",")}` : "") + (final_written && `;final=${final_written}`);
+    const points = via.length ? `;via=${via.join(",")}` : "", free = order === "free" ? ";order=free" : "";
+    return leg + points + free + (final_written && `;final=${final_written}`);
   }
 
-  // The paths: of every word to a point or to a pose, or of every leg of a route; `drawn` are those in
-  // the plane.
+  // The paths: of every word to a point or to a pose, or of every leg of a route or tour; `drawn` are
+  // those in the plane. `order` has the via points in the order of the visits.
   function answerTo(scenario) {
-    const {target_x, target_y, radius, via, final_heading} = scenario;
+    const {target_x, target_y, radius, via, order, final_heading} = scenario;
+    if (order === "free" && via.length > 1) {
+      const tour = window.dubins.tour(scenario);
+      return {kind: "tour", drawn: tour.entries, ...tour};
+    }
     if (via.length) {
       const {entries, headings} = window.dubins.route(scenario);
-      return {kind: "route", entries, headings, drawn: entries};
+      return {kind: "route", entries, headings, drawn: entries, order: via.map((_, i) => i)};
     }
     if (final_heading === null) {
       const entries = window.dubins.words(scenario);
@@ -104,7 +118,9 @@
 
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
-    const next = {...state, ...change}, message = refusal(next);
+    const next = {...state, ...change};
+    if (!next.via.length) next.order = "given"; // as in Python: there is nothing to order
+    const message = refusal(next);
     if (message || Object.keys(change).length) problem.textContent = message;
     if (message) return false;
     state = next;
@@ -127,6 +143,7 @@
     if (!onMap && root.dataset.kind === "point") more.open = true; // the command that proves is there
     root.dataset.kind = answer.kind;
     handles.place(scene.draw(state, answer, side));
+    handles.number(answer.order || [], answer.kind === "tour");
     summary = onMap ? answers.fill(state, answer.entries) : legs.fill(state, answer);
     handles.speak(state, summary);
     for (const name of NUMBERS) show(fields[name], state[name]);
@@ -135,6 +152,7 @@
     const {final_heading} = state;
     show(fields.final_heading, final_heading === null ? "" : Number((final_heading / DEGREE).toPrecision(12)));
     setAttributes(finalButton, {"aria-pressed": String(final_heading !== null)});
+    setAttributes(orderButton, {"aria-pressed": String(state.order === "free")});
     copies.fill(state, `${location.href.split("#")[0]}${HASH}${listed(state)}`);
     cancelAnimationFrame(frame); // once a frame is enough for what is drawn beside the plane
     if (onMap) frame = requestAnimationFrame(() => sweep.draw(state, answer.entries.find((entry) => entry.optimal).length));
@@ -166,19 +184,25 @@
     if (event.target.closest(".handle")) return;
     const {pixel, point} = handles.pointed(event);
     if (answer.kind === "point") changed({target_x: point[0], target_y: point[1]}, "keep");
-    else changed({via: state.via.toSpliced(scene.legAt(state, answer, pixel), 0, point)}, "keep");
+    else changed({via: withPoint(scene.legAt(state, answer, pixel), point)}, "keep");
   });
+  // The via points with another one on a leg; of a tour it is the last of the list.
+  function withPoint(leg, point) {
+    return state.via.toSpliced(answer.kind === "tour" ? state.via.length : leg, 0, point);
+  }
   // A via point in the middle of the longest leg.
   root.querySelector("[data-add]").addEventListener("click", () => {
-    const {x, y, target_x, target_y, via} = state, points = [[x, y], ...via, [target_x, target_y]];
+    const {x, y, target_x, target_y, via} = state, passed = (answer.order || []).map((i) => via[i]);
+    const points = [[x, y], ...passed, [target_x, target_y]];
     const lengths = points.slice(1).map(([u, v], i) => Math.hypot(u - points[i][0], v - points[i][1]));
     const longest = lengths.indexOf(Math.max(...lengths)), [[x1, y1], [x2, y2]] = points.slice(longest);
-    changed({via: via.toSpliced(longest, 0, [handles.rounded((x1 + x2) / 2), handles.rounded((y1 + y2) / 2)])});
+    changed({via: withPoint(longest, [handles.rounded((x1 + x2) / 2), handles.rounded((y1 + y2) / 2)])});
   });
+  orderButton.addEventListener("click", () => changed({order: state.order === "free" ? "given" : "free"}));
   // The final heading is set free, or given as what it is, in whole degrees.
   finalButton.addEventListener("click", () => {
     const {kind, entries, headings} = answer;
-    const last = kind === "route" ? headings.at(-1)
+    const last = headings ? headings.at(-1)
       : window.dubins.poses(state, ...["curvatures", "lengths"].map((name) => entries.find((entry) => entry.optimal)[name])).at(-1).heading;
     const degrees = Math.round(Math.atan2(Math.sin(last), Math.cos(last)) / DEGREE);
     changed(state.final_heading === null ? {final_heading: degrees * DEGREE, final_written: `${degrees}deg`}
