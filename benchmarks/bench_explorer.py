@@ -32,6 +32,7 @@ from dubins_study.report.page.explorer import write_explorer
 from dubins_study.study.arrays import FloatArray
 
 FRAME_MS = 16
+TOUR_MS = 3 * FRAME_MS  # with the search for an order
 MOVES = sized(125, 6)  # of each handle from each start
 REPEATS = sized(3, 1)
 _EDGE_PX = 16  # how far the pointer stays from the picture's edge
@@ -87,7 +88,7 @@ def measure() -> Iterable[Measurement]:
                 ours=least,
                 unit="ms",
                 ratio=least,
-                target=FRAME_MS,
+                target=TOUR_MS if DRAGS[name] is TOURS else FRAME_MS,
                 note=f"ms: median, 99 %, most. {summary(repeats)}",
             )
 

@@ -12,7 +12,8 @@
 window.dubins.tour = (() => {
   const {route} = window.dubins, {shortest} = window.dubins.pose;
   const FULL_TURN = 2 * Math.PI;
-  const ORDERS = 24, ROUTES = 3; // orders that are improved, and those that are searched
+  const FEW = 6, ORDERS = 24, ROUTES = 3; // orders: improved, at least and most; searched
+  const SLACK = 3; // radii beyond the best; beyond it only a few orders are improved
   const GRIDS = [18, 12, 8]; // headings a point, so that each has its opposite
   const STEPS = 4e6; // of the program: the grid gets coarser from ten points on
   // Kept from call to call: no garbage in a drag.
@@ -30,7 +31,7 @@ window.dubins.tour = (() => {
   // A given heading as a grid, without cells in which a jump could be.
   const givenGrid = (angle) => withSines([angle], () => -1);
 
-  // Lengths (radii) of a leg: `table[k * to.size + l]` from heading k to heading l.
+  // Lengths of a leg in radii: `table[k * to.size + l]` from heading k to l.
   function tableOf(leg, from, to) {
     const {x, y, delta, arcs, near} = leg, table = new Float64Array(from.size * to.size);
     for (let k = 0; k < from.size; k += 1) {
@@ -120,8 +121,7 @@ window.dubins.tour = (() => {
     }
   }
 
-  // The best orders on the grid, shortest first, with their headings: points are added one by one while
-  // the way so far and the way on are short enough.
+  // The best orders on the grid, shortest first, with their headings.
   function bestOrders({between, first}, {size, angles}) {
     const n = first.length, all = 2 ** n - 1, found = [];
 
@@ -141,6 +141,8 @@ window.dubins.tour = (() => {
       return reached;
     }
 
+    const limit = () => Math.min(found[FEW - 1] ? found[0].length + SLACK : Infinity, found[ORDERS - 1]?.length ?? Infinity);
+
     function extend(passed, steps) {
       const {j: i, costs} = steps.at(-1) || {};
       if (passed === all) {
@@ -156,7 +158,7 @@ window.dubins.tour = (() => {
       }
       choices.sort((a, b) => a.bound - b.bound);
       for (const {step, bound} of choices) {
-        if (found.length < ORDERS || bound < found.at(-1).length) extend(passed | 1 << step.j, [...steps, step]);
+        if (bound < limit()) extend(passed | 1 << step.j, [...steps, step]);
       }
     }
 
@@ -169,7 +171,7 @@ window.dubins.tour = (() => {
       }
       found.push({order: steps.map(({j}) => j), headings, length});
       found.sort((a, b) => a.length - b.length);
-      found.length = Math.min(found.length, ORDERS);
+      while (found.length > FEW && (found.length > ORDERS || found.at(-1).length > limit())) found.pop();
     }
 
     extend(0, []);
@@ -180,11 +182,12 @@ window.dubins.tour = (() => {
     const {via} = scenario, grid = gridOf(via.length), tables = tablesOf(scenario, grid);
     const inOrder = (order) => ({...scenario, via: order.map((i) => via[i])});
     program(tables, grid);
-    const orders = bestOrders(tables, grid)
+    const improved = bestOrders(tables, grid)
       .map(({order, headings}) => ({order, length: route.near(inOrder(order), headings)}))
-      .sort((a, b) => a.length - b.length).slice(0, ROUTES).map(({order}) => order);
+      .sort((a, b) => a.length - b.length).slice(0, ROUTES);
     const given = {order: via.map((_, i) => i), ...route(scenario)};
-    const tours = orders.map((order) => ({order, ...route(inOrder(order))}));
+    const tours = improved.filter(({length}) => length < improved[0].length + SLACK)
+      .map(({order}) => ({order, ...route(inOrder(order))}));
     return {...tours.reduce(route.shorter, given), given: given.length};
   };
 })();

@@ -1,6 +1,6 @@
 "use strict";
 // window.explorerLegs(root): the explorer's table and sentences where there are via points or a final
-// heading: all six words of one leg, or the leg to each point in the order of the visits. `fill(scenario, answer)` returns the
+// heading: all six words of one leg, or the leg to each point. `fill(scenario, answer)` returns the
 // summary. Everything is set as text.
 window.explorerLegs = (root) => {
   const {set, write} = window.svgElements, {number, degrees, segments} = window.explorerNumbers;

@@ -69,15 +69,12 @@
       for (const [x1, y1] of before) {
         const message = refusalOfLeg({...scenario, x: x1, y: y1, target_x: x2, target_y: y2});
         if (message) return i < points.length - 1 ? `via point ${i}: ${message}` : message;
-        if (via.length && x1 === x2 && y1 === y2) return sameTwice(order);
+        if (!via.length || x1 !== x2 || y1 !== y2) continue;
+        return order === "free" ? "two points are equal; expected points apart"
+          : "a via point is equal to the point before or after it; expected another place";
       }
     }
     return "";
-  }
-
-  function sameTwice(order) {
-    return order === "free" ? "two points are equal; expected points apart"
-      : "a via point is equal to the point before or after it; expected another place";
   }
 
   function refusalOfLeg(scenario) {
@@ -119,7 +116,7 @@
   // The only place where the scenario changes. `view`: "fit", "keep", or undefined: fit if need be.
   function set(change, view) {
     const next = {...state, ...change};
-    if (!next.via.length) next.order = "given"; // as in Python: there is nothing to order
+    if (!next.via.length) next.order = "given"; // as in Python
     const message = refusal(next);
     if (message || Object.keys(change).length) problem.textContent = message;
     if (message) return false;
@@ -186,7 +183,7 @@
     if (answer.kind === "point") changed({target_x: point[0], target_y: point[1]}, "keep");
     else changed({via: withPoint(scene.legAt(state, answer, pixel), point)}, "keep");
   });
-  // The via points with another one on a leg; of a tour it is the last of the list.
+  // The via points with one more on a leg; of a tour it comes last.
   function withPoint(leg, point) {
     return state.via.toSpliced(answer.kind === "tour" ? state.via.length : leg, 0, point);
   }
