@@ -32,7 +32,7 @@ from dubins_study.report.page.explorer import write_explorer
 from dubins_study.study.arrays import FloatArray
 
 FRAME_MS = 16
-TOUR_MS = 3 * FRAME_MS  # with the search for an order
+TOUR_MS = 4 * FRAME_MS  # with the search for an order
 MOVES = sized(125, 6)  # of each handle from each start
 REPEATS = sized(3, 1)
 _EDGE_PX = 16  # how far the pointer stays from the picture's edge
