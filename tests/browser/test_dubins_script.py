@@ -345,6 +345,16 @@ SPACED = Density(8.0, (2, 3, 5, 8), 20, 1.0)
 DENSE = Density(3.0, (2, 3, 5, 8), 40, 0.9)
 
 
+def drawn_tour(rng: np.random.Generator, via: int, side: float) -> dict[str, Any]:
+    """A start pose, via points and a target pose, as the page has them."""
+    points = rng.uniform(0, side * math.sqrt(via), (via + 2, 2)).tolist()
+    (x, y), *between, (target_x, target_y) = points
+    heading, final = rng.uniform(-4, 4, 2).tolist()
+    start = {"x": x, "y": y, "heading": heading, "radius": 1.0}
+    target = {"target_x": target_x, "target_y": target_y, "final_heading": final}
+    return start | target | {"via": between}
+
+
 @pytest.mark.parametrize(
     "density",
     [SPACED, pytest.param(DENSE, marks=pytest.mark.slow)],
@@ -360,15 +370,10 @@ def test_tours_are_the_shortest_to_a_millionth(in_page, density):
     cases = []
     for row in range(density.tours):
         via = density.points[row % len(density.points)]
-        points = rng.uniform(0, density.side * math.sqrt(via), (via + 2, 2)).tolist()
-        heading, final = rng.uniform(-4, 4, 2).tolist()
-        (x, y), *between, (target_x, target_y) = points
-        cases.append(
-            {
-                **{"x": x, "y": y, "heading": heading, "target_x": target_x, "target_y": target_y},
-                **{"radius": 1.0, "via": between, "final_heading": final if row % 2 else None},
-            }
-        )
+        case = drawn_tour(rng, via, density.side)
+        if row % 2 == 0:
+            case["final_heading"] = None
+        cases.append(case)
     close = 0
     for case, tour in zip(cases, in_page("dubins.tour", cases), strict=True):
         answer = solve(Scenario(**case, order="free"))
@@ -385,16 +390,7 @@ def test_tours_are_the_shortest_to_a_millionth(in_page, density):
 def test_a_tour_is_the_shortest_of_all_its_orders(in_page):
     """Every order of four points as a route, by the same scripts: none is shorter."""
     rng = np.random.default_rng(12)
-    cases = []
-    for _ in range(10):
-        points = rng.uniform(0, 12, (6, 2)).tolist()
-        (x, y), *via, (target_x, target_y) = points
-        cases.append(
-            {
-                **{"x": x, "y": y, "heading": 1.0, "target_x": target_x, "target_y": target_y},
-                **{"radius": 1.0, "via": via, "final_heading": None},
-            }
-        )
+    cases = [drawn_tour(rng, 4, 6.0) for _ in range(10)]
     for case, tour in zip(cases, in_page("dubins.tour", cases), strict=True):
         orders = [case | {"via": list(via)} for via in permutations(case["via"])]
         routes = in_page("dubins.route", orders)

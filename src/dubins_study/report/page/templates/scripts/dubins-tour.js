@@ -28,7 +28,7 @@ window.dubins.tour = (() => {
     return withSines(Array.from({length: size}, (_, k) => (k + 0.5) * FULL_TURN / size), cell);
   }
 
-  // A given heading as a grid, without cells in which a jump could be.
+  // A given heading as a grid without cells.
   const givenGrid = (angle) => withSines([angle], () => -1);
 
   // Lengths of a leg in radii: `table[k * to.size + l]` from heading k to l.
@@ -60,8 +60,8 @@ window.dubins.tour = (() => {
     return back;
   }
 
-  // Tables of legs: `first[i]` from the start, `between[i][j]`, and `last[i]` to the target, at a free
-  // final heading the shortest. `away[i][j]` is the straight line.
+  // Tables of legs: `first[i]` from the start, `between[i][j]`, and `last[i]` to the target, the shortest
+  // where its heading is free. `away[i][j]` is straight.
   function tablesOf({x, y, heading, target_x, target_y, radius, via, final_heading}, grid) {
     const legs = via.map((from) => via.map((to) => route.legOf(from, to, radius)));
     const between = via.map(() => []), end = [target_x, target_y];
