@@ -42,7 +42,7 @@ def audit(
 def _audit_kaya(as_json: bool) -> list[str]:
     """Print the audit of Kaya's routes; in what it is another than the committed one."""
     from dubins_study.experiments.definition.experiment import read
-    from dubins_study.experiments.plan.scenario_columns import scenarios
+    from dubins_study.experiments.plan.scenarios import scenarios
     from dubins_study.report.paper.routes import audit_routes
 
     blocks = read("kaya").experiment.scenarios

@@ -9,7 +9,7 @@ import pytest
 from flint import ctx
 
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.experiments.plan.scenario_columns import scenarios
+from dubins_study.experiments.plan.scenarios import scenarios
 from dubins_study.report.paper import exact, routes
 from dubins_study.report.paper.audit import audit
 from dubins_study.report.paper.exact import ball, rounded, truncated

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from dubins_study import solve, solve_frame
-from dubins_study.experiments.plan.scenario_columns import scenario_id
+from dubins_study.experiments.plan.scenarios import scenario_id
 from dubins_study.study.kinds.table import KINDS, kind_of, rows_of
 from dubins_study.study.rows.parts import row_path, rows_table
 from dubins_study.study.rows.schema import ROW, SCENARIO, names

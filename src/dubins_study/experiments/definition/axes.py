@@ -110,6 +110,15 @@ class Range(StrictModel):
             raise ValueError("expected { linear = [low, high] } or { log = [low, high] }")
         return self
 
+    def value_at(self, share: float) -> float:
+        """The value at a share, from 0 to 1, of the way from the least to the largest."""
+        if self.log is not None:
+            low, high = self.log
+            return float(low * (high / low) ** share)
+        assert self.linear is not None
+        low, high = self.linear
+        return low + share * (high - low)
+
 
 def _written_out(written: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     """The list of all values of an axis."""

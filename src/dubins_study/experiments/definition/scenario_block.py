@@ -96,6 +96,11 @@ class Sample(StrictModel):
                 _check_texts(name, written)
         return ranges
 
+    @property
+    def size(self) -> int:
+        """How many points are drawn."""
+        return self.count
+
 
 class Route(StrictModel):
     """Routes drawn at random: the way from each point to the next has any direction.

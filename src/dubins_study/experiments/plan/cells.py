@@ -17,7 +17,7 @@ from dubins_study.experiments.definition.experiment import (
 )
 from dubins_study.experiments.definition.messages import KeyPath, Problem, refusal
 from dubins_study.experiments.definition.scenario_block import Block
-from dubins_study.experiments.plan.scenario_columns import block_size, scenario_id, scenarios
+from dubins_study.experiments.plan.scenarios import block_size, scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
     SolverDescription,
     describe_solver,

@@ -24,7 +24,7 @@ from dubins_study.experiments.definition.messages import problems_of, refusal
 from dubins_study.experiments.definition.scenario_block import ListedBlock
 from dubins_study.experiments.definition.scenario_file import read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
-from dubins_study.experiments.plan.scenario_columns import scenario_id, scenarios
+from dubins_study.experiments.plan.scenarios import scenario_id, scenarios
 from dubins_study.experiments.plan.solver_description import (
     check_spec,
     expand_solvers,

@@ -1,0 +1,197 @@
+"""The scenarios of a block one by one, and their ids.
+
+If a block gives targets by distance and bearing, or by arc and margin, x and y are computed here.
+All functions are those of `math`: numpy's may differ in the last bit between machines.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+import struct
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dubins_study.experiments.definition.experiment import ExperimentError
+from dubins_study.experiments.definition.scenario_block import (
+    FIELDS,
+    SPACINGS,
+    Block,
+    ListedBlock,
+    Route,
+    Sample,
+    Tour,
+)
+from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
+from dubins_study.study.words import Order
+
+_ID_DIGITS = 16
+_PACKED_NUMBERS = struct.Struct(f"<{len(NUMBERS)}d")
+# Values of a scenario's fields, by their names.
+Fields = dict[str, Any]
+
+
+def scenario_id(scenario: Scenario) -> str:
+    """The id of a scenario: 16 hexadecimal digits.
+
+    They are the first digits of the SHA-256 of the fields of `NUMBERS` as little-endian doubles,
+    followed by the label in UTF-8 and, if the scenario has via points or a final heading, by the
+    byte 255, which is in no UTF-8, and these numbers as doubles. Headings at via points, an order
+    that is free and a path that is closed follow after another such byte. What is free or left out
+    is NaN.
+    """
+    values = (getattr(scenario, name) for name in NUMBERS)
+    packed = _PACKED_NUMBERS.pack(*(math.nan if value is None else value for value in values))
+    packed += scenario.label.encode()
+    numbers = [coordinate for x, y, *_ in scenario.via for coordinate in (x, y)]
+    if scenario.final_heading is not None:  # the number of numbers tells it from a point's
+        numbers.append(scenario.final_heading)
+    if numbers:
+        packed += b"\xff" + struct.pack(f"<{len(numbers)}d", *numbers)
+    headings, free = scenario.via_heading or [], scenario.order is Order.FREE
+    if headings or free or scenario.closed:
+        packed += b"\xff" + struct.pack(f"<2?{len(headings)}d", free, scenario.closed, *headings)
+    return hashlib.sha256(packed).hexdigest()[:_ID_DIGITS]
+
+
+def block_size(block: Block) -> int:
+    """How many scenarios a block has."""
+    if isinstance(block, ListedBlock):
+        return len(block.listed)
+    drawn = 1 if block.drawn is None else block.drawn.size
+    return drawn * math.prod(map(len, _axes(block).values()))
+
+
+def scenarios(block: Block, key: str) -> Iterator[Scenario]:
+    """All scenarios of a block; one that is not valid is named by the block's key.
+
+    The via points vary fastest, then the last of `FIELDS`, and what is drawn slowest.
+    """
+    if isinstance(block, ListedBlock):
+        yield from block.listed
+        return
+    same: Fields = {"label": block.label, "order": block.order, "closed": block.closed}
+    if block.tour is not None:
+        same |= {"order": Order.FREE, "closed": block.tour.closed}
+    for place, fields in enumerate(_combinations(block)):
+        try:
+            scenario = Scenario(**fields, **same, _radians=True)
+        except ScenarioError as error:
+            raise ExperimentError(f"{key}, scenario {place}: {error}") from None
+        yield scenario
+
+
+def _axes(block: Block) -> dict[str, Sequence[Any]]:
+    """The values of each field that a block gives, and its lists of via points."""
+    axes: dict[str, Sequence[Any]] = {name: block.axis(name) or () for name in FIELDS}
+    given = {name: axis for name, axis in axes.items() if axis}
+    return given | {"via": block.via or [()]}
+
+
+def _combinations(block: Block) -> Iterator[Fields]:
+    """The fields of each scenario, without those that all scenarios of the block share."""
+    axes = _axes(block)
+    for draw in _draws(block):
+        for values in itertools.product(*axes.values()):
+            fields = dict(zip(axes, values, strict=True)) | draw.fields
+            if "distance" in fields:
+                fields |= _from_bearing(fields, fields.pop("distance"), fields.pop("bearing"))
+            if "arc" in fields:
+                fields |= _beside_circle(fields, fields.pop("arc"), fields.pop("margin"))
+            if draw.points:
+                x, y, radius = (fields[name] for name in ("x", "y", "radius"))
+                fields["via"] = [(x + radius * u, y + radius * v) for u, v in draw.points]
+            if draw.to_target:
+                fields["target_x"], fields["target_y"] = fields["via"].pop()
+            yield fields
+
+
+class Draw(NamedTuple):
+    """What a table of a block draws for one scenario."""
+
+    fields: Fields
+    points: Sequence[Sequence[float]] = ()  # that follow the start, in radii from there
+    to_target: bool = False  # whether the last point is the target
+
+
+def _draws(block: Block) -> Iterable[Draw]:
+    if block.sample is not None:
+        return _samples(block.sample)
+    if block.route is not None:
+        return _routes(block.route)
+    if block.tour is not None:
+        return _tours(block.tour)
+    return [Draw({})]
+
+
+def _samples(sample: Sample) -> Iterator[Draw]:
+    """The points of a sample; the same on every machine."""
+    from scipy.stats import qmc  # takes half a second; most experiments have no sample
+
+    engine = qmc.Sobol if sample.method == "sobol" else qmc.LatinHypercube
+    points = engine(len(sample.ranges), rng=np.random.default_rng(sample.seed))
+    with warnings.catch_warnings():
+        # scipy warns if the number of points is not a power of 2, which is the author's choice
+        warnings.simplefilter("ignore", UserWarning)
+        unit = points.random(sample.count)
+    for shares in unit.tolist():
+        ranges = zip(sample.ranges.items(), shares, strict=True)
+        yield Draw({name: over.value_at(share) for (name, over), share in ranges})
+
+
+def _routes(route: Route) -> Iterator[Draw]:
+    low, high = SPACINGS[route.spacing]
+    for legs in route.legs:
+        rng = np.random.default_rng([route.seed, legs])
+        for _ in range(route.count):
+            x = y = 0.0
+            points = []
+            for share, turn in rng.random((2, legs)).T.tolist():
+                length = low + share * (high - low)
+                x += length * math.cos(2 * math.pi * turn)
+                y += length * math.sin(2 * math.pi * turn)
+                points.append((x, y))
+            final_heading = 2 * math.pi * rng.random()
+            drawn = {"final_heading": final_heading} if route.final_heading == "sampled" else {}
+            yield Draw(drawn, points, to_target=True)
+
+
+def _tours(tour: Tour) -> Iterator[Draw]:
+    for n, density in itertools.product(tour.points, tour.density):
+        side = density * math.sqrt(n)
+        rng = np.random.default_rng([tour.seed, n])
+        for _ in range(tour.count):
+            places = side * rng.random((n + 1, 2))
+            points = (places[1:] - places[0]).tolist()
+            heading = 2 * math.pi * rng.random()
+            drawn = {"heading": None if tour.heading == "free" else heading}
+            yield Draw(drawn, points, tour.to_target)
+
+
+def _from_bearing(start: Fields, distance: float, bearing: float) -> Fields:
+    length = distance * start["radius"]
+    direction = start["heading"] + bearing
+    return {
+        "target_x": start["x"] + length * math.cos(direction),
+        "target_y": start["y"] + length * math.sin(direction),
+    }
+
+
+def _beside_circle(start: Fields, arc: float, margin: float) -> Fields:
+    """A target at an angle along a turning circle and at a distance from it."""
+    r = 1 + margin
+    half = math.sin(arc / 2)
+    # In the vehicle's frame and in radii. The offset to the side is 1 - r cos(arc). It is computed
+    # with 1 - cos(arc) = 2 sin^2(arc / 2), which is accurate for a small arc.
+    ahead = r * math.sin(abs(arc))
+    left = math.copysign(1.0, arc) * (2 * (half * half) - margin * math.cos(arc))
+    cos = math.cos(start["heading"])
+    sin = math.sin(start["heading"])
+    return {
+        "target_x": start["x"] + start["radius"] * (ahead * cos - left * sin),
+        "target_y": start["y"] + start["radius"] * (ahead * sin + left * cos),
+    }
