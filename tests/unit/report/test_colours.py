@@ -108,7 +108,9 @@ def test_engines_differ_for_every_reader(sight, mode):
     assert min(distances) >= LEAST_DISTANCE[sight]
 
 
-@pytest.mark.parametrize("marks", [plane.WORDS, plane.ANSWERS, ladder.MARKS, basins.MARKS, GAPS])
+@pytest.mark.parametrize(
+    "marks", [plane.WORDS, plane.ANSWERS, ladder.MARKS, basins.MARKS, [*GAPS.values()]]
+)
 def test_kinds_of_a_map_differ_in_grey_print(marks):
     """By their marker, or by a twentieth of the range from black to white, as it is seen."""
     for one, other in combinations(marks, 2):

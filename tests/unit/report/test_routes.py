@@ -7,7 +7,7 @@ import pytest
 from dubins_study.report.paper.routes import LONGER, SHORTEST
 from dubins_study.report.topics.anytime import FLOOR, anytime
 from dubins_study.report.topics.audit_tables import printed_routes, printed_section
-from dubins_study.report.topics.routes import by_legs, routes_section, with_legs
+from dubins_study.report.topics.routes import by_size, routes_section, with_legs
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -43,7 +43,7 @@ def rows():
 def test_numbers_by_hand(load_rows):
     """Who does not arrive has an infinite gap; who is undecided is no trial, but has a gap."""
     results = load_rows("routes", rows())
-    cells = by_legs(with_legs(results.rows)).set_index(["solver", "label", "legs"])
+    cells = by_size(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
     (picture,) = section.blocks
     three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
@@ -66,7 +66,7 @@ def test_a_repeat_is_a_part_of_a_route(load_rows):
     verdicts = ["optimal", "optimal", "longer"]
     made = [row(0, "a", 2, verdict, repeat=n) for n, verdict in enumerate(verdicts)]
     made += [row(1, "a", 2, "undecided", repeat=n) for n in range(3)]
-    (line,) = by_legs(with_legs(load_rows("routes", made).rows)).to_dict("records")
+    (line,) = by_size(with_legs(load_rows("routes", made).rows)).to_dict("records")
 
     assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
     assert line["undecided"] == 1

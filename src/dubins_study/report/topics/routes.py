@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -57,16 +57,14 @@ from dubins_study.study.tolerances import ARRIVES
 from dubins_study.study.words import Order
 
 TITLE = "Routes of many legs"
-_CELL = ["solver", "label", "legs"]
-# Classes of median gaps, from light to dark.
-GAPS = (
-    Mark("up to 1e-6", colour="#eef4f9"),
-    Mark("up to 1e-4", colour="#cfe2f0"),
-    Mark("up to 1e-2", colour="#a3c7e0"),
-    Mark("more", colour="#6a9cc4"),
-    Mark("most do not arrive", colour="#2f4c69"),
-)
-_LARGEST = (1e-6, 1e-4, 1e-2, 1e300)  # gap of each class but the last
+# The largest median gap of each class -> its mark, from light to dark.
+GAPS = {
+    1e-6: Mark("up to 1e-6", colour="#eef4f9"),
+    1e-4: Mark("up to 1e-4", colour="#cfe2f0"),
+    1e-2: Mark("up to 1e-2", colour="#a3c7e0"),
+    1e300: Mark("more", colour="#6a9cc4"),
+    math.inf: Mark("most do not arrive", colour="#2f4c69"),
+}
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
 
@@ -77,19 +75,21 @@ def with_legs(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(legs=legs_of(rows), right=success(rows), undecided=undecided)
 
 
-def by_legs(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, stratum and number of legs.
+def by_size(rows: pd.DataFrame, size: str = "legs", success: str = "right") -> pd.DataFrame:
+    """One row per solver, stratum and size, such as the number of legs.
 
-    Columns `_CELL`; those of `scenario_shares`, of the routes that are decided; undecided (routes);
-    gap (median over attempts, infinite if most do not arrive; of an undecided attempt an upper
-    bound); wall_s (median of all attempts).
+    Columns solver, label and the size; those of `scenario_shares`, of the routes that are decided;
+    undecided (routes); gap (median over attempts, infinite if most do not arrive; of an undecided
+    attempt an upper bound); wall_s (median of all attempts).
     """
-    groups = rows.fillna({"gap": np.inf}).groupby(_CELL)
+    cell = ["solver", "label", size]
+    groups = rows.fillna({"gap": np.inf}).groupby(cell)
     frame = pd.DataFrame({"wall_s": groups["wall_s"].median()})
     frame["gap"] = groups["gap"].agg(upper_quantile, q=0.5)
     undecided = rows["undecided"]
-    frame["undecided"] = rows[undecided].groupby(_CELL)["scenario_id"].nunique()
-    frame = frame.join(scenario_shares(rows[~undecided], by=_CELL, success="right", scenario=TRIAL))
+    frame["undecided"] = rows[undecided].groupby(cell)["scenario_id"].nunique()
+    decided = scenario_shares(rows[~undecided], by=cell, success=success, scenario=TRIAL)
+    frame = frame.join(decided)
     return frame.fillna({"successes": 0, "trials": 0, "undecided": 0}).reset_index()
 
 
@@ -98,7 +98,7 @@ def routes_section(results: Results) -> Section | None:
     if results.rows.empty:
         return None
     rows = with_legs(results.rows)
-    cells = in_page_order(by_legs(rows), results)
+    cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
         "Read along a line up to how many legs a method still finds the shortest route, and from "
@@ -133,9 +133,6 @@ def _text(rows: pd.DataFrame) -> str:
 
 def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
     """A map of success and gap for each stratum, and below it the times of some methods."""
-    # that tell the methods of this experiment apart, whatever else is on the page
-    labels = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
-    palette = replace(Palette.of_page(results), labels=labels)
     summary = solver_summary(results.attempts)
     summary = summary[summary["solver"] != EXACT]
     timed = {*own(summary["solver"]), EXACT, *best_methods(summary, ["formulation"])["solver"]}
@@ -150,29 +147,37 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         "and as colour the median gap; of each formulation and guess the surest engine. Below, "
         "median times of each formulation's surest engine, "
         "failures included; an engine's floor is at most that at one leg. Dotted: the limit.",
-        plot_routes,
+        plot_sizes,
         "Success, gap and time against the number of legs",
         cells,
         strata,
         timed,
-        palette,
+        palette_of(results),
         results.rows["limit_s"].max(),
     )
 
 
-def plot_routes(
+def palette_of(results: Results) -> Palette:
+    """The page's palette, with names that tell the methods of these results apart."""
+    labels = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
+    return replace(Palette.of_page(results), labels=labels)
+
+
+def plot_sizes(
     cells: pd.DataFrame,
     strata: list[str],
     timed: set[str],
     palette: Palette,
     limit: float,
     *,
+    size: str = "legs",
+    gaps: Mapping[float, Mark] = GAPS,
     narrow: bool,
 ) -> Figure:
     """A map of the solvers and the times of some for each stratum, side by side unless `narrow`.
 
-    `cells` is the table of `by_legs`, `timed` are the solvers with a time; `limit` is in s,
-    NaN if there is none.
+    `cells` is the table of `by_size`, `timed` are the solvers with a time; `limit` is in s,
+    NaN if there is none. `gaps` has the classes of gaps by the largest gap of each.
     """
     number = len(strata)
     solvers = list(dict.fromkeys(cells["solver"]))
@@ -187,17 +192,18 @@ def plot_routes(
         pairs = panels.T
     for place, ((above, below), label) in enumerate(zip(pairs, strata, strict=True)):
         chosen = cells[cells["label"] == label]
-        plot_success(above, chosen, solvers)
+        plot_success(above, chosen, solvers, size, gaps)
         above.set_title(label, fontsize=7.5, pad=3)
-        lines = plot_times(below, chosen[chosen["solver"].isin(timed)], palette)
+        lines = plot_times(below, chosen[chosen["solver"].isin(timed)], palette, size)
         if limit > 0:
             mark_limit(below, limit, "y")
         if narrow or place == 0:
             above.set_yticks(range(len(solvers)), map(palette.label, solvers), fontsize=6.5)
             below.set_ylabel("median time")
         if narrow or place == number // 2:
-            below.set_xlabel("legs")
-    patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in GAPS]
+            below.set_xlabel(size)
+    marks = gaps.values()
+    patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in marks]
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
     figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
@@ -209,20 +215,18 @@ def plot_success(
     ax: Axes,
     cells: pd.DataFrame,
     solvers: list[str],
-    marks: Sequence[Mark] = GAPS,
-    largest: Sequence[float] = _LARGEST,
-    *,
     size: str = "legs",
+    gaps: Mapping[float, Mark] = GAPS,
 ) -> None:
-    """A map with a line for each solver, the first on top, and a column for each number of legs.
+    """A map with a line for each solver, the first on top, and a column for each size.
 
-    Columns: those of `by_legs`, of one stratum; `size` is the one with the number of legs. `marks`
-    are the classes of gaps, with the `largest` gap of each but the last.
+    Columns: those of `by_size`, of one stratum.
     """
-    legs = sorted(cells[size].unique())
-    classes = np.searchsorted(largest, cells["gap"])
+    sizes = sorted(cells[size].unique())
+    marks = [*gaps.values()]
+    classes = np.searchsorted([*gaps], cells["gap"])
     placed = cells.assign(
-        x=cells[size].map(legs.index),
+        x=cells[size].map(sizes.index),
         y=cells["solver"].map(solvers.index),
         kind=[marks[place].key for place in classes],
         colour=np.where(classes >= _DARK, MAP_PAPER, ON_MAP),
@@ -235,16 +239,16 @@ def plot_success(
         style: Style = {"ha": "center", "va": "center", "fontsize": 5.5}
         ax.text(cell["x"], cell["y"], text, color=cell["colour"], **style)
     ax.hlines(np.arange(len(solvers)) - 0.5, *ax.get_xlim(), color=MAP_PAPER, linewidth=0.6)
-    ax.vlines(np.arange(len(legs)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
+    ax.vlines(np.arange(len(sizes)) - 0.5, *ax.get_ylim(), color=MAP_PAPER, linewidth=0.6)
     ax.set_ylim(len(solvers) - 0.5, -0.5)
-    ax.set_xticks(range(len(legs)), map(str, legs), fontsize=7)
+    ax.set_xticks(range(len(sizes)), map(str, sizes), fontsize=7)
     ax.tick_params(length=0)
 
 
-def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
-    """Median times (s) over the number of legs, a line for each solver; both axes logarithmic.
+def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette, size: str) -> list[Line2D]:
+    """Median times (s) over the size, a line for each solver; both axes logarithmic.
 
-    Columns: those of `by_legs`, of one stratum. Returns the lines.
+    Columns: those of `by_size`, of one stratum. Returns the lines.
     """
     looks = palette.looks(cells["solver"].unique())
     names = palette.names(cells["solver"].unique())
@@ -252,8 +256,8 @@ def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette) -> list[Line2D]:
     for solver, rows in cells.groupby("solver", sort=False):
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
-        lines += ax.plot(rows["legs"], rows["wall_s"], label=names[str(solver)], **style)
-    size_axes(ax, cells["legs"], cells["wall_s"])
+        lines += ax.plot(rows[size], rows["wall_s"], label=names[str(solver)], **style)
+    size_axes(ax, cells[size], cells["wall_s"])
     return lines
 
 

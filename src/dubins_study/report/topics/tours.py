@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -9,8 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, is_true, legs_of
@@ -26,38 +25,31 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.identity import with_share
-from dubins_study.report.elements.looks import distinct, in_page_order
-from dubins_study.report.elements.plots import HIGHEST, Mark
+from dubins_study.report.elements.looks import in_page_order
+from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import (
     BLUE,
     GREEN,
-    HALF,
     INK,
-    MUTED,
-    RULE,
     VERMILION,
-    WIDE,
     Style,
-    new_figure,
     percent_axis,
 )
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import stratum_order
 from dubins_study.report.statistics.metrics import upper_quantile
-from dubins_study.report.topics.routes import plot_success
+from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes
 from dubins_study.study.words import Claim
 
 TITLE = "Tours: the order free"
-_CELL = ["solver", "label", "points"]
-# Classes of median gaps, from light to dark, and the largest gap of each but the last.
-GAPS = (
-    Mark("up to 1e-6", colour="#eef4f9"),
-    Mark("up to 1 %", colour="#cfe2f0"),
-    Mark("up to 10 %", colour="#a3c7e0"),
-    Mark("more", colour="#6a9cc4"),
-    Mark("most have no tour", colour="#2f4c69"),
-)
-_LARGEST = (1e-6, 1e-2, 1e-1, 1e300)
+# The largest median gap of each class -> its mark, from light to dark.
+GAPS = {
+    1e-6: Mark("up to 1e-6", colour="#eef4f9"),
+    1e-2: Mark("up to 1 %", colour="#cfe2f0"),
+    1e-1: Mark("up to 10 %", colour="#a3c7e0"),
+    1e300: Mark("more", colour="#6a9cc4"),
+    math.inf: Mark("most have no tour", colour="#2f4c69"),
+}
 _PROVING = ("tour MILP", "tour circuit")  # formulations of which an engine proves an optimum
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
 # What proved tours are compared with.
@@ -89,23 +81,21 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per solver, stratum and number of points.
+    """The table of `by_size` by the number of points: questions that are closed, of those asked.
 
-    Columns `_CELL`; successes and trials (questions that are closed, of those asked; 0 of a method
-    that proves nothing); gap (median over attempts, infinite if most do not arrive; an upper bound
-    where the shortest length is not proved); undecided (none: what is closed is known).
+    Of a method that proves nothing they are 0 of 0. The gap is an upper bound where the shortest
+    length is not proved.
     """
-    groups = rows.fillna({"gap": np.inf}).groupby(_CELL)
-    frame = groups["gap"].agg(upper_quantile, q=0.5).to_frame()
-    frame = frame.join(_closed_shares(rows, _CELL)).fillna({"successes": 0, "trials": 0})
-    return frame.assign(undecided=0).reset_index()
+    cells = by_size(rows.assign(undecided=False), "points", "closes")
+    proves = cells["solver"].isin(provers(rows))
+    numbers = ["successes", "trials"]
+    return cells.assign(**{name: cells[name].where(proves, 0) for name in numbers})
 
 
-def _closed_shares(rows: pd.DataFrame, by: list[str]) -> pd.DataFrame:
-    """Questions that are closed and asked, by method of those that prove anything."""
-    proving = rows[rows["solver"].eq(EXACT) | rows["formulation"].isin(_PROVING)]
-    shares = scenario_shares(proving, by=by, success="closes", scenario=TRIAL)
-    return shares[["successes", "trials"]]
+def provers(rows: pd.DataFrame) -> set[str]:
+    """The solvers that prove anything."""
+    proving = rows["solver"].eq(EXACT) | rows["formulation"].isin(_PROVING)
+    return set(rows["solver"][proving])
 
 
 def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
@@ -129,7 +119,9 @@ def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
     medians = {"iterations": "nodes", "gap": "gap", "bound_gap": "bound_gap", "wall_s": "wall_s"}
     groups = counted.groupby("solver", sort=False)[[*medians]]
     frame = groups.agg(upper_quantile, q=0.5).rename(columns=medians)
-    shares = frame[[]].join(_closed_shares(rows, ["solver"])).fillna(0)
+    proving = rows[rows["solver"].isin(provers(rows))]
+    shares = scenario_shares(proving, by=["solver"], success="closes", scenario=TRIAL)
+    shares = shares.reindex(frame.index).fillna({"successes": 0, "trials": 0})
     return with_share(frame, "closes", shares["successes"], shares["trials"]).reset_index()
 
 
@@ -212,51 +204,22 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
 
 
 def _closed_picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
-    solvers = cells["solver"].unique()
-    methods = results.methods.set_index("solver")
-    names = [_name(methods.loc[solver], results.settings.get(solver, {})) for solver in solvers]
-    labels = dict(zip(solvers, distinct(names), strict=True)) | {EXACT: "search with a proof"}
     return panels_picture(
         "tours",
-        "In each cell the questions that are closed of those asked; as colour the median gap of "
-        "the answers to the proven lower end of the shortest length. A panel for each density: the "
-        "square's side. No number: a method that proves nothing.",
-        plot_closed,
-        "Questions closed and gaps, by solver, number of points and density",
-        *(cells, strata, labels),
+        "Above, in each cell the questions that are closed of those asked (no number: a method "
+        "that proves nothing), and as colour the median gap of the answers to the proven lower end "
+        "of the shortest length. Below, median times of those that prove, failures included; "
+        "dotted: the limit. A panel for each density: the square's side.",
+        plot_sizes,
+        "Questions closed, gaps and times, by solver, number of points and density",
+        cells,
+        strata,
+        provers(results.rows),
+        palette_of(results),
+        results.rows["limit_s"].max(),
+        size="points",
+        gaps=GAPS,
     )
-
-
-def _name(method: pd.Series, settings: dict[str, Any]) -> str:
-    """A method's name in the figure: the engine, and the settings that tell models apart."""
-    if method["formulation"] == _STRAIGHT_FIRST:
-        return f"{settings.get('order', '')} order".strip()
-    bounds = "bounds" if settings.get("costs") == "bounds" else ""
-    return ", ".join(filter(None, [method["engine"], settings.get("model", ""), bounds]))
-
-
-def plot_closed(
-    cells: pd.DataFrame, strata: list[str], labels: dict[str, str], *, narrow: bool
-) -> Figure:
-    """A map of the solvers for each stratum, side by side unless `narrow`; see `by_points`."""
-    solvers = list(dict.fromkeys(cells["solver"]))
-    height = 0.16 * len(solvers) + 0.35
-    shape: Style = {"nrows": len(strata)} if narrow else {"ncols": len(strata), "sharey": True}
-    figure = new_figure(HALF, len(strata) * height + 1.1)
-    if not narrow:
-        figure = new_figure(WIDE, min(HIGHEST, height + 0.9))
-    panels = figure.subplots(squeeze=False, **shape).ravel()
-    for place, (ax, label) in enumerate(zip(panels, strata, strict=True)):
-        plot_success(ax, cells[cells["label"] == label], solvers, GAPS, _LARGEST, size="points")
-        ax.set_title(label, fontsize=7.5, pad=3)
-        if narrow or place == 0:
-            names = [labels[solver] for solver in solvers]
-            ax.set_yticks(range(len(solvers)), names, fontsize=6.5)
-    figure.supxlabel("points", fontsize=8, color=MUTED)
-    patches = [Patch(facecolor=mark.colour, edgecolor=RULE, label=mark.key) for mark in GAPS]
-    key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
-    figure.legend(handles=patches, ncols=3 if narrow else 5, fontsize=7, **key)
-    return figure
 
 
 def _grid_pictures(compared: pd.DataFrame, strata: list[str]) -> list[Picture]:
