@@ -15,6 +15,8 @@ from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.plan.cells import Chain
 from dubins_study.experiments.store.folder import read_rows
 from dubins_study.study.rows.parts import Row
+from dubins_study.study.scenario import COLUMNS
+from dubins_study.study.scenario_frame import scenario_of
 from dubins_study.study.words import Outcome, Verdict
 
 # what does not tell whether a solver finds the shortest routes of a size
@@ -33,13 +35,11 @@ def stages(chains: list[Chain], rising: bool) -> Iterator[tuple[float, list[Chai
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:
     """The cells of a stage that are worth asking after all earlier ones, and rows of the others."""
-    columns = ["label", "via_x", "target_x", "closed", "verdict", "outcome"]
-    rows = read_rows(folder, columns).to_pylist()
+    rows = read_rows(folder, [*COLUMNS, "verdict", "outcome"]).to_pylist()
     solved: dict[tuple[str, str], dict[int, bool]] = {}  # by solver and label, then by size
     for row in rows:
         sizes = solved.setdefault((row["solver"], row["label"]), {})
-        ends = row["target_x"] is not None or bool(row["closed"])
-        legs = len(row["via_x"] or ()) + ends
+        legs = scenario_of(row).legs
         sizes[legs] = sizes.get(legs, False) or (
             row["verdict"] in (Verdict.OPTIMAL, Verdict.UNDECIDED) or row["outcome"] in _UNTOLD
         )

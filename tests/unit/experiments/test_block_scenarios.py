@@ -166,6 +166,12 @@ def test_sampled_routes_are_the_same_for_every_count_and_final_heading():
     assert min(finals) < 0.2 < 6 < max(finals) < 2 * math.pi
 
 
+def test_numbers_of_legs_are_whole():
+    """Evenly spaced numbers are none; they were taken, and ended the run with a traceback."""
+    with pytest.raises(ValueError, match=r"route\.legs\.0\n  Input should be a valid integer"):
+        Block.model_validate({"route": ROUTES | {"legs": {"linear": [1, 4, 4]}}})
+
+
 @pytest.mark.parametrize("name", SPACINGS)
 def test_every_spacing_may_be_named(name):
     found = Block.model_validate({"route": ROUTES | {"spacing": name}})

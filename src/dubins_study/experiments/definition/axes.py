@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -120,40 +120,11 @@ class Range(StrictModel):
         return low + share * (high - low)
 
 
-def _written_out(written: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+def _written_out(written: Any) -> Any:
     """The list of all values of an axis."""
     if isinstance(written, dict):
         return Spaced.model_validate(written).values()
-    return validate(written if isinstance(written, list) else [written])
-
-
-_NUMBERS_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}
-_SPACED_SCHEMA = {
-    "type": "object",
-    "properties": {"linear": _NUMBERS_SCHEMA, "log": _NUMBERS_SCHEMA},
-    "additionalProperties": False,
-}
-_LEGS_SCHEMA = {"type": "integer", "minimum": 1}
-# The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
-Axis = Annotated[
-    list[Number],
-    Field(min_length=1),
-    WrapValidator(_written_out),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _NUMBERS_SCHEMA, _SPACED_SCHEMA]}),
-]
-HeadingAxis = Annotated[
-    list[Heading],
-    Field(min_length=1),
-    WrapValidator(_written_out),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, _NUMBERS_SCHEMA, _SPACED_SCHEMA]}),
-]
-# Numbers of legs, written as one or several.
-LegCounts = Annotated[
-    list[LegCount],
-    Field(min_length=1),
-    WrapValidator(_written_out),
-    WithJsonSchema({"anyOf": [_LEGS_SCHEMA, {"type": "array", "items": _LEGS_SCHEMA}]}),
-]
+    return written if isinstance(written, list) else [written]
 
 
 def _radii(written: Any) -> float:
@@ -164,14 +135,29 @@ def _radii(written: Any) -> float:
     raise ValueError("expected a text such as '8R': a number of radii")
 
 
-_RADII_SCHEMA = {"type": "string", "pattern": "R$"}
+def _one_or_several(item: dict[str, Any], *others: dict[str, Any]) -> WithJsonSchema:
+    """The schema of one item, of a list of them, or of something else."""
+    several = {"type": "array", "items": item, "minItems": 1}
+    return WithJsonSchema({"anyOf": [item, several, *others]})
+
+
+_Item = TypeVar("_Item")
+_Several = Annotated[list[_Item], Field(min_length=1), BeforeValidator(_written_out)]
+_NUMBERS_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}
+_SPACED_SCHEMA = {
+    "type": "object",
+    "properties": {"linear": _NUMBERS_SCHEMA, "log": _NUMBERS_SCHEMA},
+    "additionalProperties": False,
+}
+_AXIS_SCHEMA = _one_or_several(_NUMBER_SCHEMA, _SPACED_SCHEMA)
+# The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
+Axis = Annotated[_Several[Number], _AXIS_SCHEMA]
+HeadingAxis = Annotated[_Several[Heading], _AXIS_SCHEMA]
+# Numbers of legs, written as one or several.
+LegCounts = Annotated[_Several[LegCount], _one_or_several({"type": "integer", "minimum": 1})]
+_Radii = Annotated[float, BeforeValidator(_radii), Field(ge=1e-3, le=1e6)]
 # Lengths in radii, written as one or several texts.
-RadiiList = Annotated[
-    list[Annotated[float, BeforeValidator(_radii), Field(ge=1e-3, le=1e6)]],
-    Field(min_length=1),
-    BeforeValidator(lambda written: written if isinstance(written, list) else [written]),
-    WithJsonSchema({"anyOf": [_RADII_SCHEMA, {"type": "array", "items": _RADII_SCHEMA}]}),
-]
+RadiiList = Annotated[_Several[_Radii], _one_or_several({"type": "string", "pattern": "R$"})]
 
 
 def _as_lists(value: Any) -> Any:
@@ -200,5 +186,5 @@ _Stop = Annotated[tuple[_Coordinate, _Coordinate], WrapValidator(_stop)]
 ViaLists = Annotated[
     tuple[tuple[_Stop, ...], ...],
     BeforeValidator(_as_lists),
-    WithJsonSchema({"anyOf": [_POINTS_SCHEMA, {"type": "array", "items": _POINTS_SCHEMA}]}),
+    _one_or_several(_POINTS_SCHEMA),
 ]
