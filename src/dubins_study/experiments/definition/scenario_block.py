@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -76,15 +76,36 @@ def _check_texts(name: str, written: Any) -> None:
             raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
 
 
-class Sample(StrictModel):
+class Drawn(StrictModel):
+    """Scenarios that are drawn at random."""
+
+    count: Count
+    """Number of scenarios; of routes and tours, for each number of legs or points and density."""
+    seed: Seed
+    """The same seed draws the same scenarios."""
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of legs or points that are drawn for each kind of scenario; 0 of a sample."""
+        return [0]
+
+    @property
+    def size(self) -> int:
+        """How many scenarios are drawn."""
+        return self.count * len(self.sizes)
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if (legs := self.count * sum(self.sizes)) > _MOST_LEGS:
+            raise ValueError(f"{legs} legs or points in all; expected at most {_MOST_LEGS}")
+        return self
+
+
+class Sample(Drawn):
     """Quasi-random points over ranges of fields, drawn by `scipy.stats.qmc`."""
 
     method: Literal["sobol", "latin hypercube"]
     """How points are spread; the first points of a Sobol sample cover its ranges as well."""
-    count: Count
-    """Number of scenarios."""
-    seed: Seed
-    """The same seed draws the same points."""
     ranges: Annotated[dict[FieldName, Range], Field(min_length=1)]
     """Field -> its range; a field of the block that is not named here has the block's value."""
 
@@ -96,13 +117,8 @@ class Sample(StrictModel):
                 _check_texts(name, written)
         return ranges
 
-    @property
-    def size(self) -> int:
-        """How many points are drawn."""
-        return self.count
 
-
-class Route(StrictModel):
+class Route(Drawn):
     """Routes drawn at random: the way from each point to the next has any direction.
 
     A route goes from the block's start pose through as many points as it has legs; the last one is
@@ -114,26 +130,16 @@ class Route(StrictModel):
     """Number of legs, or several numbers."""
     spacing: SpacingName
     """Least and largest length of a leg, in radii; lengths are spread uniformly between the two."""
-    count: Count
-    """Number of routes for each number of legs."""
-    seed: Seed
-    """The same seed draws the same routes."""
     final_heading: Literal["free", "sampled"] = "free"
     """Whether the final heading is `free`, or `sampled` from all headings."""
 
-    @model_validator(mode="after")
-    def _check_size(self) -> Route:
-        if (legs := self.count * sum(self.legs)) > _MOST_LEGS:
-            raise ValueError(f"{legs} legs in all; expected at most {_MOST_LEGS}")
-        return self
-
     @property
-    def size(self) -> int:
-        """How many routes are drawn."""
-        return self.count * len(self.legs)
+    def sizes(self) -> list[int]:
+        """Number of legs of each kind of route."""
+        return self.legs
 
 
-class Tour(StrictModel):
+class Tour(Drawn):
     """Tours drawn at random: points of a square, to be passed in any order.
 
     The start and n points are spread uniformly over a square. Its side is `density` times sqrt(n),
@@ -145,10 +151,6 @@ class Tour(StrictModel):
     """Number n of points beside the start, or several numbers."""
     density: RadiiList
     """Side of the square over sqrt(n), in radii, such as `"8R"`, or several; more is sparser."""
-    count: Count
-    """Number of tours for each number of points and each density."""
-    seed: Seed
-    """The same seed draws the same tours."""
     heading: Literal["sampled", "free"] = "sampled"
     """Whether the start heading is `sampled` from all headings, or `free`."""
     end: Literal["point", "any"] = "point"
@@ -157,18 +159,15 @@ class Tour(StrictModel):
     """Whether a tour ends as it starts, with all n points on its way."""
 
     @model_validator(mode="after")
-    def _check_size(self) -> Tour:
-        points = self.count * sum(self.points) * len(self.density)
-        if points > _MOST_LEGS:
-            raise ValueError(f"{points} points in all; expected at most {_MOST_LEGS}")
+    def _check_end(self) -> Tour:
         if self.closed and self.end == "any":
             raise ValueError("end is 'any', but a closed tour ends at its start; leave it out")
         return self
 
     @property
-    def size(self) -> int:
-        """How many tours are drawn."""
-        return self.count * len(self.points) * len(self.density)
+    def sizes(self) -> list[int]:
+        """Number of points of each kind of tour."""
+        return self.points * len(self.density)
 
     @property
     def to_target(self) -> bool:

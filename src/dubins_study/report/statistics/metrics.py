@@ -59,12 +59,6 @@ def proof(rows: pd.DataFrame) -> pd.Series:
     return given.where(given.isin(PROOFS), "none")
 
 
-def by_solver(frame: pd.DataFrame) -> pd.DataFrame:
-    """The rows in the order of `solver_order`; rows of one solver keep their order."""
-    order = {solver: place for place, solver in enumerate(solver_order(frame["solver"].tolist()))}
-    return frame.sort_values("solver", key=lambda s: s.map(order), kind="stable", ignore_index=True)
-
-
 def gaps(rows: pd.DataFrame) -> pd.Series:
     """Gaps of the attempts at questions that have an answer; infinite if no path arrived.
 

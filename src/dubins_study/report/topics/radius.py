@@ -14,7 +14,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import SOLVER, columns
 from dubins_study.report.elements.content import General, Picture, Section, Table, Topic, picture
 from dubins_study.report.elements.formats import count, digits, seconds, share
-from dubins_study.report.elements.looks import LINES, Palette
+from dubins_study.report.elements.looks import LINES, Palette, in_page_order
 from dubins_study.report.elements.style import (
     INK,
     MUTED,
@@ -23,7 +23,6 @@ from dubins_study.report.elements.style import (
     plain_log_axis,
 )
 from dubins_study.report.statistics.metrics import (
-    by_solver,
     circle_radius,
     success,
 )
@@ -212,12 +211,12 @@ def warm_starts(rows: pd.DataFrame) -> pd.DataFrame:
         ratio=("ratio", "median"),
         work=("work", "median"),
     )
-    return by_solver(frame.reset_index())
+    return frame.reset_index()
 
 
 def warm_section(results: Results) -> Section | None:
     """Times, iterations and success, cold and warm."""
-    table = warm_starts(results.rows)
+    table = in_page_order(warm_starts(results.rows), results)
     if table.empty:
         return None
     caption = "Medians over questions; a success is a share of all attempts."
