@@ -205,7 +205,7 @@ def _comment_on(listed: list[Scenario]) -> str:
 
 
 # Keys of a block that say how its scenarios are asked.
-_HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
+_HOW_ASKED = {"solvers", "branches", "time_limit_s", "guess_lengths"}
 
 
 def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
@@ -214,25 +214,21 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
     A sample of a suite so keeps the time limit and the branches of each of its questions.
     """
     experiment = file.experiment
-    settings = []
-    for block in experiment.scenarios:
-        given = {key: getattr(block, key) for key in _HOW_ASKED}
-        settings.append({key: value for key, value in given.items() if value is not None})
+    settings = [
+        block.model_dump(include=_HOW_ASKED, exclude_none=True) for block in experiment.scenarios
+    ]
     if not any(settings):
         return [ListedBlock(listed=listed)]
-    blocks_of: dict[str, list[int]] = {}  # a scenario's id -> the blocks that ask about it
+    ids = [scenario_id(scenario) for scenario in listed]
+    blocks = []
+    left = set(ids)  # of scenarios that no block asks about
     for number, block in enumerate(experiment.scenarios):
-        for scenario in scenarios(block, f"scenarios.{number}"):
-            blocks_of.setdefault(scenario_id(scenario), []).append(number)
-    asked: dict[int, list[Scenario]] = {}  # by block
-    rest = []
-    for scenario in listed:
-        numbers = blocks_of.get(scenario_id(scenario), [])
-        for number in dict.fromkeys(numbers):
-            asked.setdefault(number, []).append(scenario)
-        if not numbers:
-            rest.append(scenario)
-    blocks = [ListedBlock(listed=among, **settings[n]) for n, among in sorted(asked.items())]
+        own = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
+        among = [scenario for scenario, id_ in zip(listed, ids, strict=True) if id_ in own]
+        if among:
+            blocks.append(ListedBlock(listed=among, **settings[number]))
+        left -= own
+    rest = [scenario for scenario, id_ in zip(listed, ids, strict=True) if id_ in left]
     if rest:
         blocks.append(ListedBlock(listed=rest))
         _LOG.warning(

@@ -107,8 +107,7 @@ def strata(rows: pd.DataFrame) -> pd.DataFrame:
     kept = rows[rows["answerable"]]
     kept = kept.assign(right=success(kept), stratum=kept["label"].fillna(""))
     shares = scenario_shares(kept, by=["solver", "stratum"], success="right", scenario=TRIAL)
-    names = {"trials": "right_of", "share": "right_share", "low": "right_low", "high": "right_high"}
-    return shares.rename(columns=names).reset_index()
+    return shares.reset_index()
 
 
 def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame) -> Table | None:
@@ -118,7 +117,7 @@ def _stratum_table(results: Results, methods: pd.DataFrame, shares: pd.DataFrame
         return None
     texts = [
         f"{percent(value, 0)} %\n{percent(low, 0)}–{percent(high, 0)}"
-        for value, low, high in shares[["right_share", "right_low", "right_high"]].to_numpy()
+        for value, low, high in shares[["share", "low", "high"]].to_numpy()
     ]
     wide = shares.assign(text=texts).pivot(index="solver", columns="stratum", values="text")
     kept = methods[["formulation", "engine", "guess", "settings", "solver"]]
