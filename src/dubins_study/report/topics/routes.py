@@ -152,15 +152,15 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         cells,
         strata,
         timed,
-        palette_of(results),
+        palette_of(results, short_labels(methods_of(results.rows))),
         results.rows["limit_s"].max(),
     )
 
 
-def palette_of(results: Results) -> Palette:
+def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
     """The page's palette, with names that tell the methods of these results apart."""
-    labels = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
-    return replace(Palette.of_page(results), labels=labels)
+    own = {**labels, EXACT: "search with a proof"}
+    return replace(Palette.of_page(results), labels=own)
 
 
 def plot_sizes(

@@ -25,7 +25,7 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.identity import with_share
-from dubins_study.report.elements.looks import in_page_order
+from dubins_study.report.elements.looks import distinct, in_page_order
 from dubins_study.report.elements.plots import Mark
 from dubins_study.report.elements.style import (
     BLUE,
@@ -204,6 +204,9 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
 
 
 def _closed_picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
+    methods = results.methods.set_index("solver")
+    names = [_name(methods.loc[spec], results.settings.get(spec, {})) for spec in methods.index]
+    labels = dict(zip(methods.index, distinct(names), strict=True))
     return panels_picture(
         "tours",
         "Above, in each cell the questions that are closed of those asked (no number: a method "
@@ -215,11 +218,19 @@ def _closed_picture(cells: pd.DataFrame, strata: list[str], results: Results) ->
         cells,
         strata,
         provers(results.rows),
-        palette_of(results),
+        palette_of(results, labels),
         results.rows["limit_s"].max(),
         size="points",
         gaps=GAPS,
     )
+
+
+def _name(method: pd.Series, settings: dict[str, Any]) -> str:
+    """A method's name in the figure: the engine, and the settings that tell models apart."""
+    if method["formulation"] == _STRAIGHT_FIRST:
+        return f"{settings.get('order', '')} order".strip()
+    bounds = "bounds" if settings.get("costs") == "bounds" else ""
+    return ", ".join(filter(None, [method["engine"], settings.get("model", ""), bounds]))
 
 
 def _grid_pictures(compared: pd.DataFrame, strata: list[str]) -> list[Picture]:
