@@ -38,12 +38,12 @@ BUDGETS = {
     "study": 84_400,
     "solvers": 74_500,
     "asking": 5_600,
-    "experiments": 35_800,
+    "experiments": 35_000,
     "conformance": 11_800,
-    "report": 72_500,
-    "cli": 12_000,
-    "package": 296_000,
-    "tests": 260_000,
+    "report": 71_900,
+    "cli": 11_900,
+    "package": 295_000,
+    "tests": 259_000,
 }
 
 _LEAVES = (
