@@ -98,7 +98,7 @@ def body_course(scenario: Scenario) -> Course:
     dx, dy = np.diff(scenario.points, axis=0).T
     cos, sin = math.cos(scenario.start.heading), math.sin(scenario.start.heading)
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
-    final = scenario.final_heading
+    final = scenario.stops[-1].heading  # also where the path is closed
     last = None if final is None else final - scenario.start.heading
     return Course(steps, 0.0, last, _target(scenario))
 

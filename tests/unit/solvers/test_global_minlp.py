@@ -4,6 +4,7 @@ import math
 import os
 import time
 from functools import partial
+from itertools import permutations
 from unittest.mock import Mock
 
 import numpy as np
@@ -28,6 +29,7 @@ from dubins_study.solvers.minlp_engines.mixed_program import (
 )
 from dubins_study.solvers.protocol import Question
 from dubins_study.study.closed_form.shortest import shortest
+from dubins_study.study.route.search import search
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Proof, Verdict
 
@@ -293,6 +295,64 @@ def test_a_route_out_of_time_claims_nothing_and_its_bound_holds():
     assert answer.claim in (Claim.LIMIT, Claim.OPTIMAL)
     assert not answer.false_claim
     assert not answer.false_bound
+
+
+TOURS = {
+    "the end at any": {},
+    "a target": {"target_x": 3.0, "target_y": -2.0},
+    "a final heading": {"target_x": 3.0, "target_y": -2.0, "final_heading": 2.0},
+    "closed": {"closed": True},
+}
+
+
+def tour(seed, count, **kind):
+    """Points in any order in a square, at the start some heading."""
+    random = np.random.default_rng(seed)
+    via = random.uniform(0, 8 * math.sqrt(count), (count, 2))
+    return Scenario(1, 0, random.uniform(0, 6), via=via, order="free", **kind)
+
+
+def shortest_of_all_orders(scenario):
+    """The proven length of the shortest route in one of the orders."""
+    target = [(stop.x, stop.y) for stop in scenario.stops[len(scenario.via) :]]
+    last = scenario.heading if scenario.closed else scenario.final_heading
+    orders = permutations(scenario.via)
+    points = ([(scenario.x, scenario.y), *order, *target] for order in orders)
+    return min(search(each, scenario.heading, last, tolerance=1e-9).low for each in points)
+
+
+@pytest.mark.many(4)
+@pytest.mark.parametrize("kind", TOURS)
+@pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_points_in_any_order_are_proven(kind, count):
+    """Beside the search in every order; out of time a bound is left, which holds."""
+    asked = Disjunctive(gap=1e-3, feastol=1e-6, emphasis="default")
+    for seed in range(2):
+        scenario = tour(seed, count, **TOURS[kind])
+        answer = attempt(asked, Question(scenario), 30.0)
+        least = shortest_of_all_orders(scenario)
+
+        assert 0 < answer.lower_bound <= least
+        assert answer.claim in (Claim.OPTIMAL, Claim.LIMIT), answer.message
+        assert not answer.false_claim
+        if answer.claim is Claim.OPTIMAL:
+            assert least * (1 - 1e-9) <= answer.length <= least * (1 + 1e-3)
+            assert answer.lower_bound >= least * (1 - 2e-3)
+
+
+def test_two_points_in_any_order_are_proven_by_default():
+    scenario = tour(1, 2)
+    answer = attempt(Disjunctive(), Question(scenario), 60.0)
+
+    assert answer.claim is Claim.OPTIMAL, answer.message
+    assert answer.length == pytest.approx(shortest_of_all_orders(scenario), rel=1e-6)
+
+
+def test_too_many_points_in_any_order_are_told():
+    answer = attempt(Disjunctive(), Question(tour(0, 9)), 5.0)
+
+    assert answer.claim is Claim.FAILED
+    assert answer.message == "9 via points in any order; it takes up to 8"
 
 
 @pytest.mark.parametrize("engine", [name for name in INSTALLED if name != "maingo"])

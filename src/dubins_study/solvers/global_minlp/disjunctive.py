@@ -6,6 +6,7 @@ the target only to a tolerance, is polished.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
@@ -18,9 +19,12 @@ from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, pa
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
     WORDS,
+    Steps,
     Translated,
     gdp_model,
     pieces,
+    steps_in_any_order,
+    steps_in_order,
     transformed,
     translated,
 )
@@ -33,7 +37,7 @@ from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.path import Path
-from dubins_study.study.words import IN_ORDER, TURN, Claim
+from dubins_study.study.words import CLOSED, FREE_ORDER, IN_ORDER, TURN, Claim, Order
 
 # The engine leaves this share of the gap for its tolerance on constraints, which counts as well.
 _SHARE = 0.1
@@ -49,12 +53,16 @@ _SLACK = 10
 # above the shortest length were seen from 1e6 radii on, none up to 1e5
 _PROVABLE = 1e5
 
+# Via points in any order: a model of twelve takes seconds to state, and of five none was solved.
+_MOST_VIA = 8
+
 
 class PosedDisjunction(NamedTuple):
     """A question, translated for `solve`."""
 
     question: Question
     course: Course
+    steps: Steps
     words: tuple[str, ...]  # of a last leg to a free final heading
     pyomo: Any  # the transformed model, of a type that its package does not state
     translated: Translated
@@ -65,6 +73,7 @@ class Point(NamedTuple):
 
     words: list[str]
     pieces: list[FloatArray]
+    steps: FloatArray  # (radii), shape (n, 2)
 
     @property
     def length(self) -> float:
@@ -101,6 +110,7 @@ class Disjunctive(EngineSolver):
     A feasible point of the engine's may miss the target by the tolerance. Near the front of a
     turning circle that buys up to a full turn, and no polishing closes the miss: the point is then
     returned as it is, claimed feasible and not optimal, and the bound, though low, still holds.
+    Of a tour every leg chooses among the steps between two points too, for up to 8 via points.
     `lower_bound` is a bound for the branch that is asked, the engine's less its tolerance.
     """
 
@@ -117,7 +127,7 @@ class Disjunctive(EngineSolver):
     name: ClassVar[str] = "disjunctive"
     guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
     branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    takes: ClassVar[frozenset[str]] = IN_ORDER
+    takes: ClassVar[frozenset[str]] = IN_ORDER | {FREE_ORDER, CLOSED}
     packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
     summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
     variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")
@@ -132,15 +142,25 @@ class Disjunctive(EngineSolver):
         proves = max(self.gap, 2 * self.feastol)
         return Method("disjunction", self.library.label, "none", self.feastol, proves)
 
-    def build(self, question: Question) -> PosedDisjunction:
-        course = body_course(question.scenario)
+    def build(self, question: Question) -> PosedDisjunction | Solution:
+        scenario = question.scenario
+        course = body_course(scenario)
         disjuncts: tuple[str, ...] = WORDS
         if course.target is not None:
             disjuncts = words(question.branch, course.target, self.presolve)
-        pyomo = transformed(gdp_model(course, disjuncts, self.quadrants), self.transformation)
-        return PosedDisjunction(question, course, disjuncts, pyomo, translated(pyomo))
+        steps = steps_in_order(course)
+        if scenario.order is Order.FREE:
+            if len(scenario.via) > _MOST_VIA:
+                message = f"{len(scenario.via)} via points in any order; it takes up to {_MOST_VIA}"
+                return Solution(Claim.FAILED, message=message)
+            steps = steps_in_any_order(course, scenario.target is not None)
+        model = gdp_model(course, disjuncts, self.quadrants, steps)
+        pyomo = transformed(model, self.transformation)
+        return PosedDisjunction(question, course, steps, disjuncts, pyomo, translated(pyomo))
 
-    def solve(self, model: PosedDisjunction, limit: float) -> Solution:
+    def solve(self, model: PosedDisjunction | Solution, limit: float) -> Solution:
+        if isinstance(model, Solution):
+            return model
         there = at_start(model.question.scenario, model.course.target)
         if there is not None:
             return replace(there, claim=Claim.OPTIMAL, lower_bound=0.0)
@@ -153,7 +173,9 @@ class Disjunctive(EngineSolver):
             feastol *= _LOOSER
             runs.append(self._run(model, feastol, until - perf_counter()))
         solution = self._answer(model, runs[-1], feastol)
-        if not (np.hypot(*model.course.steps.T) <= _PROVABLE).all():
+        if not all(
+            math.hypot(*step) <= _PROVABLE for each in model.steps for step in each.values()
+        ):
             solution = _unproven(solution)
         return replace(
             solution,
@@ -237,12 +259,19 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
         beta = value(pyomo.z[leg, "beta"]) if (leg, "beta") in pyomo.z else 0.0
         alpha, gamma = angles
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
-    return Point(words, lengths)
+    steps = []
+    for leg, each in enumerate(model.steps):
+        ends = list(each)
+        if len(ends) > 1:
+            ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))
+        steps.append(each[ends[-1]])
+    return Point(words, lengths, np.array(steps))
 
 
 def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     """The point made to meet the points of the course, and its words."""
-    scenario, course = model.question.scenario, model.course
+    scenario = model.question.scenario
+    course = replace(model.course, steps=point.steps)
     if course.target is not None:
         z = np.zeros(3)
         for letter, length in zip(point.words[0], point.pieces[0], strict=True):

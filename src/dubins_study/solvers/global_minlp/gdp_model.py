@@ -6,7 +6,9 @@ Everything in body coordinates in units of the radius.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,22 +27,51 @@ _QUARTER = TWO_PI / 4
 # binaries that say how many whole turns a heading is off, from _FEWEST_TURNS on
 _TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
+# of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
+Steps = list[dict[tuple[int, int], FloatArray]]
 
-def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = True) -> Any:
+
+def steps_in_order(course: Course) -> Steps:
+    """One step a leg, as the course has them."""
+    return [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
+
+
+def steps_in_any_order(course: Course, with_target: bool) -> Steps:
+    """From any point of the course to any other; with a target the last one is passed last."""
+    points = np.vstack((np.zeros(2), np.cumsum(course.steps, axis=0)))
+    last = course.legs
+    via = list(range(1, last + 1 - with_target))
+    passed = [[0], *([via] * len(via)), *([[last]] * with_target)]
+    steps: Steps = []
+    for begins, ends in pairwise(passed):
+        pairs = product(begins, ends)
+        steps.append({(i, j): points[j] - points[i] for i, j in pairs if i != j})
+    return steps
+
+
+def gdp_model(
+    course: Course,
+    words: tuple[str, ...] = WORDS,
+    quadrants: bool = True,
+    steps: Steps | None = None,
+) -> Any:
     """The shortest path through the points of a course, in Pyomo.GDP, not transformed.
 
     Of each leg exactly one word holds; `words` are those of a last leg to a free final heading. z
     are the angles `alpha`, `gamma`, `beta` and `mu` of a leg, c and s their cosines and sines; an
     angle is q past the beginning of its quadrant. w is what is not turned in `alpha` and `gamma`.
-    Without `quadrants` sines and cosines are of the angles themselves.
+    Without `quadrants` sines and cosines are of the angles themselves. `steps` are those that legs
+    may take, if not those of the course; exactly one holds of each leg.
     """
     from pyomo.environ import Binary, ConcreteModel, Constraint, Objective, Var, cos, sin
     from pyomo.gdp import Disjunct, Disjunction
 
-    n, away = course.legs, np.hypot(*course.steps.T).tolist()
+    n = course.legs
+    steps = steps_in_order(course) if steps is None else steps
+    away = [[math.hypot(*step) for step in each.values()] for each in steps]
     free = [course.last is None and leg == n - 1 for leg in range(n)]
     of_leg = [
-        words if ends else [word for word in _OF_LEGS if each < _THREE_ARCS or "S" in word]
+        words if ends else [word for word in _OF_LEGS if min(each) < _THREE_ARCS or "S" in word]
         for each, ends in zip(away, free, strict=True)
     ]
     ranges: dict[tuple[int, str], tuple[float, float]] = {}
@@ -58,7 +89,7 @@ def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = 
     m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
     # No optimum has a full turn in it, and a turn moves the vehicle by its chord, at most 2 radii.
     farthest = [
-        each + 2 if ends else max(each + 4, 2 * TWO_PI)
+        max(each) + 2 if ends else max(max(each) + 4, 2 * TWO_PI)
         for each, ends in zip(away, free, strict=True)
     ]
     m.w = Var(range(n), bounds=lambda m, leg: (0, farthest[leg]), initialize=1)
@@ -70,10 +101,13 @@ def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = 
     else:
         m.cosine = Constraint(ranges, rule=lambda m, *key: m.c[key] == cos(m.z[key]))
         m.sine = Constraint(ranges, rule=lambda m, *key: m.s[key] == sin(m.z[key]))
+    if max(map(len, steps)) > 1:
+        _add_steps(m, steps, away)
     chosen = [(leg, word) for leg in range(n) for word in of_leg[leg]]
 
     def rule(disjunct: Any, leg: int, word: str) -> None:
-        _word(disjunct, leg, word, *map(float, course.steps[leg]))
+        [step, *others] = steps[leg].values()
+        _word(disjunct, leg, word, None if others else step)
 
     m.word = Disjunct(chosen, rule=rule)
     m.one_word = Disjunction(range(n), rule=lambda m, leg: [m.word[leg, w] for w in of_leg[leg]])
@@ -83,6 +117,51 @@ def gdp_model(course: Course, words: tuple[str, ...] = WORDS, quadrants: bool = 
     ends = sum(m.z[leg, name] for leg in range(n) for name in ("alpha", "gamma"))
     m.length = Objective(expr=ends + sum(m.w[leg] for leg in range(n)))
     return m
+
+
+def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
+    """Variables, constraints and disjuncts that choose the step of each leg.
+
+    A leg sees its step `along` and `across` its direction. It begins where the one before ends, and
+    is no shorter than its step.
+    """
+    from pyomo.environ import Constraint, ConstraintList, Var
+    from pyomo.gdp import Disjunct, Disjunction
+
+    legs = range(len(steps))
+    farthest = [max(each) for each in away]
+    m.along = Var(legs, bounds=lambda m, leg: (-farthest[leg], farthest[leg]))
+    m.across = Var(legs, bounds=lambda m, leg: (-farthest[leg], farthest[leg]))
+    m.first_sine = Var(bounds=(-1, 1))  # of the first leg's direction
+
+    def rule(disjunct: Any, leg: int, begin: int, end: int) -> None:
+        cos_mu, sin_mu = m.c[0, "alpha"], m.first_sine
+        if leg:
+            cos_mu, sin_mu = m.c[leg, "mu"], m.s[leg, "mu"]
+        X, Y = (steps[leg][begin, end] / farthest[leg]).tolist()
+        along, across = m.along[leg] / farthest[leg], m.across[leg] / farthest[leg]
+        disjunct.along = Constraint(expr=X * cos_mu + Y * sin_mu == along)
+        disjunct.across = Constraint(expr=Y * cos_mu - X * sin_mu == across)
+
+    m.step = Disjunct([(leg, *ends) for leg in legs for ends in steps[leg]], rule=rule)
+    m.one_step = Disjunction(legs, rule=lambda m, leg: [m.step[leg, ends] for ends in steps[leg]])
+    m.order = ConstraintList()
+    leaving: defaultdict[tuple[int, int], Any] = defaultdict(int)  # by leg and point
+    reaching: defaultdict[tuple[int, int], Any] = defaultdict(int)
+    passed: defaultdict[int, Any] = defaultdict(int)
+    for leg in legs:
+        straight = 0
+        for (begin, end), distance in zip(steps[leg], away[leg], strict=True):
+            taken = m.step[leg, begin, end].binary_indicator_var
+            leaving[leg, begin] += taken
+            reaching[leg + 1, end] += taken
+            passed[end] += taken
+            straight += distance * taken
+        m.order.add(m.z[leg, "alpha"] + m.z[leg, "gamma"] + m.w[leg] >= straight)
+    for place in leaving.keys() & reaching.keys():
+        m.order.add(leaving[place] == reaching[place])
+    for times in passed.values():
+        m.order.add(times == 1)
 
 
 def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:
@@ -119,8 +198,8 @@ def _quadrant(disjunct: Any, leg: int, name: str, k: int) -> None:
     disjunct.sine = Constraint(expr=m.s[key] == s)
 
 
-def _word(disjunct: Any, leg: int, word: str, X: float, Y: float) -> None:
-    """Constraints of one word of a leg over the step (X, Y)."""
+def _word(disjunct: Any, leg: int, word: str, step: FloatArray | None) -> None:
+    """Constraints of one word of a leg over a step, or over that of `_add_steps`."""
     from pyomo.environ import Constraint
 
     m = disjunct.model()
@@ -135,9 +214,16 @@ def _word(disjunct: Any, leg: int, word: str, X: float, Y: float) -> None:
         disjunct.begins = Constraint(expr=mu == m.theta[leg] + turned - _whole_turns(m, leg))
     else:  # from heading 0
         mu, cos_mu, sin_mu = turned, cos_a, first * sin_a
-    scale = max(1.0, math.hypot(X, Y))
-    along = (X * cos_mu + Y * sin_mu) / scale
-    across = (Y * cos_mu - X * sin_mu) / scale
+    if step is None:
+        scale = m.along[leg].ub
+        along, across = m.along[leg] / scale, m.across[leg] / scale
+        if not leg:
+            disjunct.sees = Constraint(expr=m.first_sine == sin_mu)
+    else:
+        X, Y = step.tolist()
+        scale = max(1.0, math.hypot(X, Y))
+        along = (X * cos_mu + Y * sin_mu) / scale
+        across = (Y * cos_mu - X * sin_mu) / scale
     if "S" in word or len(word) == 2:
         ahead, aside = w, last * (1 - cos_c) - first * (1 - cos_a)
         if len(word) == 2:
