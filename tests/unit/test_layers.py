@@ -78,8 +78,9 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "solvers.route": (
         *(*_FACTS, "solvers", "solvers.nlp_engines", "solvers.minlp_engines"),
         "solvers.stochastic",  # its engines search any box
+        "solvers.tour",
     ),
-    "solvers.tour": (*_FACTS, "solvers", "solvers.route", "solvers.minlp_engines"),
+    "solvers.tour": (*_FACTS, "solvers", "solvers.minlp_engines"),
     "solvers.convex": (*_FACTS, "solvers"),
     "solvers.export": (*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
     "experiments.isolation.floor": (
@@ -330,12 +331,15 @@ def way_to_the_answers(
 # Their formulation, or a guess of theirs, is made of the shortest legs between given headings: the
 # closed form of one leg, but no answer to a question with an unknown heading.
 OF_LEGS = (
-    *("solvers.route.grid", "solvers.route.headings", "solvers.route.joint"),
+    *("solvers.route.headings", "solvers.route.joint"),
     "solvers.tour.order",
 )
 # Their costs may also be proven bounds of a leg over two intervals of headings, the same for every
 # order: what the search for tours begins with, but no part of what it does with them.
-OF_BOUNDS = ("solvers.tour.milp", "solvers.tour.circuit", "solvers.tour.routing")
+OF_BOUNDS = (
+    *("solvers.route.grid", "solvers.tour.milp"),
+    *("solvers.tour.circuit", "solvers.tour.routing"),
+)
 SEARCHES = (
     *("study.route.search", "study.route.tour", "study.route.tour_chains", "study.route.shortest"),
     *("study.route.descent", "study.route.heading_grids", "study.check"),

@@ -22,11 +22,13 @@ from dubins_study.experiments.isolation.messages import decode_reply, encode_rep
 from dubins_study.solvers.arcs import Elements, missed, rollout, slopes
 from dubins_study.solvers.course import body_course, path_of
 from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, names
+from dubins_study.solvers.legs import WORD_TURNS, route_of
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, available_solvers, load
 from dubins_study.solvers.route import headings, joint
-from dubins_study.solvers.route.grid import HeadingMilp, flow_of, layers
-from dubins_study.solvers.route.legs import WORD_TURNS, route_of
+from dubins_study.solvers.route.grid import HeadingMilp
+from dubins_study.solvers.tour.order_headings import headings_on_grid
+from dubins_study.solvers.tour.places import places_of
 from dubins_study.study.closed_form.pose import WORDS6, pose_path, shortest_to_pose
 from dubins_study.study.closed_form.shortest import shortest
 from dubins_study.study.path import Path as DrivenPath
@@ -188,11 +190,17 @@ def test_the_words_of_one_free_leg_are_the_four(target):
     assert answer.length == pytest.approx(shortest(scenario).total, abs=1e-7)
 
 
+def best_of_grid(scenario, count):
+    """The headings of the shortest route with so many at each point."""
+    places = places_of(scenario)
+    return headings_on_grid(places, list(range(places.count)), count)
+
+
 @pytest.mark.parametrize("scenario", [FREE, NEAR], ids=["free", "given"])
 def test_the_program_of_known_words_is_the_joint_one_without_the_other_arcs(scenario):
     """Its equations hold on the grid's path."""
     route = route_of(scenario)
-    known = layers(route, 24).shortest()
+    known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
     program, everything = joint.program(route, places), joint.program(route)
     point = joint.words_guess(route, known)
@@ -296,8 +304,9 @@ def test_engines_of_sparse_programs_are_given_no_whole_matrix(engine):
     if reason := ENGINES[engine].unavailable():
         pytest.skip(reason)
     points = [(8.0 * i, (-1) ** i) for i in range(1, 31)]
-    route = route_of(Scenario(0, 0, 0, *points[-1], 1, via=points[:-1]))
-    known = layers(route, 24).shortest()
+    scenario = Scenario(0, 0, 0, *points[-1], 1, via=points[:-1])
+    route = route_of(scenario)
+    known = best_of_grid(scenario, 24)
     places = joint.word_places(route, known)
     program, guess = joint.program(route, places), joint._kept(joint.words_guess(route), places)
     functions = program.functions._replace(jacobian=None, hessian=None)
@@ -424,12 +433,10 @@ def test_the_answer_is_the_shortest_way_through_the_grid(scenario):
 @pytest.mark.parametrize("scenario", [NEAR, FREE], ids=["near", "far"])
 def test_its_relaxation_is_integral_and_the_dynamic_programs(scenario):
     """Why the integer program is only a check: a linear one has the same vertex."""
-    route = route_of(scenario)
-    found = layers(route, 12)
-    flow = flow_of(found)
+    _, program = HeadingMilp(headings=12).build(Question(scenario))
 
-    relaxed = linprog(flow.cost, A_eq=flow.flow, b_eq=flow.begin, method="highs-ds")
-    segments, _ = route.shortest(found.shortest())
+    relaxed = linprog(program.cost, A_eq=program.rows, b_eq=program.least, method="highs-ds")
+    segments, _ = route_of(scenario).shortest(best_of_grid(scenario, 12))
 
     assert np.abs(relaxed.x - np.round(relaxed.x)).max() < 1e-9
     assert relaxed.fun == pytest.approx(segments.sum(), rel=1e-9)

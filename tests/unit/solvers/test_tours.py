@@ -16,11 +16,11 @@ from dubins_study.experiments.executors.local import ask_isolated
 from dubins_study.experiments.isolation.floor import floor_s
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
-from dubins_study.solvers.route.grid import layers_between
 from dubins_study.solvers.tour.euclidean import euclidean_order
 from dubins_study.solvers.tour.graph import _bounds, cycles, graph_of
 from dubins_study.solvers.tour.linear_program import MODELS, program_of, with_cuts
 from dubins_study.solvers.tour.milp_engines import Asked, highs
+from dubins_study.solvers.tour.order_headings import layers_between
 from dubins_study.solvers.tour.places import places_of
 from dubins_study.study.closed_form.pose import pose_path
 from dubins_study.study.scenario import Pose, Scenario

@@ -17,6 +17,7 @@ import numpy as np
 
 from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import SearchSolver, names, others, packages
+from dubins_study.solvers.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
     Entries,
@@ -26,7 +27,6 @@ from dubins_study.solvers.nlp_engines.program import (
     Program,
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.route.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.runs import EngineResult, Run, at_start, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task

@@ -19,6 +19,7 @@ import numpy as np
 
 from dubins_study.solvers.course import heading_gap, path_of
 from dubins_study.solvers.engines import NLP_ENGINES, EngineSolver, others, packages
+from dubins_study.solvers.legs import Route, route_of
 from dubins_study.solvers.nlp_engines.program import (
     Expressions,
     NlpCall,
@@ -26,8 +27,6 @@ from dubins_study.solvers.nlp_engines.program import (
     Stages,
 )
 from dubins_study.solvers.protocol import Method, Question, Solution
-from dubins_study.solvers.route.grid import layers
-from dubins_study.solvers.route.legs import Route, route_of
 from dubins_study.solvers.runs import (
     Attempts,
     EngineResult,
@@ -39,6 +38,8 @@ from dubins_study.solvers.runs import (
     tried,
 )
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
+from dubins_study.solvers.tour.order_headings import headings_on_grid
+from dubins_study.solvers.tour.places import places_of
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import IN_ORDER, TURN, Claim
@@ -121,7 +122,8 @@ class RouteNlp(EngineSolver):
         route = route_of(question.scenario)
         places, known = (_ALL,) * route.legs, None
         if self.model == "words":
-            known = layers(route, self.headings).shortest()
+            tour = places_of(question.scenario)
+            known = headings_on_grid(tour, list(range(tour.count)), self.headings)
             places = word_places(route, known)
         return PosedRoute(question, route, places, program(route, places), known)
 

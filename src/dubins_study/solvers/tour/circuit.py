@@ -9,6 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.statuses import claim_of
@@ -81,7 +82,8 @@ class TourCircuit(Solver):
         if claim in (Claim.OPTIMAL, Claim.FEASIBLE):
             x = np.array(engine.values(circuit.literals))
         bound = engine.best_objective_bound / circuit.scale
-        found = found_by(graph, x, claim, status, bound, int(engine.num_branches))
+        result = ProvenResult(x, claim, bound, int(engine.num_branches), None, status, "")
+        found = found_by(graph, result)
         return answered(graph, found, perf_counter() - began, self.polish)
 
 

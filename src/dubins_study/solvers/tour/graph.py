@@ -12,10 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.route.grid import layers_between
 from dubins_study.solvers.runs import EngineResult, Run, spent
-from dubins_study.solvers.tour.order_headings import headings_on_grid, polished
+from dubins_study.solvers.tour.order_headings import (
+    headings_on_grid,
+    layers_between,
+    polished,
+)
 from dubins_study.solvers.tour.places import Places, places_of, tour_path
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray, IntArray
@@ -74,20 +78,22 @@ def graph_of(question: Question, count: int, costs: str) -> Graph:
     places = places_of(question.scenario)
     grid = places.headings(count)
     owner = np.repeat(np.arange(places.count), [each.size for each in grid])
-    begin = np.searchsorted(owner, np.arange(places.count + 1))
-    table = np.zeros((owner.size, owner.size))
+    begin = np.searchsorted(owner, np.arange(places.count))
+    tails, heads, lengths = [], [], []
     for i, j in np.argwhere(places.next_places):
-        if j == 0 and not places.closed:  # an open tour does not go back to its start
-            continue
         step = places.points[j] - places.points[i]
-        if costs == BOUNDS:
+        if j == 0 and not places.closed:  # an open tour does not go back to its start
+            block = np.zeros((grid[i].size, grid[j].size))
+        elif costs == BOUNDS:
             halves = [0.0 if places.given[k] is not None else math.pi / count for k in (i, j)]
             block = _bounds(step, (grid[i], halves[0]), (grid[j], halves[1]))
         else:
             [block] = layers_between([grid[i], grid[j]], step[None]).lengths
-        table[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] = block
-    tails, heads = np.nonzero(places.next_places[owner[:, None], owner])
-    arcs = tails, heads, table[tails, heads]
+        before, after = np.indices(block.shape).reshape(2, -1)
+        tails.append(begin[i] + before)
+        heads.append(begin[j] + after)
+        lengths.append(block.ravel())
+    arcs = [np.concatenate(parts) for parts in (tails, heads, lengths)]
     return Graph(question, places, count, costs == BOUNDS, owner, np.concatenate(grid), *arcs)
 
 
@@ -110,15 +116,14 @@ def _bounds(
     return np.maximum(bounds, np.hypot(*step))
 
 
-def found_by(
-    graph: Graph, x: FloatArray | None, claim: Claim, status: str, bound: float, nodes: int
-) -> Found:
+def found_by(graph: Graph, result: ProvenResult) -> Found:
     """What an engine found whose x has a number for each arc."""
-    tours = [] if x is None else cycles(graph, x)
-    if x is None or len(tours) != 1:
-        return Found(None, claim, status, bound, nodes=nodes)
-    cost = float(graph.costs @ x[: graph.costs.size])
-    return Found(tours[0], claim, status, bound, cost, nodes)
+    tours = [] if result.x is None else cycles(graph, result.x)
+    found = Found(None, result.claim, result.status, result.bound, nodes=result.nodes)
+    if result.x is None or len(tours) != 1:
+        return found
+    cost = float(graph.costs @ result.x[: graph.costs.size])
+    return found._replace(tour=tours[0], cost=cost)
 
 
 def cycles(graph: Graph, x: FloatArray) -> list[list[int]]:

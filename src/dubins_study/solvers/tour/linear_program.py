@@ -39,10 +39,11 @@ def program_of(graph: Graph, model: str) -> LinearProgram:
     i, j = graph.pairs
     leave = _ones(graph.tails, arcs, nodes)
     reach = _ones(graph.heads, arcs, nodes)
-    once = np.concatenate((np.zeros(nodes), np.ones(places)))
+    passed = 1 if graph.places.in_order else places  # the rows of the others follow from the first
+    once = np.concatenate((np.zeros(nodes), np.ones(passed)))
     degrees = LinearProgram(
         cost=graph.costs,
-        rows=csr_array(vstack([leave - reach, _ones(i, arcs, places)])),
+        rows=csr_array(vstack([leave - reach, _ones(i, arcs, places)[:passed]])),
         least=once,
         most=once,
         low=np.zeros(arcs.size),

@@ -97,5 +97,5 @@ class TourMilp(EngineSolver):
             result = call(program, asked._replace(seconds=left))
             bound = max(bound, result.bound)
             nodes += result.nodes or 0
-        found = found_by(graph, result.x, result.claim, result.status, bound, nodes)
+        found = found_by(graph, result._replace(bound=bound, nodes=nodes))
         return answered(graph, found, perf_counter() - began, self.polish)

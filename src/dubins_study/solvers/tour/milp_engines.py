@@ -89,7 +89,7 @@ def scip(program: LinearProgram, asked: Asked) -> ProvenResult:
             strict=True,
         )
     ]
-    for body, least, most in _rows(program):
+    for body, least, most in rows_of(program):
         row = Row(quicksum(value * z[i] for i, value in body), least, most)
         for relation in row.relations():
             model.addCons(relation)
@@ -113,7 +113,7 @@ def cbc(program: LinearProgram, asked: Asked) -> ProvenResult:
         solver.IntVar(low, high, "") if whole else solver.NumVar(low, high, "")
         for low, high, whole in zip(program.low, program.high, program.whole, strict=True)
     ]
-    for body, least, most in _rows(program):
+    for body, least, most in rows_of(program):
         row = solver.Constraint(least, most)
         for i, value in body:
             row.SetCoefficient(z[i], value)
@@ -145,7 +145,7 @@ _CBC_STATUSES = (
 )
 
 
-def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
+def rows_of(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
     """The columns and values of each row, and between what its sum lies."""
     begins = program.rows.indptr
     entries = list(zip(program.rows.indices.tolist(), program.rows.data.tolist(), strict=True))

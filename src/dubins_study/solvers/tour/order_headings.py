@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.route.grid import Layers, layers_between
+from dubins_study.solvers.legs import legs
 from dubins_study.solvers.tour.places import Places
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
@@ -15,6 +17,48 @@ from dubins_study.study.arrays import FloatArray
 _OFFSETS = np.linspace(-1.0, 1.0, 9)  # of a finer grid, in widths of the one before
 _FINER = 0.6  # of one grid's width to the next
 _FINEST = 1e-9  # rad
+
+
+class Layers(NamedTuple):
+    """Headings at the points, and the lengths (radii) of legs between those of two points.
+
+    Of n legs: n + 1 arrays of headings (rad), and n of lengths, shape (headings before, after).
+    """
+
+    headings: list[FloatArray]
+    lengths: list[FloatArray]
+
+    def least(self) -> float:
+        """The length of the shortest path through the layers."""
+        least = np.zeros(1)
+        for lengths in self.lengths:
+            least = (least[:, None] + lengths).min(axis=0)
+        return float(least.min())
+
+    def shortest(self) -> FloatArray:
+        """The headings of the shortest path through the layers, by dynamic programming."""
+        least, chosen = np.zeros(1), []
+        for lengths in self.lengths:
+            through = least[:, None] + lengths
+            chosen.append(through.argmin(axis=0))
+            least = through.min(axis=0)
+        place = int(least.argmin())
+        places = [place]
+        for before in reversed(chosen):
+            place = int(before[place])
+            places.insert(0, place)
+        pairs = zip(self.headings, places, strict=True)
+        return np.array([headings[place] for headings, place in pairs])
+
+
+def layers_between(headings: list[FloatArray], steps: FloatArray) -> Layers:
+    """The layers of some headings at each of the points that are these steps (radii) apart."""
+    lengths = []
+    for (before, after), (x, y) in zip(pairwise(headings), steps, strict=True):
+        a, b = (each.ravel() for each in np.meshgrid(before, after, indexing="ij"))
+        segments, _ = legs(np.full(a.size, x), np.full(a.size, y), a, b)
+        lengths.append(segments.sum(axis=0).reshape(before.size, after.size))
+    return Layers(headings, lengths)
 
 
 def headings_on_grid(places: Places, order: list[int], count: int) -> FloatArray:

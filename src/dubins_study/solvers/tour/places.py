@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dubins_study.solvers.course import coordinate_rounding, path_of
+from dubins_study.solvers.legs import WORD_TURNS, legs
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.solvers.route.legs import WORD_TURNS, legs
 from dubins_study.solvers.runs import at_start
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import BoolArray, FloatArray
