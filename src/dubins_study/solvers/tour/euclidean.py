@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from time import perf_counter
 
 import numpy as np
@@ -26,17 +27,14 @@ def euclidean_order(places: Places, until: float) -> list[int]:
     if places.in_order or len(via) < 2:
         return list(range(m))
     between = np.hypot(*(places.points[:, None] - places.points[None]).T)
+    last = [m - 1] * places.with_target
+    if len(via) > _MOST_EXACT:
+        return _improved(places, [0, *_nearest(between, via), *last], until)
     ends = np.zeros(m)
-    if places.with_target:
-        ends = between[:, m - 1]
-    elif places.closed:
-        ends = between[:, 0]
-    if len(via) <= _MOST_EXACT:
-        order = _exact(between[0, via], between[np.ix_(via, via)], ends[via])
-        tour = [via[i] for i in order]
-    else:
-        tour = _improved(between, ends, _nearest(between, via), until)
-    return [0, *tour, m - 1] if places.with_target else [0, *tour]
+    if last or places.closed:
+        ends = between[:, last[0] if last else 0]
+    order = _exact(between[0, via], between[np.ix_(via, via)], ends[via])
+    return [0, *(via[i] for i in order), *last]
 
 
 def _exact(starts: FloatArray, between: FloatArray, ends: FloatArray) -> list[int]:
@@ -72,20 +70,20 @@ def _nearest(between: FloatArray, via: list[int]) -> list[int]:
     return order
 
 
-def _improved(between: FloatArray, ends: FloatArray, order: list[int], until: float) -> list[int]:
-    """The order with parts turned round, and up to three neighbours moved, while it gets shorter.
+def _improved(places: Places, order: list[int], until: float) -> list[int]:
+    """The order with parts of it turned round or moved while it gets shorter.
 
     Croes 1958 (2-opt), Or 1976.
     """
-    length = _length(between, ends, order)
+    length = _length(places, order)
     again = True
     while again:
         again = False
-        for i in range(len(order)):
+        for i in range(1, len(order)):
             if perf_counter() > until:
                 return order
-            for trial in _changed(order, i):
-                changed = _length(between, ends, trial)
+            for trial in _changed(order, i, len(order) - places.with_target):
+                changed = _length(places, trial)
                 if changed < length * (1.0 - _SHORTER):
                     order = trial
                     length = changed
@@ -93,19 +91,14 @@ def _improved(between: FloatArray, ends: FloatArray, order: list[int], until: fl
     return order
 
 
-def _changed(order: list[int], i: int) -> list[list[int]]:
-    """Orders with a part from the place i on turned round, or moved elsewhere."""
-    n = len(order)
-    changed = [order[:i] + order[i : j + 1][::-1] + order[j + 1 :] for j in range(i + 1, n)]
-    for size in range(1, _MOST_MOVED + 1):
-        part = order[i : i + size]
-        rest = order[:i] + order[i + size :]
-        for place in range(len(rest) + 1):
-            changed.append(rest[:place] + part + rest[place:])
-            changed.append(rest[:place] + part[::-1] + rest[place:])
-    return changed
+def _changed(order: list[int], i: int, end: int) -> Iterator[list[int]]:
+    """Orders with a part from i on turned round, or up to three places at its ends swapped."""
+    for j in range(i + 2, end + 1):
+        part = order[i:j]
+        moved = [part[k:] + part[:k] for k in range(-_MOST_MOVED, _MOST_MOVED + 1)]
+        for changed in (part[::-1], *moved):
+            yield order[:i] + changed + order[j:]
 
 
-def _length(between: FloatArray, ends: FloatArray, order: list[int]) -> float:
-    passed = np.array([0, *order])
-    return float(between[passed[:-1], passed[1:]].sum() + ends[order[-1]])
+def _length(places: Places, order: list[int]) -> float:
+    return float(np.hypot(*places.steps(order).T).sum())
