@@ -6,7 +6,6 @@ the target only to a tolerance, is polished.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
@@ -19,12 +18,10 @@ from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, pa
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
     WORDS,
-    Steps,
     Translated,
     gdp_model,
     pieces,
     steps_in_any_order,
-    steps_in_order,
     transformed,
     translated,
 )
@@ -49,8 +46,8 @@ _LOOSER = 100
 # an arc to its end may be off by one tolerance.
 _SLACK = 10
 
-# radii; for farther targets the words' lengths differ by less than the tolerances: bounds of SCIP's
-# above the shortest length were seen from 1e6 radii on, none up to 1e5
+# radii of a straight; for farther targets the words' lengths differ by less than the tolerances:
+# bounds of SCIP's above the shortest length were seen from 1e6 radii on, none up to 1e5
 _PROVABLE = 1e5
 
 # Via points in any order: a model of twelve takes seconds to state, and of five none was solved.
@@ -62,7 +59,6 @@ class PosedDisjunction(NamedTuple):
 
     question: Question
     course: Course
-    steps: Steps
     words: tuple[str, ...]  # of a last leg to a free final heading
     pyomo: Any  # the transformed model, of a type that its package does not state
     translated: Translated
@@ -148,15 +144,15 @@ class Disjunctive(EngineSolver):
         disjuncts: tuple[str, ...] = WORDS
         if course.target is not None:
             disjuncts = words(question.branch, course.target, self.presolve)
-        steps = steps_in_order(course)
+        steps = None
         if scenario.order is Order.FREE:
             if len(scenario.via) > _MOST_VIA:
-                message = f"{len(scenario.via)} via points in any order; it takes up to {_MOST_VIA}"
+                message = f"more than {_MOST_VIA} via points in any order"
                 return Solution(Claim.FAILED, message=message)
             steps = steps_in_any_order(course, scenario.target is not None)
         model = gdp_model(course, disjuncts, self.quadrants, steps)
         pyomo = transformed(model, self.transformation)
-        return PosedDisjunction(question, course, steps, disjuncts, pyomo, translated(pyomo))
+        return PosedDisjunction(question, course, disjuncts, pyomo, translated(pyomo))
 
     def solve(self, model: PosedDisjunction | Solution, limit: float) -> Solution:
         if isinstance(model, Solution):
@@ -173,9 +169,7 @@ class Disjunctive(EngineSolver):
             feastol *= _LOOSER
             runs.append(self._run(model, feastol, until - perf_counter()))
         solution = self._answer(model, runs[-1], feastol)
-        if not all(
-            math.hypot(*step) <= _PROVABLE for each in model.steps for step in each.values()
-        ):
+        if not max(straight.ub for straight in model.pyomo.w.values()) <= _PROVABLE:
             solution = _unproven(solution)
         return replace(
             solution,
@@ -260,7 +254,7 @@ def _point(model: PosedDisjunction, x: FloatArray) -> Point:
         alpha, gamma = angles
         lengths.append(np.maximum(pieces(word, alpha, gamma, value(pyomo.w[leg]), beta), 0.0))
     steps = []
-    for leg, each in enumerate(model.steps):
+    for leg, each in enumerate(pyomo.steps):
         ends = list(each)
         if len(ends) > 1:
             ends.sort(key=lambda pair: value(pyomo.step[leg, pair].binary_indicator_var))

@@ -6,7 +6,6 @@ Everything in body coordinates in units of the radius.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from itertools import pairwise, product
 from typing import Any, NamedTuple
@@ -29,11 +28,6 @@ _TURN_DIGITS, _FEWEST_TURNS = (1, 2, 4), -3
 
 # of each leg the steps (radii) that it may take, by the points at both ends; 0 is the start
 Steps = list[dict[tuple[int, int], FloatArray]]
-
-
-def steps_in_order(course: Course) -> Steps:
-    """One step a leg, as the course has them."""
-    return [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
 
 
 def steps_in_any_order(course: Course, with_target: bool) -> Steps:
@@ -67,7 +61,7 @@ def gdp_model(
     from pyomo.gdp import Disjunct, Disjunction
 
     n = course.legs
-    steps = steps_in_order(course) if steps is None else steps
+    steps = steps or [{(leg, leg + 1): step} for leg, step in enumerate(course.steps)]
     away = [[math.hypot(*step) for step in each.values()] for each in steps]
     free = [course.last is None and leg == n - 1 for leg in range(n)]
     of_leg = [
@@ -84,6 +78,7 @@ def gdp_model(
         if three_arcs:
             ranges[leg, "beta"] = _QUARTER, TWO_PI / 2
     m = ConcreteModel(name="dubins-disjunctive")
+    m.steps = steps
     m.z = Var(ranges, bounds=lambda m, *key: ranges[key], initialize=_QUARTER)
     m.c = Var(ranges, bounds=(-1, 1), initialize=math.cos(1))
     m.s = Var(ranges, bounds=(-1, 1), initialize=math.sin(1))
@@ -125,13 +120,14 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
     A leg sees its step `along` and `across` its direction. It begins where the one before ends, and
     is no shorter than its step.
     """
-    from pyomo.environ import Constraint, ConstraintList, Var
+    from pyomo.environ import Constraint, Var
     from pyomo.gdp import Disjunct, Disjunction
 
     legs = range(len(steps))
     farthest = [max(each) for each in away]
-    m.along = Var(legs, bounds=lambda m, leg: (-farthest[leg], farthest[leg]))
-    m.across = Var(legs, bounds=lambda m, leg: (-farthest[leg], farthest[leg]))
+    ends = {leg: (-far, far) for leg, far in enumerate(farthest)}
+    m.along = Var(legs, bounds=ends)
+    m.across = Var(legs, bounds=ends)
     m.first_sine = Var(bounds=(-1, 1))  # of the first leg's direction
 
     def rule(disjunct: Any, leg: int, begin: int, end: int) -> None:
@@ -145,23 +141,23 @@ def _add_steps(m: Any, steps: Steps, away: list[list[float]]) -> None:
 
     m.step = Disjunct([(leg, *ends) for leg in legs for ends in steps[leg]], rule=rule)
     m.one_step = Disjunction(legs, rule=lambda m, leg: [m.step[leg, ends] for ends in steps[leg]])
-    m.order = ConstraintList()
-    leaving: defaultdict[tuple[int, int], Any] = defaultdict(int)  # by leg and point
-    reaching: defaultdict[tuple[int, int], Any] = defaultdict(int)
-    passed: defaultdict[int, Any] = defaultdict(int)
-    for leg in legs:
-        straight = 0
-        for (begin, end), distance in zip(steps[leg], away[leg], strict=True):
-            taken = m.step[leg, begin, end].binary_indicator_var
-            leaving[leg, begin] += taken
-            reaching[leg + 1, end] += taken
-            passed[end] += taken
-            straight += distance * taken
-        m.order.add(m.z[leg, "alpha"] + m.z[leg, "gamma"] + m.w[leg] >= straight)
-    for place in leaving.keys() & reaching.keys():
-        m.order.add(leaving[place] == reaching[place])
-    for times in passed.values():
-        m.order.add(times == 1)
+    places = [(leg, place) for leg in legs[1:] for place in {begin for begin, _ in steps[leg]}]
+
+    def goes_on(m: Any, leg: int, place: int) -> Any:
+        leaves = sum(m.step[leg, place, :].binary_indicator_var)
+        return sum(m.step[leg - 1, :, place].binary_indicator_var) == leaves
+
+    def straight(m: Any, leg: int) -> Any:
+        taken = m.step[leg, :, :].binary_indicator_var
+        distance = sum(d * one for d, one in zip(away[leg], taken, strict=True))
+        return m.z[leg, "alpha"] + m.z[leg, "gamma"] + m.w[leg] >= distance
+
+    m.goes_on = Constraint(places, rule=goes_on)
+    m.once = Constraint(
+        {end for _, end in steps[0]},
+        rule=lambda m, place: sum(m.step[:, :, place].binary_indicator_var) == 1,
+    )
+    m.straight = Constraint(legs, rule=straight)
 
 
 def _add_quadrants(m: Any, ranges: dict[tuple[int, str], tuple[float, float]]) -> None:

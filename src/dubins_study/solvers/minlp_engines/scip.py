@@ -52,7 +52,7 @@ def scip(settings: Settings) -> MinlpCall:
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
 
-        model, x = _translated(program)
+        model, x = translated(program)
         if settings.lean:
             model.setHeuristics(SCIP_PARAMSETTING.OFF)
             model.setSeparating(SCIP_PARAMSETTING.OFF)
@@ -109,7 +109,7 @@ def _result(model: Any, x: list[Any]) -> ProvenResult:
     )
 
 
-def _translated(program: MixedProgram) -> tuple[Any, list[Any]]:
+def translated(program: MixedProgram) -> tuple[Any, list[Any]]:
     """The program as a `pyscipopt.Model`, and its variables."""
     import pyscipopt
 

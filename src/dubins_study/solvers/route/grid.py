@@ -12,18 +12,13 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
-from dubins_study.solvers.minlp_engines.mixed_program import (
-    MixedProgram,
-    Row,
-    Settings,
-    Written,
-)
+from dubins_study.solvers.minlp_engines.mixed_program import Settings
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import Run, spent
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.tour.graph import LENGTHS, Graph, found_by, graph_of
 from dubins_study.solvers.tour.linear_program import CUTS, LinearProgram, program_of
-from dubins_study.solvers.tour.milp_engines import FEASIBILITY, Asked, highs, rows_of
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, Asked, highs, mixed
 from dubins_study.solvers.tour.places import empty_path, tour_path
 from dubins_study.study.words import IN_ORDER, Claim
 
@@ -78,13 +73,13 @@ class HeadingMilp(EngineSolver):
             proven = highs(program, Asked(limit, self.gap, 0))
         else:
             ask = self.library.load()(Settings(self.gap, FEASIBILITY))
-            proven = ask(_mixed(program), limit)
+            proven = ask(mixed(program), limit)
         result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
         found = found_by(graph, proven)
         if found.tour is None:
             claim = Claim.LIMIT if run.claim is Claim.LIMIT else Claim.FAILED
-            return Solution(claim, message=result.message or result.status, **spent([run]))
+            return Solution(claim, message=result.status, **spent([run]))
         order = list(range(graph.places.count))
         path = tour_path(scenario, graph.places, order, graph.headings[found.tour])
         bound = f"{self.library.label}'s bound {run.bound * scenario.radius:.9g}"
@@ -95,24 +90,3 @@ class HeadingMilp(EngineSolver):
             message=f"{bound} holds for {self.headings} headings only, not for the scenario",
             **spent([run], run),
         )
-
-
-def _mixed(program: LinearProgram) -> MixedProgram:
-    """The same program for the engines of `minlp_engines`."""
-
-    def write(x: Any, functions: Any) -> Written:
-        rows = [
-            Row(_sum([value * x[i] for i, value in body]), least, most)
-            for body, least, most in rows_of(program)
-        ]
-        return Written(_sum([cost * x[i] for i, cost in enumerate(program.cost.tolist())]), rows)
-
-    return MixedProgram(program.low, program.high, program.whole, write)
-
-
-def _sum(terms: list[Any]) -> Any:
-    """The sum by halves: term by term some interfaces copy all that went before."""
-    if len(terms) == 1:
-        return terms[0]
-    half = len(terms) // 2
-    return _sum(terms[:half]) + _sum(terms[half:])

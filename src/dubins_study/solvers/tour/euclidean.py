@@ -32,7 +32,7 @@ def euclidean_order(places: Places, until: float) -> list[int]:
         return _improved(places, [0, *_nearest(between, via), *last], until)
     ends = np.zeros(m)
     if last or places.closed:
-        ends = between[:, last[0] if last else 0]
+        ends = between[:, (m - 1) * places.with_target]  # the target or the start
     order = _exact(between[0, via], between[np.ix_(via, via)], ends[via])
     return [0, *(via[i] for i in order), *last]
 

@@ -7,11 +7,16 @@ version under the same name, so that a process that has loaded one of them canno
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult, Row
+from dubins_study.solvers.minlp_engines.mixed_program import (
+    MixedProgram,
+    ProvenResult,
+    Row,
+    Written,
+)
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.solvers.tour.linear_program import LinearProgram
 from dubins_study.study.arrays import FloatArray
@@ -75,24 +80,10 @@ def highs(program: LinearProgram, asked: Asked) -> ProvenResult:
 
 
 def scip(program: LinearProgram, asked: Asked) -> ProvenResult:
-    """SCIP, by pyscipopt, with an objective and rows as it stores them."""
-    from pyscipopt import Model, quicksum
+    """SCIP, by pyscipopt."""
+    from dubins_study.solvers.minlp_engines.scip import optimized, translated
 
-    from dubins_study.solvers.minlp_engines.scip import optimized
-
-    model = Model()
-    z = [
-        model.addVar(lb=low, ub=high, obj=cost, vtype="B" if whole else "C")
-        for low, high, cost, whole in zip(
-            *(program.low.tolist(), program.high.tolist()),
-            *(program.cost.tolist(), program.whole.tolist()),
-            strict=True,
-        )
-    ]
-    for body, least, most in rows_of(program):
-        row = Row(quicksum(value * z[i] for i, value in body), least, most)
-        for relation in row.relations():
-            model.addCons(relation)
+    model, z = translated(mixed(program))
     model.setParams(
         {
             "limits/time": max(asked.seconds, 0.0),
@@ -113,7 +104,7 @@ def cbc(program: LinearProgram, asked: Asked) -> ProvenResult:
         solver.IntVar(low, high, "") if whole else solver.NumVar(low, high, "")
         for low, high, whole in zip(program.low, program.high, program.whole, strict=True)
     ]
-    for body, least, most in rows_of(program):
+    for body, least, most in _rows(program):
         row = solver.Constraint(least, most)
         for i, value in body:
             row.SetCoefficient(z[i], value)
@@ -145,13 +136,34 @@ _CBC_STATUSES = (
 )
 
 
-def rows_of(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
+def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
     """The columns and values of each row, and between what its sum lies."""
     begins = program.rows.indptr
     entries = list(zip(program.rows.indices.tolist(), program.rows.data.tolist(), strict=True))
     bounds = zip(program.least.tolist(), program.most.tolist(), strict=True)
     for begin, end, (least, most) in zip(begins, begins[1:], bounds, strict=False):
         yield entries[begin:end], least, most
+
+
+def mixed(program: LinearProgram) -> MixedProgram:
+    """The same program for the engines of `minlp_engines`."""
+
+    def write(x: Any, functions: Any) -> Written:
+        rows = [
+            Row(_sum([value * x[i] for i, value in body]), least, most)
+            for body, least, most in _rows(program)
+        ]
+        return Written(_sum([cost * x[i] for i, cost in enumerate(program.cost.tolist())]), rows)
+
+    return MixedProgram(program.low, program.high, program.whole, write)
+
+
+def _sum(terms: list[Any]) -> Any:
+    """The sum by halves: term by term some interfaces copy all that went before."""
+    if len(terms) == 1:
+        return terms[0]
+    half = len(terms) // 2
+    return _sum(terms[:half]) + _sum(terms[half:])
 
 
 ENGINE_CALLS: dict[str, Callable[[LinearProgram, Asked], ProvenResult]] = {

@@ -92,15 +92,10 @@ def _best(places: Places, order: list[int], candidates: list[FloatArray]) -> Flo
     if not places.closed:
         return layers_between(candidates, steps).shortest()
     found = layers_between([*candidates, candidates[0]], steps)
-    best = np.empty(0)
-    least = math.inf
+    loops = []
     for k in range(candidates[0].size):  # a closed tour ends with the heading that it began with
-        inner = found.lengths[1:-1]
-        lengths = [found.lengths[0][k : k + 1], *inner, found.lengths[-1][:, k : k + 1]]
         same = candidates[0][k : k + 1]
-        closed = Layers([same, *found.headings[1:-1], same], lengths)
-        length = closed.least()
-        if length < least:
-            least = length
-            best = closed.shortest()
-    return best
+        ends = found.lengths[0][k : k + 1], found.lengths[-1][:, k : k + 1]
+        headings = [same, *found.headings[1:-1], same]
+        loops.append(Layers(headings, [ends[0], *found.lengths[1:-1], ends[1]]))
+    return min(loops, key=Layers.least).shortest()
