@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 from copy import copy
 from functools import cache
+from itertools import permutations
 from time import perf_counter
 from typing import NamedTuple
 
@@ -64,6 +65,7 @@ _NEARLY = 1.02  # times the best length on the grid: other orders are not tried
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
 _MOST_STATES = 100_000
 _MOST_ORDERS = 1_000
+_ALL_ORDERS = 4  # points up to which every order is searched
 _QUICK = 1_000  # boxes a leg, for a tour that is not to be proved
 _ORDER_BOXES = 4_000  # about what the search of one order takes
 _CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
@@ -217,7 +219,9 @@ class _TourSearch:
         try:
             self._first_tour()
             size = next((size for size in _SIZES if self.n <= size[0]), None)
-            if size is not None:
+            if self.n <= _ALL_ORDERS:
+                self._search_all()
+            elif size is not None:
                 self._prove(*size[1:])
         except SpentError:
             _LOG.info("the search has spent its effort")
@@ -626,6 +630,14 @@ class _TourSearch:
             self._spend(sets.size * self.n * most**2 * _CHAIN_BOXES)
             sets, lasts, costs = _united(*extended(sets, lasts, costs, self.bounds, begin))
         return levels
+
+    def _search_all(self) -> None:
+        """Search every order of few points: each for a while, so that none takes all the time."""
+        orders = {}
+        for order in permutations(range(self.n)):
+            if not self.stops.closed or order[0] <= order[-1]:
+                orders[order] = self._search_order(order, quick=True).low
+        self._search_orders(orders)
 
     def _search_orders(self, orders: dict[tuple[int, ...], float]) -> None:
         """Search orders one by one, the best tour's first, then by their bounds."""
