@@ -80,6 +80,7 @@ def search(
     boxes: float = math.inf,
     tolerance: float = 1e-12,
     cutoff: float = math.inf,
+    known: FloatArray | None = None,
 ) -> Route:
     """The shortest route through the points, or the interval that its length is proven to lie in.
 
@@ -94,17 +95,19 @@ def search(
         tolerance: of the interval's width, relative to the length.
         cutoff: a length (radii) above which nobody asks for the route: the search ends where the
             proven interval reaches it, and `high` is not above it.
+        known: headings of a route to begin with, shape (n + 1,), rad; None to find one. Not read
+            where a loop is given a heading.
     """
     compile_loops()
     places = np.asarray(points, np.float64)
     between = [None] * (len(places) - 2) if via_headings is None else via_headings
     given = [first, *between, last]
-    known = [i for i, heading in enumerate(given) if heading is not None]
+    places_given = [i for i, heading in enumerate(given) if heading is not None]
     asked = Effort(boxes, limit), tolerance, cutoff
-    if not closed or not known:
-        return _Search(places, given, *asked, cyclic=closed).run()
+    if not closed or not places_given:
+        return _Search(places, given, *asked, cyclic=closed, known=known).run()
     # a loop may begin anywhere: where a heading is given it is a route to that heading
-    begin = known[0]
+    begin = places_given[0]
     around = np.vstack([_rolled(places, begin), places[begin]])
     headings = [*given[begin:-1], *given[:begin], given[begin]]
     found = _Search(around, headings, *asked).run()
@@ -219,12 +222,13 @@ class _Search:
         tolerance: float,
         cutoff: float = math.inf,
         cyclic: bool = False,
+        known: FloatArray | None = None,
     ) -> None:
         self.effort, self.tolerance = effort, tolerance
         self.cutoff, self.cyclic = cutoff, cyclic
         self.legs = np.ascontiguousarray(np.diff(np.asarray(points, np.float64), axis=0))
         self.n = len(self.legs)
-        self.headings = first_route(self.legs, given, effort)
+        self.headings = first_route(self.legs, given, effort) if known is None else known.copy()
         if cyclic:
             self.headings[-1] = self.headings[0]
         self.length: float = route_length(self.legs, self.headings)

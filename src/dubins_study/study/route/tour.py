@@ -391,6 +391,7 @@ class _TourSearch:
             boxes=_QUICK * (self.n + 1) if quick else self.effort.boxes - self.effort.spent,
             tolerance=self.tolerance,
             cutoff=self.high,
+            known=self.best.headings if self.best is not None and order == self.order else None,
             closed=self.stops.closed,
         )
         self.effort.spent += found.boxes
@@ -633,9 +634,10 @@ class _TourSearch:
 
     def _search_all(self) -> None:
         """Search every order of few points: each for a while, so that none takes all the time."""
-        orders = {}
-        for order in permutations(range(self.n)):
-            if not self.stops.closed or order[0] <= order[-1]:
+        orders: dict[tuple[int, ...], float] = {}
+        for order in (self.order, *permutations(range(self.n))):
+            backwards = self.stops.closed and order[::-1] in orders
+            if order not in orders and not backwards:
                 orders[order] = self._search_order(order, quick=True).low
         self._search_orders(orders)
 
