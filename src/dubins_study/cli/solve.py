@@ -14,7 +14,7 @@ import typer
 
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
-from dubins_study.study.words import Outcome, short_word
+from dubins_study.study.words import Order, Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
@@ -86,8 +86,11 @@ def solve(
     from dubins_study.asking.attempt import check_request, shorter_answer
     from dubins_study.experiments.solve import solve as ask
     from dubins_study.study.tolerances import SEARCH_S
-    from dubins_study.study.values import unwritable
+    from dubins_study.study.values import short, unwritable
 
+    if order not in list(Order):
+        message = f"--order is {short(order)}; expected {' or '.join(Order)}"
+        raise arguments.CommandError(message)
     no_target = closed or (order == "free" and x is None)
     points = _with_headings(_points(x, y, via, via_file, no_target), via_headings, no_target)
     last = None if no_target else points[-1]
@@ -95,14 +98,17 @@ def solve(
         if final_heading is not None:
             message = "the last point has a heading, and --final-heading is given"
             raise arguments.CommandError(f"{message}; expected one of them")
-        final_heading = f"{last.heading!r}rad"
+        final_heading = _in_radians(last.heading)
     scenario = arguments.scenario_of(
         x if last is None else last.x,
         y if last is None else last.y,
         start,
         radius,
         speed,
-        via=[(each.x, each.y, each.heading) for each in (points if no_target else points[:-1])],
+        via=[
+            (each.x, each.y, _in_radians(each.heading))
+            for each in (points if no_target else points[:-1])
+        ],
         final_heading=final_heading,
         order=order,
         closed=closed,
@@ -145,6 +151,11 @@ def solve(
     ended = answer.outcome == Outcome.RETURNED and (drivable or not written)
     if not ended or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
+
+
+def _in_radians(heading: float | None) -> str | None:
+    """A heading as a text with its unit, so that nobody takes it for degrees."""
+    return None if heading is None else f"{heading!r}rad"
 
 
 def _points(
@@ -264,6 +275,7 @@ def answer_json(
     fields["closed"] = answer.scenario.closed
     fields["start_heading"] = answer.path.start.heading if answer.path is not None else None
     fields["given_order_length"] = None if in_given_order is None else in_given_order.length
+    fields["given_order_proof"] = None if in_given_order is None else in_given_order.proof
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]
@@ -324,7 +336,11 @@ def _order(answer: Answer, names: Sequence[str]) -> str:
     """The via points of a tour in the order in which the path passes them: names, or numbers."""
     order = answer.order or []
     texts = [plain(names[place]) if place < len(names) else "" for place in order]
-    shown = [text or str(place + 1) for text, place in zip(texts, order, strict=True)]
+    shown = []
+    for text, place in zip(texts, order, strict=True):
+        number = str(place + 1)
+        alone = text if texts.count(text) == 1 else f"{text} ({number})"
+        shown.append(alone if text else number)
     more = len(shown) - _MOST_POINTS
     rest = f", and {more} more: --json lists them" if more > 0 else ""
     return ", ".join(shown[:_MOST_POINTS]) + rest
@@ -336,9 +352,10 @@ def _given_order(answer: Answer, route: Answer | None) -> str:
         return ""
     if abs(route.length - answer.length) <= _SAME * answer.length:
         return "as short"
-    longer = 100 * (route.length / answer.length - 1)
+    more = 100 * (route.length / answer.length - 1)
+    than = "longer" if more > 0 else "shorter"
     proved = "" if route.proof == "proved" else ", not proved to be the shortest"
-    return f"{route.length:.12g}, {longer:.3g} % longer{proved}"
+    return f"{route.length:.12g}, {abs(more):.3g} % {than}{proved}"
 
 
 def _word(answer: Answer) -> str:

@@ -123,7 +123,7 @@ class Scenario:
         if not self.via:
             object.__setattr__(self, "order", Order.GIVEN)
         if self.via:
-            _check_neighbours(self._path_points(), self.order, self.closed)
+            _check_neighbours(self._path_points(), self.order, self.target)
         if self.extent > LARGEST_EXTENT * self.radius:
             least = f"at least {self.extent / LARGEST_EXTENT:.3g}"
             raise ScenarioError(
@@ -265,7 +265,10 @@ LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to 
 
 
 _CONVENTION = "counterclockwise from +x (east), so north is 90deg"
-_PAIRS = "expected pairs of numbers, such as [(4, 1), (6, -2)], or a frame with columns x and y"
+_PAIRS = (
+    "expected pairs of numbers, such as [(4, 1), (6, -2)], or three with a heading, "
+    "or a frame with columns x and y"
+)
 FREE = "free"  # the text of a heading that is not given
 
 
@@ -328,21 +331,25 @@ def _refuse_target(
         raise ScenarioError(f"via is empty; expected points to pass, which {this} needs")
 
 
-def _check_neighbours(points: list[tuple[float, float]], order: Order, closed: bool) -> None:
+def _check_neighbours(
+    points: list[tuple[float, float]], order: Order, target: tuple[float, float] | None
+) -> None:
     """Refuse a leg between equal points, which has no length to be driven."""
+    back = target == points[0]
     if order is Order.FREE:
         seen: dict[tuple[float, float], int] = {}
-        for place, point in enumerate(points[:-1] if closed else points):
+        for place, point in enumerate(points[:-1] if back else points):
             if point in seen:
                 raise ScenarioError(
                     f"{short(point)} is a point of the tour twice, as points {seen[point]} and "
-                    f"{place} (the start is 0); expected points apart from each other"
+                    f"{place} (the start is 0); expected points apart from each other, but for "
+                    "a target at the start"
                 )
             seen[point] = place
         return
     for place, (point, following) in enumerate(pairwise(points), 1):
         if point == following:
-            end = "the start, where the path ends," if closed else "the target"
+            end = "the start, where the path ends," if back else "the target"
             this = f"via point {place}" if place < len(points) - 1 else end
             raise ScenarioError(
                 f"{this} is {short(following)}, the same point as the one before it; "
@@ -372,6 +379,8 @@ def checked_number(name: str, value: float | str | None) -> float:
     least = SMALLEST if name in POSITIVE else -LARGEST
     if not least <= number <= LARGEST:  # nor is NaN
         expected = f"a finite number of size up to {LARGEST:g}"
+        if "heading" in name:
+            expected += ", or None where it is free"
         if name in POSITIVE:
             expected = f"a number above 0, from {SMALLEST:g} to {LARGEST:g}"
         raise ScenarioError(f"{name} is {number}; expected {expected}")

@@ -17,7 +17,7 @@ def doubtful_units(scenario: Scenario) -> str | None:
     part of the radius. Dense tracks lie within a radius too, but hardly ever within the ranges of
     longitude and latitude with a radius above 1. The start may be a default, and does not count.
     """
-    if not scenario.via:
+    if scenario.legs < 2:
         return None
     points = scenario.points[1:]
     extent = float(np.ptp(points, axis=0).max())

@@ -42,6 +42,39 @@ def test_the_text_of_a_tour_names_its_points(file):
     assert answer["given_order_length"] == pytest.approx(given.length, rel=1e-12)
 
 
+def test_points_of_one_name_have_their_numbers(tmp_path):
+    """And an order that a solver makes worse than the given one is not called shorter."""
+    file = tmp_path / "twins.csv"
+    file.write_text("x,y,name\n3,4,a\n6,1,a\n-3,-2,\n")
+    tour = ("--via-file", str(file), "--order", "free", "--solver", "tour-order")
+
+    text = asked("solve", *tour).stdout
+
+    assert line_of("order", text) == "3, a (1), a (2)"
+    length = float(line_of("length", text))
+    shown = line_of("given order", text).split()
+    assert shown[3] == ("longer" if float(shown[0].strip(",")) > length else "shorter")
+
+
+def test_a_tour_may_end_at_its_start_with_another_heading():
+    words = ("0", "0", "--via", "5", "5", "--via", "-5", "5", "--order", "free")
+
+    answer = json_of(*words)
+
+    orders = [[(5, 5), (-5, 5)], [(-5, 5), (5, 5)]]
+    best = min(solve(Scenario(0, 0, 0, 0, 0, via=via)).length for via in orders)
+    assert answer["length"] == pytest.approx(best, rel=1e-9)
+    assert answer["proof"] == "proved"
+
+
+def test_a_heading_of_more_than_a_turn_is_taken_as_it_is(recwarn):
+    answer = json_of("9", "0", "--via", "4", "1", "--via-heading", "1", "450deg")
+
+    turned = json_of("9", "0", "--via", "4", "1", "--via-heading", "1", "90deg")
+    assert answer["length"] == pytest.approx(turned["length"], rel=1e-9)
+    assert not recwarn.list
+
+
 def test_a_tour_is_the_shortest_of_all_orders(file):
     """Without X Y it ends at whichever point comes last."""
     answer = json_of("--via-file", str(file), "--order", "free", "--from", "0", "0", "free")

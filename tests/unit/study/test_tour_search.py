@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -15,13 +16,16 @@ _ONLY_A_TREE = 110  # points: too many for chains
 
 
 @pytest.mark.parametrize("away", [1e-170, 1e-9, 0.0])
-def test_a_point_at_the_start_adds_no_length_to_the_lower_end(away: float) -> None:
-    points = np.array([(away, 0.0), (6.0, 1.0), (4.0, -3.0)])
+@pytest.mark.parametrize("more", [(), ((12.0, 4.0), (-3.0, 5.0))])  # by orders, and by chains
+def test_a_point_at_the_start_adds_no_length_to_the_lower_end(
+    away: float, more: tuple[tuple[float, float], ...]
+) -> None:
+    points = np.array([(away, 0.0), (6.0, 1.0), (4.0, -3.0), *more])
     heading = 0.0  # passes the point by the start at once
-    stops = Stops(points, [None] * 3, heading, (9.0, 0.0), None)
+    stops = Stops(points, [None] * len(points), heading, (9.0, 0.0), None)
     found = search_tour(stops, tolerance=1e-8, boxes=1e6)
     assert found.closed
-    orders = [(1, 2), (2, 1)]
+    orders = permutations(range(1, len(points)))
     lengths = [
         search([(0.0, 0.0), *points[list(order)], (9.0, 0.0)], heading).length for order in orders
     ]
@@ -41,3 +45,15 @@ def test_many_points_have_a_good_tour_and_a_lower_end(count: int, closed: bool) 
     found = search_tour(stops, boxes=3e5)
     assert sorted(found.order) == list(range(count))
     assert 0.5 * found.high < found.low <= found.route.length <= found.high
+
+
+def test_a_dense_loop_is_bounded_as_well_as_a_route() -> None:
+    """Both ways round two points and a start are one loop, which the search for routes bounds."""
+    points = np.array([(1.0, 0.0), (0.5, 0.8)])
+    stops = Stops(points, [None] * 2, None, (0.0, 0.0), None, closed=True)
+
+    found = search_tour(stops, boxes=4e5)
+
+    route = search([(0.0, 0.0), *points, (0.0, 0.0)], None, closed=True, boxes=4e5)
+    assert max(found.low, route.low) <= min(found.high, route.high)
+    assert found.low > 0.999 * found.high  # by straight lines it would be 0.23

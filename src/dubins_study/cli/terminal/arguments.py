@@ -95,7 +95,7 @@ ViaHeadings = Annotated[
 ]
 _ORDER = (
     "of the via points: given, or free for the shortest of all orders; without X Y a free order "
-    "ends at whichever point comes last"
+    "ends at whichever point comes last. The given order is solved too, to say what it costs"
 )
 OrderOfVia = Annotated[str, typer.Option("--order", metavar="NAME", help=_ORDER)]
 Closed = Annotated[

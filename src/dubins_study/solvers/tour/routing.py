@@ -23,6 +23,7 @@ from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import FREE_START, NEEDS
 
 _ENGINE = ENGINES["routing"]
+_FEW = 3  # places that can be passed in one order only, the start among them
 DESCENT, GUIDED = _SEARCHES = ("descent", "guided")
 # `operations_research::routing::RoutingSearchStatus`
 _STATUSES = (
@@ -42,7 +43,7 @@ class TourRouting(Solver):
     Args:
         headings, polish: as those of `tour-milp`.
         search: `descent` ends in a local optimum; `guided` goes on from it by guided local search
-            until the time is up.
+            until the time is up, if there is more than one via point.
     """
 
     headings: int = whole(8, 2, 360)
@@ -96,8 +97,9 @@ def _visited(graph: Graph, search: str, seconds: float) -> Found:
     first = routing_enums_pb2.FirstSolutionStrategy
     parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC
     goes_on = routing_enums_pb2.LocalSearchMetaheuristic
+    guided = search == GUIDED and graph.places.count > _FEW  # else it waits for its time to end
     parameters.local_search_metaheuristic = (
-        goes_on.GUIDED_LOCAL_SEARCH if search == GUIDED else goes_on.GREEDY_DESCENT
+        goes_on.GUIDED_LOCAL_SEARCH if guided else goes_on.GREEDY_DESCENT
     )
     left = max(seconds - (perf_counter() - began), 0.01)
     parameters.time_limit.FromMilliseconds(int(1000 * left))
