@@ -175,8 +175,8 @@ def _backwards(loop: Tour) -> Tour:
 def compile_tour_loops() -> None:
     """Load the loops that a search needs, or compile them where no cache holds them."""
     compile_loops()
-    points = np.array([(3.0, 1.0), (0.5, -2.0), (-2.0, 2.0)])
-    stops = Stops(points, [None] * 3, first=0.0, target=(1.0, 5.0), last=None)
+    points = np.array([(3.0, 1.0), (0.5, -2.0), (-2.0, 2.0), (6.0, 3.0), (1.0, 6.0)])
+    stops = Stops(points, [None] * len(points), first=0.0, target=(1.0, 5.0), last=None)
     _TourSearch(stops, Effort(), tolerance=1e-6, seed=0).run()
 
 
@@ -296,7 +296,8 @@ class _TourSearch:
         starts, ends = self._to_ends(begin, headings)
         found: dict[tuple[int, ...], float] = {}
         order = straight
-        for _ in range(1 + _KICKS):
+        kicks = _KICKS if self.n <= _MOST_IN_SET else 0
+        for _ in range(1 + kicks):
             length = self._shorten(order, begin, lengths, starts, ends)
             found[tuple(order.tolist())] = length
             order = self._kicked(min(found, key=found.__getitem__))
@@ -322,8 +323,9 @@ class _TourSearch:
     ) -> float:
         """Shorten an order in place until no small change of it is shorter; return its length."""
         length = math.inf
+        sums = self.n * starts.size**2
         while True:
-            self.effort.look_at_the_clock()
+            self._spend(sums * _CHAIN_BOXES)
             before = length
             length = float(better_order(order, lengths, begin, starts, ends))
             if length == before:
