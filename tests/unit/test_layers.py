@@ -35,15 +35,15 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 84_400,
-    "solvers": 74_500,
+    "study": 85_200,
+    "solvers": 74_600,
     "asking": 5_600,
     "experiments": 35_000,
     "conformance": 11_800,
     "report": 71_900,
-    "cli": 11_900,
-    "package": 295_000,
-    "tests": 259_000,
+    "cli": 12_000,
+    "package": 296_000,
+    "tests": 262_000,
 }
 
 _LEAVES = (
