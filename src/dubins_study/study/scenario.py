@@ -146,8 +146,15 @@ class Scenario:
 
     @property
     def start(self) -> Pose:
-        """The start pose, where its heading is given."""
-        assert self.heading is not None
+        """The start pose.
+
+        Raises:
+            ScenarioError: if its heading is free.
+        """
+        if self.heading is None:
+            raise ScenarioError(
+                "heading is free: only a path has a start pose, `answer.path.start`"
+            )
         return Pose(self.x, self.y, self.heading)
 
     @property

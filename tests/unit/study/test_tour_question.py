@@ -72,6 +72,11 @@ def test_what_is_refused(values, message):
     assert "\n" not in str(error.value)
 
 
+def test_a_free_start_has_no_pose():
+    with pytest.raises(ScenarioError, match="heading is free: only a path has a start pose"):
+        _ = Scenario(heading=None, target_x=4, target_y=1).start
+
+
 def test_stops_and_needs():
     """Where a path ends, and what a solver must take, by the fields that are given."""
     stops = {name: scenario.stops for name, scenario in SCENARIOS.items()}
