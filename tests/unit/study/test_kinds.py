@@ -92,7 +92,6 @@ WHO_ASKS = {
     "conformance/answers.py:_advice": "the two discs are of one free leg",
     "experiments/isolation/pool.py:_give": "a solver is warmed up on a route only before one",
     "experiments/plan/scenarios.py:scenario_id": _FIELD,
-    "study/units.py:doubtful_units": "points have an extent if there are two",
     "study/scenario_frame.py:solve_command": _FIELD,
     "study/check/verdict.py:visited": _FIELD,
 }
