@@ -86,10 +86,13 @@ def drawn(size: Size, seed: int) -> Stops:
 
 
 def proved(size: Size, stops: Stops) -> Timed:
-    """The search, for as much work as it may do, whatever else the machine does."""
-    patience = _PATIENCE if size.closed else 1.0
-    boxes = sized(round(patience * size.seconds * BOXES_A_SECOND), 10_000)
-    return timed(search_tour, stops, boxes=boxes, tolerance=size.tolerance)
+    """The search, for as much work as it may do, whatever else the machine does.
+
+    Where an interval is wanted and no proof, it ends when the seconds are over.
+    """
+    boxes = sized(round(_PATIENCE * size.seconds * BOXES_A_SECOND), 10_000)
+    limit = math.inf if size.closed else size.seconds
+    return timed(search_tour, stops, limit=limit, boxes=boxes, tolerance=size.tolerance)
 
 
 def measure() -> Iterable[Measurement]:

@@ -486,13 +486,12 @@ class _TourSearch:
 
     def _chains(self, prices: FloatArray, back: bool = False) -> FloatArray:
         """Costs of chains ahead from the start, or `back` from the end."""
-        a_point = self.owner.size / self.n
-        sums = self.n**2 * self.after.shape[1] / 2 * self.n * a_point**2
-        self._spend(sums * _CHAIN_BOXES)
         bounds = np.ascontiguousarray(self.bounds.T) if back else self.bounds
         ends = self.ends if back else self.starts
         begin = self.begin
         goes = np.minimum.reduceat(bounds, begin[:-1], axis=1) < math.inf
+        sums = np.count_nonzero(goes) * self.after.shape[1] / 2 * self.owner.size
+        self._spend(sums * _CHAIN_BOXES)
         costs: FloatArray = first_chains(begin, self.after, ends, prices)
         for k in range(self.n - 1):
             self.effort.look_at_the_clock()
