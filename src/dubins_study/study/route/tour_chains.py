@@ -115,6 +115,28 @@ def first_chains(
 
 
 @compiled
+def _leave_out_dearer(costs: FloatArray, first: int, end: int) -> None:
+    """Make infinite what a chain costs no less than one that remembers fewer of the same points.
+
+    That one can go on wherever the other can, and as cheaply.
+    """
+    memories = costs.shape[0]
+    fewer = np.full((memories, end - first), math.inf)
+    for memory in range(1, memories, 2):
+        bit = 2
+        while bit < memories:
+            if memory & bit:
+                less = memory ^ bit
+                for p in range(first, end):
+                    least = min(costs[less, p], fewer[less, p - first])
+                    fewer[memory, p - first] = min(fewer[memory, p - first], least)
+            bit *= 2
+        for p in range(first, end):
+            if fewer[memory, p - first] <= costs[memory, p]:
+                costs[memory, p] = math.inf
+
+
+@compiled
 def extend_chains(
     costs: FloatArray,
     k: int,
@@ -126,6 +148,8 @@ def extend_chains(
 ) -> None:
     """Write the least costs of chains of k + 2 points, less the prices of those.
 
+    Chains of k + 1 points that others make needless become infinite.
+
     Args:
         costs: `first_chains`, with those of k + 1 points.
         bounds: of legs, shape (intervals, intervals).
@@ -136,6 +160,7 @@ def extend_chains(
     n, memories = after.shape[0], after.shape[1]
     for here in range(n):
         first, end = begin[here], begin[here + 1]
+        _leave_out_dearer(costs[k], first, end)
         for memory in range(1, memories, 2):
             if not costs[k, memory, first:end].min() < math.inf:
                 continue
