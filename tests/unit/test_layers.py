@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_200,
+    "study": 85_400,
     "solvers": 74_600,
     "asking": 5_600,
     "experiments": 35_000,
     "conformance": 11_800,
     "report": 71_900,
     "cli": 12_000,
-    "package": 296_000,
+    "package": 296_200,
     "tests": 262_000,
 }
 
