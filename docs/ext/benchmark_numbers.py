@@ -129,10 +129,10 @@ def by_stratum(name: str) -> str:
     rows = [
         (
             row["stratum"],
-            f"{percent(row['right_share'])} % of {questions(row['right_of'])}",
-            f"{percent(row['right_low'])} to {percent(row['right_high'])}",
+            f"{percent(row['share'])} % of {questions(row['trials'])}",
+            f"{percent(row['low'])} to {percent(row['high'])}",
         )
-        for row in shares.sort_values("right_share").to_dict("records")
+        for row in shares.sort_values("share").to_dict("records")
     ]
     return table(("targets", f"right: {best['short']}", "95 %"), rows)
 
