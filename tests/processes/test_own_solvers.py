@@ -57,7 +57,7 @@ def test_every_solver_passes_every_check(name):
     assert all(one.observed.startswith(DENIAL) for one in failures), report
     assert [result.name for result in report] == [check for check in CHECKS if check in asked]
     # `route-nlp` has one guess, which leads past the words of the discs; of poses, routes and tours
-    # other local engines find no better path than from theirs, and proofs take longer than the limit
+    # other local engines find no better path than from theirs, and proofs take too long
     coarse = load(name).guarantee in (Guarantee.DISCRETISED, Guarantee.STOCHASTIC)
     if not coarse and name not in ("route-nlp", *SLOW):
         notes = {result.name for result in report.with_status(Status.NOTE)}
