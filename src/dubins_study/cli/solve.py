@@ -85,13 +85,12 @@ def solve(
     """Solve one scenario and judge the answer."""
     from dubins_study.asking.attempt import check_request, shorter_answer
     from dubins_study.experiments.solve import solve as ask
+    from dubins_study.study.scenario import checked_order
     from dubins_study.study.tolerances import SEARCH_S
-    from dubins_study.study.values import short, unwritable
+    from dubins_study.study.values import unwritable
 
-    if order not in list(Order):
-        message = f"--order is {short(order)}; expected {' or '.join(Order)}"
-        raise arguments.CommandError(message)
-    no_target = closed or (order == "free" and x is None)
+    is_free = checked_order(order) is Order.FREE
+    no_target = closed or (is_free and x is None)
     points = _with_headings(_points(x, y, via, via_file, no_target), via_headings, no_target)
     last = None if no_target else points[-1]
     if last is not None and last.heading is not None:
@@ -124,7 +123,7 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    searches = 2 if order == "free" else 1  # of a tour the given order is searched too
+    searches = 2 if is_free else 1  # of a tour the given order is searched too
     at_most = searches * time_limit + min(time_limit, SEARCH_S)
     in_given_order = None
     with output.solvers_to_stderr(), output.steps(f"solving, at most {at_most:g} s"):

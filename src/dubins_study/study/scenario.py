@@ -103,7 +103,7 @@ class Scenario:
         *,
         _radians: bool = False,
     ) -> None:
-        object.__setattr__(self, "order", _order(order))
+        object.__setattr__(self, "order", checked_order(order))
         object.__setattr__(self, "closed", _flag("closed", closed))
         object.__setattr__(self, "via", _via(via, _radians))
         no_target = target_x is None and target_y is None
@@ -311,7 +311,8 @@ def _heading(name: str, value: float | str | None, radians: bool, stacklevel: in
     return number
 
 
-def _order(order: str) -> Order:
+def checked_order(order: str) -> Order:
+    """The order as one of `Order`."""
     try:
         return Order(order)
     except ValueError:
