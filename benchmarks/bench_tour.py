@@ -21,12 +21,15 @@ from benchmarks.harness import Measurement, absent, sized
 from benchmarks.tour_routing import NO_ORTOOLS, routed
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import shortest_to_pose
-from dubins_study.study.route import tour
+from dubins_study.study.kinds.shortest import BOXES_A_SECOND
 from dubins_study.study.route.search import search
-from dubins_study.study.route.shortest import BOXES_A_SECOND
-from dubins_study.study.route.tour import Stops, search_tour
-from dubins_study.study.route.tour_chains import better_order, leave_out
 from dubins_study.study.scenario import Pose
+from dubins_study.study.tour import orders
+from dubins_study.study.tour import search as tour_search
+from dubins_study.study.tour.chains import leave_out
+from dubins_study.study.tour.search import search_tour
+from dubins_study.study.tour.short_orders import better_order
+from dubins_study.study.tour.stops import Stops
 
 SEED = 34
 SETS = sized(10, 1)
@@ -172,7 +175,7 @@ def euclidean_order(stops: Stops) -> list[int]:
     for _ in range(10):
         order = rng.permutation(n)
         before = math.inf
-        while (length := better_order(order, apart, np.arange(n + 1), starts, ends)) < before:
+        while (length := better_order(order, np.arange(n + 1), apart, starts, ends)) < before:
             before = length
         if length < shortest:
             best, shortest = order.tolist(), length
@@ -227,8 +230,8 @@ def without_parts(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
         )
 
 
-def _first_order(search: Any) -> None:
-    search._search_order(search.order, quick=True)
+def _first_order(stops: Stops, *_: Any) -> list[tuple[int, ...]]:
+    return [tuple(range(len(stops.points)))]
 
 
 def _leave_out_none(sets: Any, lasts: Any, costs: Any, to_go: FloatArray, *rest: Any) -> Any:
@@ -239,13 +242,13 @@ def _search_to_the_end(*values: Any, cutoff: float, **options: Any) -> Any:
     return search(*values, **options)
 
 
-# parts of the search, and what stands in their place: names of the module or of its class
+# parts of the search, and what stands in their place: names of its modules or its class
 PARTS: dict[str, dict[str, Any]] = {
     "prices": {"_ROUNDS": 1, "_LATER_ROUNDS": 1},
     "costs to go": {"leave_out": _leave_out_none},
     "slopes": {"_aim": lambda search: None},
     "a cutoff": {"search": _search_to_the_end},
-    "a first tour": {"_first_tour": _first_order},
+    "a first tour": {"short_orders": _first_order},
 }
 
 
@@ -254,6 +257,7 @@ def without(names: dict[str, Any]) -> Iterator[None]:
     """Put something else in the place of parts of the search."""
     with ExitStack() as stack:
         for name, value in names.items():
-            owner = tour._TourSearch if hasattr(tour._TourSearch, name) else tour
+            owners = (tour_search._TourSearch, tour_search, orders)
+            owner = next(owner for owner in owners if hasattr(owner, name))
             stack.enter_context(patch.object(owner, name, value))
         yield

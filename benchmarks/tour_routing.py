@@ -12,8 +12,8 @@ import numpy as np
 
 from benchmarks.harness import sized
 from dubins_study.study.route.heading_grids import leg_table
-from dubins_study.study.route.tour import Stops
-from dubins_study.study.route.tour_chains import lengths_between
+from dubins_study.study.tour.short_orders import lengths_between
+from dubins_study.study.tour.stops import Stops
 
 NO_ORTOOLS = "ortools is not installed"
 HEADINGS = 8

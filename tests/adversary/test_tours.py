@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dubins_study.study.route.shortest import ShortestRoute
+from dubins_study.study.kinds.shortest import ShortestRoute
 from dubins_study.study.scenario import Scenario
 from tests.adversary.tours import (
     CLOSE,

@@ -11,8 +11,8 @@ import numpy as np
 
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import shortest_to_pose
+from dubins_study.study.kinds.shortest import BOXES_A_SECOND, ShortestRoute, shortest_route
 from dubins_study.study.route.search import search
-from dubins_study.study.route.shortest import BOXES_A_SECOND, ShortestRoute, shortest_route
 from dubins_study.study.scenario import Pose, Scenario
 
 KINDS = (

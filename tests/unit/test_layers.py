@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_400,
+    "study": 85_600,
     "solvers": 74_600,
     "asking": 5_600,
     "experiments": 35_000,
     "conformance": 11_800,
     "report": 71_900,
     "cli": 12_000,
-    "package": 296_200,
+    "package": 296_400,
     "tests": 262_000,
 }
 
@@ -61,7 +61,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.route": ("study", "study.closed_form"),
     "study.convex": ("study", "study.rows"),
     "study.check": ("study", "study.closed_form", "study.rows", "study.route"),
-    "study.kinds": (*_FACTS, "study.check"),
+    "study.tour": ("study", "study.closed_form", "study.route"),
+    "study.kinds": (*_FACTS, "study.check", "study.tour"),
     "study.judging": (*_FACTS, "study.check", "study.kinds"),
     "solvers": (*_FACTS, "study.kinds"),  # the closed form asks the kinds; none asks the check
     "solvers.nlp_engines": (*_FACTS, "solvers"),
@@ -341,7 +342,7 @@ OF_BOUNDS = (
     *("solvers.tour.circuit", "solvers.tour.routing"),
 )
 SEARCHES = (
-    *("study.route.search", "study.route.tour", "study.route.tour_chains", "study.route.shortest"),
+    *("study.route.search", "study.tour", "study.kinds.shortest"),
     *("study.route.descent", "study.route.heading_grids", "study.check"),
 )
 

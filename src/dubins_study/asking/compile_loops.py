@@ -8,7 +8,7 @@ from __future__ import annotations
 import pandas as pd
 
 from dubins_study.asking.frame import solve_frame
-from dubins_study.study.route import tour
+from dubins_study.study.tour.search import compile_tour_loops
 
 
 def compile_loops() -> None:
@@ -19,7 +19,7 @@ def compile_loops() -> None:
         solve_frame(frame, branch=branch)
     for branch in ("best", "LSL"):
         solve_frame(frame.assign(final_heading=1.0), branch=branch)
-    tour.compile_tour_loops()
+    compile_tour_loops()
 
 
 if __name__ == "__main__":

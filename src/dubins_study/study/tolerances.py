@@ -18,7 +18,7 @@ HEADED = ARRIVES
 # of the coordinates' size and a path's length: what driving in floating point loses
 DRIVEN = 32.0 * EPS
 # Seconds after which the search for a route's reference ends; most take less than one. They are
-# counted in work (`route.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
+# counted in work (`kinds.shortest.BOXES_A_SECOND`): a slower machine takes longer for the same
 # interval. Only after `PATIENCE` times as long by the clock the interval stays wider, and an answer
 # may be undecided, but never wrong.
 SEARCH_S = 20.0

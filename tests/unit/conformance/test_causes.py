@@ -11,7 +11,7 @@ from dubins_study import Path
 from dubins_study.conformance.answers import cause_of, length_cause, mix_ups, visit_cause
 from dubins_study.conformance.questions import GENERAL, OF_KIND, REFERENCE
 from dubins_study.study.closed_form.shortest import shortest_path
-from dubins_study.study.route.shortest import shortest_route
+from dubins_study.study.kinds.shortest import shortest_route
 
 RIGHT = shortest_path(REFERENCE)
 K, S = RIGHT.curvatures, RIGHT.lengths

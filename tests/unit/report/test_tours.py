@@ -15,7 +15,7 @@ from dubins_study.report.topics.tours import (
     tours_section,
     with_points,
 )
-from dubins_study.study.route.shortest import shortest_route
+from dubins_study.study.kinds.shortest import shortest_route
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost

@@ -21,8 +21,8 @@ from dubins_study.study.closed_form.pose import pose_path, pose_shortest
 from dubins_study.study.closed_form.shortest import shortest_path
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge
+from dubins_study.study.kinds.shortest import shortest_route
 from dubins_study.study.path import Path
-from dubins_study.study.route.shortest import shortest_route
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import Tolerances
 from dubins_study.study.words import POSE_BRANCHES, Proof, Verdict

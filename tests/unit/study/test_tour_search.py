@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from dubins_study.study.route.search import search
-from dubins_study.study.route.tour import Stops, search_tour
+from dubins_study.study.tour.search import search_tour
+from dubins_study.study.tour.stops import Stops
 
 _ABOVE_LISTING = 70  # points: too many to list orders of
 _ONLY_A_TREE = 110  # points: too many for chains

@@ -30,7 +30,7 @@ def _prepare() -> None:
 
 
 def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
-    from dubins_study.study.route.shortest import shortest_route
+    from dubins_study.study.kinds.shortest import shortest_route
 
     found = shortest_route(scenario, limit)
     return Exact(found.path, found.low, found.high)
@@ -48,7 +48,7 @@ def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Refer
     for kind in (LEG, POSE):  # a path may visit all of its points where it starts or ends
         if kind.matches(scenario):
             return kind.reference(scenario, branch, tolerances)
-    from dubins_study.study.route.shortest import known_route
+    from dubins_study.study.kinds.shortest import known_route
 
     left = min(tolerances.until - perf_counter(), tolerances.patience * tolerances.search_s)
     found = known_route(scenario, tolerances.search_s, max(_SEARCH_SHARE * left, 0.0))

@@ -10,7 +10,7 @@ from dubins_study.study.scenario import Scenario
 
 
 def _prepare() -> None:
-    from dubins_study.study.route.tour import compile_tour_loops
+    from dubins_study.study.tour.search import compile_tour_loops
 
     compile_tour_loops()
 

@@ -31,6 +31,11 @@ class Effort:
         self.spent += 0 if over else boxes
         return over
 
+    def spend_or_end(self, boxes: float) -> None:
+        """Count some more; raise `SpentError` if all is spent."""
+        if self.spend(math.ceil(boxes)):
+            raise SpentError
+
     def look_at_the_clock(self) -> None:
         """Raise `SpentError` if the seconds are over."""
         if self.late:

@@ -68,6 +68,15 @@ class Route(NamedTuple):
     boxes: int  # pairs of intervals that were bounded, and local searches counted in them
     seconds: float
 
+    def begun_at(self, place: int) -> Route:
+        """The same loop from another of its points on."""
+        headings = _rolled(self.headings, place)
+        return self._replace(
+            headings=np.append(headings, headings[0]),
+            words=(*self.words[place:], *self.words[:place]),
+            segments=np.roll(self.segments, -place, axis=0),
+        )
+
 
 def search(
     points: ArrayLike,
@@ -111,13 +120,7 @@ def search(
     around = np.vstack([_rolled(places, begin), places[begin]])
     headings = [*given[begin:-1], *given[:begin], given[begin]]
     found = _Search(around, headings, *asked).run()
-    back = len(found.words) - begin
-    own = _rolled(found.headings, back)
-    return found._replace(
-        headings=np.append(own, own[0]),
-        words=(*found.words[back:], *found.words[:back]),
-        segments=np.roll(found.segments, -back, axis=0),
-    )
+    return found.begun_at(len(found.words) - begin)
 
 
 def _rolled(around: FloatArray, begin: int) -> FloatArray:

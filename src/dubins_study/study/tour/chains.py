@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.closed_form.kernel_compile import compiled
 from dubins_study.study.route.box import Box
-from dubins_study.study.route.heading_grids import shortest_leg
 from dubins_study.study.route.leg_bound import box_bound
 
 SetArray = NDArray[np.int64]  # of sets of points: bit i is that of point i
@@ -49,22 +48,6 @@ def bounds_between(
                 if new[p, q]:
                     box = Box(x, y, middle[p], half[p], slope[p], middle[q], half[q], slope[q], 0)
                     bounds[p, q] = box_bound(box)[0]
-
-
-@compiled
-def lengths_between(points: FloatArray, begin: IntArray, headings: FloatArray) -> FloatArray:
-    """Shortest lengths between the headings of different points, shape (headings, headings)."""
-    lengths = np.full((headings.size, headings.size), math.inf)
-    for i in range(points.shape[0]):
-        for j in range(points.shape[0]):
-            if i == j:
-                continue
-            x = points[j, 0] - points[i, 0]
-            y = points[j, 1] - points[i, 1]
-            for p in range(begin[i], begin[i + 1]):
-                for q in range(begin[j], begin[j + 1]):
-                    lengths[p, q] = shortest_leg(x, y, headings[p], headings[q])[0]
-    return lengths
 
 
 @compiled
@@ -298,91 +281,3 @@ def leave_out(
             else:
                 costs[state, place] = math.inf
     return kept
-
-
-@compiled
-def _go(
-    costs: FloatArray,
-    here: int,
-    there: int,
-    lengths: FloatArray,
-    begin: IntArray,
-    following: FloatArray,
-) -> None:
-    """Write the least costs at the headings of a point of going on to it from another one."""
-    first, end = begin[there], begin[there + 1]
-    following[first:end] = math.inf
-    for p in range(begin[here], begin[here + 1]):
-        for q in range(first, end):
-            total = costs[p] + lengths[p, q]
-            following[q] = total if total < following[q] else following[q]
-
-
-@compiled
-def _costs_along(
-    order: IntArray,
-    lengths: FloatArray,
-    begin: IntArray,
-    starts: FloatArray,
-    costs: FloatArray,
-) -> None:
-    """Write the least costs of an order up to each of the headings at its points."""
-    first = slice(begin[order[0]], begin[order[0] + 1])
-    costs[first] = starts[first]
-    for k in range(1, order.size):
-        _go(costs, order[k - 1], order[k], lengths, begin, costs)
-
-
-_MOST_MOVED = 3  # points that change their place together
-_SHORTER = 1e-9  # radii; less is no reason for another order
-
-
-@compiled
-def better_order(
-    order: IntArray, lengths: FloatArray, begin: IntArray, starts: FloatArray, ends: FloatArray
-) -> float:
-    """Shorten an order in place where it can be, and return its length by the best headings.
-
-    A part of it is turned round, or up to three points are moved to another place. Each is tried
-    once, so that a shorter order may be left: ask again as long as the length is less.
-    """
-    n = order.size
-    back = np.ascontiguousarray(lengths.T)
-    ahead, behind, costs = np.empty(starts.size), np.empty(starts.size), np.empty(starts.size)
-    _costs_along(order, lengths, begin, starts, ahead)
-    _costs_along(order[::-1], back, begin, ends, behind)
-    least = (starts + behind)[begin[order[0]] : begin[order[0] + 1]].min()
-    for i in range(n):
-        for j in range(i + 1, n):
-            for moved in range(-_MOST_MOVED, min(_MOST_MOVED, j - i) + 1):
-                # moved points of order[i : j + 1] go from its front to its end, or back
-                size = abs(moved)
-                if size > j - i:
-                    continue
-                part = order[i : j + 1].copy()
-                if moved == 0:
-                    part[:] = order[i : j + 1][::-1]
-                elif moved > 0:
-                    part[: part.size - size] = order[i + size : j + 1]
-                    part[part.size - size :] = order[i : i + size]
-                else:
-                    part[:size] = order[j + 1 - size : j + 1]
-                    part[size:] = order[i : j + 1 - size]
-                if i == 0:
-                    _costs_along(part, lengths, begin, starts, costs)
-                else:
-                    _go(ahead, order[i - 1], part[0], lengths, begin, costs)
-                    _costs_along(part, lengths, begin, costs, costs)
-                last = slice(begin[part[-1]], begin[part[-1] + 1])
-                if j == n - 1:
-                    length = (costs[last] + ends[last]).min()
-                else:
-                    _go(costs, part[-1], order[j + 1], lengths, begin, costs)
-                    last = slice(begin[order[j + 1]], begin[order[j + 1] + 1])
-                    length = (costs[last] + behind[last]).min()
-                if length < least - _SHORTER:
-                    least = length
-                    order[i : j + 1] = part
-                    _costs_along(order, lengths, begin, starts, ahead)
-                    _costs_along(order[::-1], back, begin, ends, behind)
-    return float(least)

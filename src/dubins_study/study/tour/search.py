@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
 from copy import copy
 from functools import cache
 from itertools import permutations
@@ -27,83 +26,37 @@ from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
 from dubins_study.study.route.effort import Effort, SpentError
-from dubins_study.study.route.heading_grids import leg_table
 from dubins_study.study.route.intervals import OVERLAP, Intervals
 from dubins_study.study.route.leg_bound import bound_leg
 from dubins_study.study.route.search import Route, compile_loops, potential_at, search
-from dubins_study.study.route.tour_chains import (
-    SetArray,
-    better_order,
+from dubins_study.study.tour.chains import (
     bounds_between,
     cheapest_chain,
     cheapest_through,
     extend_chains,
-    extended,
     first_chains,
-    leave_out,
-    lengths_between,
     memories_after,
 )
+from dubins_study.study.tour.orders import MOST_IN_SET, Legs, ToGo, orders_within
+from dubins_study.study.tour.short_orders import CHAIN_BOXES, short_orders
+from dubins_study.study.tour.stops import Stops
 
 _LOG = logging.getLogger(__name__)
 
 # By the number of points: intervals at each to begin with, and how many near points, itself among
 # them, a chain remembers. Of more points there is a good tour, and the least tree as a bound.
 _SIZES = ((12, 16, 5), (40, 16, 7), (62, 8, 6), (100, 8, 4))
-_FEW = 12  # points up to which an order of straight lines is not tried as a route
-_ON_GRID = 100  # points up to which the first tour is improved with headings, not straight lines
-_IMPROVED = 200  # points up to which it is improved at all
 _ROUNDS, _LATER_ROUNDS = 40, 16  # of prices: at first, and where they are good
 _STEP, _LATER_STEP = 1.0, 0.5  # of prices: a share of Polyak's
 _SHRINK, _PATIENCE = 0.6, 3  # of the step, after so many rounds without a better bound
 _LEAST_STEP = 0.02
-_SOME = 40  # points up to which the first tour chooses from more headings
-_HEADINGS, _FEWER = 24, 16  # at each point
-_MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
-_KICKS = 16  # changes of the first tour from which it is shortened anew
-_NEARLY = 1.02  # times the best length on the grid: other orders are not tried
 _SOON = 1.0  # of the gap: intervals whose chains are nearer to the best tour's length wait
-_MOST_STATES = 100_000
-_MOST_ORDERS = 1_000
 _ALL_ORDERS = 4  # points up to which every order is searched
 _QUICK = 1_000  # boxes a leg, for a tour that is not to be proved
 _ORDER_BOXES = 4_000  # about what the search of one order takes
-_CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
 _MOST_PAIRS = 20_000_000
-_MOST_IN_SET = 62  # points, of which a set is an int64
 _NARROWEST = 1e-9  # rad; half the width of an interval that is not halved any more
 _AT_ENDS = 16  # intervals of a free heading at the start or the target
-
-
-_OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
-
-
-class Stops(NamedTuple):
-    """What a tour has to pass, seen from its start."""
-
-    points: FloatArray  # via points, shape (n, 2)
-    headings: Sequence[float | None]  # at the via points; None where free
-    first: float | None  # heading at the start
-    target: tuple[float, float] | None  # None: the tour ends at whichever point comes last
-    last: float | None  # heading at the target
-    closed: bool = False  # whether the tour ends with the heading that it starts with, both free
-
-    def route(self, order: Sequence[int]) -> tuple[FloatArray, list[float | None]]:
-        """The points of one order, from the start on, and the headings there."""
-        some = list(order)
-        points = np.vstack([np.zeros(2), self.points[some]])
-        headings = [self.first, *(self.headings[i] for i in some)]
-        if self.target is None:
-            return points, headings
-        return np.vstack([points, self.target]), [*headings, self.last]
-
-    def begun_at(self, place: int) -> Stops:
-        """The same loop from a via point with a heading on; the start becomes the first point."""
-        others = np.delete(self.points, place, axis=0)
-        around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
-        rest = [heading for i, heading in enumerate(self.headings) if i != place]
-        heading = self.headings[place]
-        return Stops(around, [None, *rest], heading, (0.0, 0.0), heading)
 
 
 class Tour(NamedTuple):
@@ -148,14 +101,7 @@ def search_tour(
     began = found.order.index(0)
     order = [points[i - 1] for i in found.order[began + 1 :]] + [place]
     order += [points[i - 1] for i in found.order[:began]]
-    legs = began + 1  # from the place where that search began to the old start
-    headings = np.roll(found.route.headings[:-1], -legs)
-    route = found.route._replace(
-        headings=np.append(headings, headings[0]),
-        words=(*found.route.words[legs:], *found.route.words[:legs]),
-        segments=np.roll(found.route.segments, -legs, axis=0),
-    )
-    return found._replace(order=tuple(order), route=route)
+    return found._replace(order=tuple(order), route=found.route.begun_at(began + 1))
 
 
 def _backwards(loop: Tour) -> Tour:
@@ -217,7 +163,9 @@ class _TourSearch:
     def run(self) -> Tour:
         _LOG.info("searching for the shortest tour of %d points", self.n)
         try:
-            self._first_tour()
+            for order in short_orders(self.stops, self.effort, self.random):
+                self._search_order(order, quick=True)
+            _LOG.info("a tour of length %.6g", self.length)
             size = next((size for size in _SIZES if self.n <= size[0]), None)
             if self.n <= _ALL_ORDERS:
                 self._search_all()
@@ -245,7 +193,6 @@ class _TourSearch:
         distances[np.diag_indices(self.n)] = -1.0  # each point is the first of those near it
         self.near = np.argsort(distances, axis=1, kind="stable")[:, :remembered]
         self.after = memories_after(self.near)
-        self.remembered = _sets_of(self.near)
         self._cover(intervals)
         if self.stops.closed:
             self._prove_around()
@@ -274,111 +221,6 @@ class _TourSearch:
                 self.best, self.order = part.best, part.order
             lows.append(part.low)
         self.low = max(self.low, min(*lows, self.high))
-
-    def _spend(self, boxes: float) -> None:
-        if self.effort.spend(math.ceil(boxes)):
-            raise SpentError
-
-    # The best tour
-
-    def _first_tour(self) -> None:
-        """Orders that are short on a grid of headings, the best of them as routes."""
-        straight = self._nearest_neighbours()
-        if self.n <= _IMPROVED:
-            self._shorten(straight, np.arange(self.n + 1), *self._straight_lines())
-        if self.n > _FEW:
-            self._search_order(tuple(straight.tolist()), quick=True)
-        if self.n > _ON_GRID:
-            return
-        begin, headings = self._heading_grid()
-        self._spend(headings.size**2 / 10)
-        lengths = lengths_between(self.stops.points, begin, headings)
-        starts, ends = self._to_ends(begin, headings)
-        found: dict[tuple[int, ...], float] = {}
-        order = straight
-        kicks = _KICKS if self.n <= _MOST_IN_SET else 0
-        for _ in range(1 + kicks):
-            length = self._shorten(order, begin, lengths, starts, ends)
-            found[tuple(order.tolist())] = length
-            order = self._kicked(min(found, key=found.__getitem__))
-        shortest = min(found.values())
-        for tried, length in sorted(found.items(), key=lambda item: item[1]):
-            if length <= _NEARLY * shortest:
-                self._search_order(tried, quick=True)
-        _LOG.info("a tour of length %.6g", self.length)
-
-    def _kicked(self, order: tuple[int, ...]) -> IntArray:
-        """An order with two neighbouring parts exchanged (Martin, Otto and Felten 1991)."""
-        cuts = self.random.choice(np.arange(1, self.n + 1), 3)
-        a, b, c = np.sort(cuts).tolist()
-        return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
-
-    def _shorten(
-        self,
-        order: IntArray,
-        begin: IntArray,
-        lengths: FloatArray,
-        starts: FloatArray,
-        ends: FloatArray,
-    ) -> float:
-        """Shorten an order in place until no small change of it is shorter; return its length."""
-        length = math.inf
-        sums = self.n * starts.size**2
-        while True:
-            self._spend(sums * _CHAIN_BOXES)
-            before = length
-            length = float(better_order(order, lengths, begin, starts, ends))
-            if length == before:
-                return length
-
-    def _straight_lines(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances between the points, from the start and to the end."""
-        points, ends = self.stops.points, np.zeros(self.n)
-        if self.stops.target is not None:
-            ends = np.hypot(*(points - self.stops.target).T)
-        return cdist(points, points), np.hypot(*points.T), ends
-
-    def _nearest_neighbours(self) -> IntArray:
-        left = list(range(self.n))
-        here = np.zeros(2)
-        order = []
-        while left:
-            away = np.hypot(*(self.stops.points[left] - here).T)
-            following = left.pop(int(away.argmin()))
-            order.append(following)
-            here = self.stops.points[following]
-        return np.array(order)
-
-    def _heading_grid(self) -> tuple[IntArray, FloatArray]:
-        """Headings at each point: of a grid, and of single arcs to points near by."""
-        sizes, headings = [0], []
-        count = _HEADINGS if self.n <= _SOME else _FEWER
-        grid = np.linspace(-math.pi, math.pi, count, endpoint=False)
-        for i, given in enumerate(self.stops.headings):
-            some = grid if given is None else np.array([given])
-            if given is None and self.n <= _SOME:
-                arcs = _arc_headings(self.stops.points - self.stops.points[i])
-                some = np.append(grid, arcs[:_MOST_ARCS])
-            headings.append(some)
-            sizes.append(some.size)
-        return np.cumsum(sizes), np.concatenate(headings)
-
-    def _to_ends(self, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lengths from the start to each heading of the grid, and from it to the end."""
-        circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
-        stops = self.stops
-        first = circle if stops.first is None else np.array([stops.first])
-        last = circle if stops.last is None else np.array([stops.last])
-        starts, ends = np.zeros(headings.size), np.zeros(headings.size)
-        for i, point in enumerate(stops.points):
-            some = slice(begin[i], begin[i + 1])
-            live = np.ones((first.size, begin[i + 1] - begin[i]), np.int8)
-            starts[some] = leg_table(point, first, headings[some], live)[0].min(axis=0)
-            if stops.target is not None:
-                live = np.ones((begin[i + 1] - begin[i], last.size), np.int8)
-                way = np.array(stops.target) - point
-                ends[some] = leg_table(way, headings[some], last, live)[0].min(axis=1)
-        return starts, ends
 
     def _search_order(self, order: tuple[int, ...], quick: bool = False) -> Route:
         """Search one order, which becomes the best if it is shorter than the cutoff."""
@@ -438,7 +280,7 @@ class _TourSearch:
         if np.unique(self.owner).size < self.n:  # no tour as short passes one of the points
             self.low = self.high
             return False
-        orders = self._orders(behind)
+        orders = self._orders_left(behind)
         pairs = 3 * int(np.count_nonzero(self.live))
         spent = self.effort.spent - began
         if orders is not None:
@@ -469,7 +311,7 @@ class _TourSearch:
         size = self.owner.size
         begin = self.begin
         for i in range(self.n):
-            self._spend(float(np.count_nonzero(self.new[begin[i] : begin[i + 1]])))
+            self.effort.spend_or_end(float(np.count_nonzero(self.new[begin[i] : begin[i + 1]])))
             bounds_between(self.stops.points, begin, self.intervals, self.new, i, self.bounds)
         self.starts, self.ends = np.zeros(size), np.zeros(size)
         first = self.around or _end_intervals(self.stops.first)
@@ -491,7 +333,7 @@ class _TourSearch:
         begin = self.begin
         goes = np.minimum.reduceat(bounds, begin[:-1], axis=1) < math.inf
         sums = np.count_nonzero(goes) * self.after.shape[1] / 2 * self.owner.size
-        self._spend(sums * _CHAIN_BOXES)
+        self.effort.spend_or_end(sums * CHAIN_BOXES)
         costs: FloatArray = first_chains(begin, self.after, ends, prices)
         for k in range(self.n - 1):
             self.effort.look_at_the_clock()
@@ -573,65 +415,17 @@ class _TourSearch:
 
     # Orders
 
-    def _orders(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
+    def _orders_left(self, behind: FloatArray) -> dict[tuple[int, ...], float] | None:
         """Bounds of all orders that can be as short as the best tour; None if there are many."""
-        if self.n > _MOST_IN_SET:
+        if self.n > MOST_IN_SET:
             return None
-        levels = self._states(behind)
-        if levels is None:
+        legs = Legs(self.begin, self.bounds, self.starts, self.ends)
+        ahead = ToGo(behind, self.near, self.prices)
+        cutoff = self.high + self.slack
+        orders = orders_within(legs, ahead, cutoff, self.effort)
+        if orders is None:
             return None
-        found: dict[tuple[int, ...], float] = {}
-        begin = self.begin
-        cutoff = self.high + self.slack
-        # from the end: a set of points that are left, the last of them, costs from its intervals on
-        every = (1 << self.n) - 1
-        open_ends: list[_OpenEnd] = [
-            (every, i, (), self.ends[begin[i] : begin[i + 1]]) for i in range(self.n)
-        ]
-        while open_ends:
-            left, here, rest, to_end = open_ends.pop()
-            costs = levels[left.bit_count() - 1].get((left, here))
-            if costs is None:
-                continue
-            least = float((costs[: to_end.size] + to_end).min())
-            if least > cutoff:
-                continue
-            order = (here, *rest)
-            if len(order) == self.n:
-                found[order] = least - self.slack
-                if len(found) > _MOST_ORDERS:
-                    return None
-                continue
-            others = left ^ (1 << here)
-            ends = slice(begin[here], begin[here + 1])
-            for before in range(self.n):
-                if others >> before & 1:
-                    way = self.bounds[begin[before] : begin[before + 1], ends]
-                    open_ends.append((others, before, order, (way + to_end).min(axis=1)))
-        return found
-
-    def _states(self, behind: FloatArray) -> list[dict[tuple[int, int], FloatArray]] | None:
-        """An exact program over sets of points: of each size its states' costs; None if many."""
-        begin = self.begin
-        most = int(np.diff(begin).max())
-        sets = np.left_shift(np.int64(1), np.arange(self.n))
-        lasts = np.arange(self.n)
-        costs = np.full((self.n, most), math.inf)
-        for i in range(self.n):
-            costs[i, : begin[i + 1] - begin[i]] = self.starts[begin[i] : begin[i + 1]]
-        cutoff = self.high + self.slack
-        levels = []
-        for k in range(self.n):
-            to_go = behind[self.n - 1 - k]
-            kept = leave_out(sets, lasts, costs, to_go, self.remembered, begin, self.prices, cutoff)
-            sets, lasts, costs = sets[kept], lasts[kept], costs[kept]
-            if sets.size * self.n > _MOST_STATES:
-                return None
-            keys = zip(sets.tolist(), lasts.tolist(), strict=True)
-            levels.append(dict(zip(keys, costs, strict=True)))
-            self._spend(sets.size * self.n * most**2 * _CHAIN_BOXES)
-            sets, lasts, costs = _united(*extended(sets, lasts, costs, self.bounds, begin))
-        return levels
+        return {order: least - self.slack for order, least in orders.items()}
 
     def _search_all(self) -> None:
         """Search every order of few points: each for a while, so that none takes all the time."""
@@ -678,39 +472,6 @@ def _least_tree(stops: Stops) -> float:
         place = int(np.where(joined, math.inf, away).argmin())
         tree += float(away[place])
     return tree * (1.0 - 4 * len(points) * EPS)
-
-
-def _sets_of(near: IntArray) -> SetArray:
-    """The points of each memory as a set, shape (points, memories)."""
-    memories = np.arange(1 << near.shape[1])
-    has = memories[:, None] >> np.arange(near.shape[1]) & 1
-    sets: SetArray = (has[None] << near[:, None, :]).sum(axis=2)
-    return sets
-
-
-def _united(
-    sets: SetArray, lasts: IntArray, costs: FloatArray
-) -> tuple[SetArray, IntArray, FloatArray]:
-    """One state of each set and last point, with the least costs."""
-    if not sets.size:
-        return sets, lasts, costs
-    order = np.lexsort((lasts, sets))
-    sets, lasts = sets[order], lasts[order]
-    new = np.append(True, (np.diff(sets) != 0) | (np.diff(lasts) != 0))
-    begins = np.flatnonzero(new)
-    return sets[begins], lasts[begins], np.minimum.reduceat(costs[order], begins)
-
-
-def _arc_headings(ways: FloatArray) -> FloatArray:
-    """Headings with which one arc leads to a point that is this way off, or from it."""
-    distances = np.hypot(*ways.T)
-    near = np.argsort(distances, kind="stable")
-    near = near[(distances[near] > 0.0) & (distances[near] < 2.0)]
-    chords = np.arctan2(ways[near, 1], ways[near, 0])
-    halves = np.arcsin(0.5 * distances[near])
-    to = (chords + halves, chords - halves, chords + math.pi - halves, chords - math.pi + halves)
-    both = [*to, *(heading + math.pi for heading in to)]
-    return np.array(both).T.ravel()
 
 
 def _end_intervals(heading: float | None) -> Intervals:

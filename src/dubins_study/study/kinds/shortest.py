@@ -9,8 +9,9 @@ import numpy as np
 
 from dubins_study.study.path import Path
 from dubins_study.study.route.search import Route, search
-from dubins_study.study.route.tour import Stops, Tour, search_tour
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.tour.search import Tour, search_tour
+from dubins_study.study.tour.stops import Stops
 from dubins_study.study.words import TURN, Order
 
 # A search is done when its interval is this narrow, of the route's length: a thousandth of what the

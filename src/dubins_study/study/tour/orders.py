@@ -1,0 +1,126 @@
+"""The orders of a tour's points that can be within a length: an exact program over sets of points.
+
+A state is a set of points that are passed, the last of them, and the least cost up to each of its
+intervals of headings. What is left to pay from there on, by chains backwards, leaves out most of
+them (docs/derivation.md, section 18).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.arrays import FloatArray, IntArray
+from dubins_study.study.route.effort import Effort
+from dubins_study.study.tour.chains import SetArray, extended, leave_out
+from dubins_study.study.tour.short_orders import CHAIN_BOXES
+
+MOST_IN_SET = 62  # points, of which a set is an int64
+_MOST_STATES = 100_000
+_MOST_ORDERS = 1_000
+
+_Levels = list[dict[tuple[int, int], FloatArray]]  # of each size, by set and last point
+_OpenEnd = tuple[int, int, tuple[int, ...], FloatArray]
+
+
+class Legs(NamedTuple):
+    """Bounds of the legs between intervals of headings."""
+
+    begin: IntArray  # where the intervals of each point begin, shape (points + 1,)
+    bounds: FloatArray  # shape (intervals, intervals)
+    starts: FloatArray  # from the start, shape (intervals,)
+    ends: FloatArray  # to the end, shape (intervals,)
+
+
+class ToGo(NamedTuple):
+    """What is left to pay at least."""
+
+    costs: FloatArray  # of chains backwards, less prices: shape (points, memories, intervals)
+    near: IntArray  # the points that a memory is of, shape (points, remembered)
+    prices: FloatArray  # shape (points,)
+
+
+def orders_within(
+    legs: Legs, to_go: ToGo, cutoff: float, effort: Effort
+) -> dict[tuple[int, ...], float] | None:
+    """Bounds of all orders that are not above the cutoff; None if there are many."""
+    levels = _states(legs, to_go, cutoff, effort)
+    if levels is None:
+        return None
+    found: dict[tuple[int, ...], float] = {}
+    begin = legs.begin
+    n = begin.size - 1
+    # from the end: a set of points that are left, the last of them, costs from its intervals on
+    every = (1 << n) - 1
+    open_ends: list[_OpenEnd] = [
+        (every, i, (), legs.ends[begin[i] : begin[i + 1]]) for i in range(n)
+    ]
+    while open_ends:
+        left, here, rest, to_end = open_ends.pop()
+        costs = levels[left.bit_count() - 1].get((left, here))
+        if costs is None:
+            continue
+        least = float((costs[: to_end.size] + to_end).min())
+        if least > cutoff:
+            continue
+        order = (here, *rest)
+        if len(order) == n:
+            found[order] = least
+            if len(found) > _MOST_ORDERS:
+                return None
+            continue
+        others = left ^ (1 << here)
+        ends = slice(begin[here], begin[here + 1])
+        for before in range(n):
+            if others >> before & 1:
+                way = legs.bounds[begin[before] : begin[before + 1], ends]
+                open_ends.append((others, before, order, (way + to_end).min(axis=1)))
+    return found
+
+
+def _states(legs: Legs, to_go: ToGo, cutoff: float, effort: Effort) -> _Levels | None:
+    """The states of each size that may end within the cutoff, and their costs; None if many."""
+    begin = legs.begin
+    n = begin.size - 1
+    most = int(np.diff(begin).max())
+    remembered = _sets_of(to_go.near)
+    sets = np.left_shift(np.int64(1), np.arange(n))
+    lasts = np.arange(n)
+    costs = np.full((n, most), math.inf)
+    for i in range(n):
+        costs[i, : begin[i + 1] - begin[i]] = legs.starts[begin[i] : begin[i + 1]]
+    levels = []
+    for k in range(n):
+        ahead = to_go.costs[n - 1 - k]
+        kept = leave_out(sets, lasts, costs, ahead, remembered, begin, to_go.prices, cutoff)
+        sets, lasts, costs = sets[kept], lasts[kept], costs[kept]
+        if sets.size * n > _MOST_STATES:
+            return None
+        keys = zip(sets.tolist(), lasts.tolist(), strict=True)
+        levels.append(dict(zip(keys, costs, strict=True)))
+        effort.spend_or_end(sets.size * n * most**2 * CHAIN_BOXES)
+        sets, lasts, costs = _united(*extended(sets, lasts, costs, legs.bounds, begin))
+    return levels
+
+
+def _sets_of(near: IntArray) -> SetArray:
+    """The points of each memory as a set, shape (points, memories)."""
+    memories = np.arange(1 << near.shape[1])
+    has = memories[:, None] >> np.arange(near.shape[1]) & 1
+    sets: SetArray = (has[None] << near[:, None, :]).sum(axis=2)
+    return sets
+
+
+def _united(
+    sets: SetArray, lasts: IntArray, costs: FloatArray
+) -> tuple[SetArray, IntArray, FloatArray]:
+    """One state of each set and last point, with the least costs."""
+    if not sets.size:
+        return sets, lasts, costs
+    order = np.lexsort((lasts, sets))
+    sets, lasts = sets[order], lasts[order]
+    new = np.append(True, (np.diff(sets) != 0) | (np.diff(lasts) != 0))
+    begins = np.flatnonzero(new)
+    return sets[begins], lasts[begins], np.minimum.reduceat(costs[order], begins)

@@ -1,0 +1,260 @@
+"""Short orders of a tour's points, by exchanges on a grid of headings: what a proof begins with.
+
+Everything is in units of the turning radius, headings in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from dubins_study.study.arrays import FloatArray, IntArray
+from dubins_study.study.closed_form.kernel_compile import compiled
+from dubins_study.study.route.effort import Effort
+from dubins_study.study.route.heading_grids import leg_table, shortest_leg
+from dubins_study.study.tour.stops import Stops
+
+_FEW = 12  # points up to which an order of straight lines is not tried
+_ON_GRID = 100  # points up to which an order is improved with headings, not with straight lines
+_IMPROVED = 200  # points up to which it is improved at all
+_SOME = 40  # points up to which there are more headings
+_HEADINGS, _FEWER = 24, 16  # at each point
+_MOST_ARCS = 24  # further ones of single arcs to near points, where there are more
+_KICKED = 62  # points up to which an order is changed and shortened anew
+_KICKS = 16  # how often
+_NEARLY = 1.02  # times the best length on the grid: other orders are not tried
+CHAIN_BOXES = 2e-5  # boxes that take as long as one sum of two costs
+
+
+class _Grid(NamedTuple):
+    """Headings at each point, and the lengths of legs between them."""
+
+    begin: IntArray  # where those of each point begin, shape (points + 1,)
+    lengths: FloatArray  # shape (headings, headings)
+    starts: FloatArray  # from the start, shape (headings,)
+    ends: FloatArray  # to the end, shape (headings,)
+
+
+def short_orders(
+    stops: Stops, effort: Effort, random: np.random.Generator
+) -> Iterator[tuple[int, ...]]:
+    """Orders that may be short: the first by straight lines, then the best with headings first."""
+    n = len(stops.points)
+    order = _nearest_neighbours(stops.points)
+    if n <= _IMPROVED:
+        _shorten(order, _straight_lines(stops), effort)
+    if n > _FEW:
+        yield tuple(order.tolist())
+    if n > _ON_GRID:
+        return
+    grid = _heading_grid(stops, effort)
+    length = _shorten(order, grid, effort)
+    found = {tuple(order.tolist()): length}
+    for _ in range(_KICKS if n <= _KICKED else 0):
+        order = _kicked(min(found, key=found.__getitem__), random)
+        length = _shorten(order, grid, effort)
+        found[tuple(order.tolist())] = length
+    shortest = min(found.values())
+    for tried, length in sorted(found.items(), key=lambda item: item[1]):
+        if length <= _NEARLY * shortest:
+            yield tried
+
+
+def _kicked(order: tuple[int, ...], random: np.random.Generator) -> IntArray:
+    """An order with two neighbouring parts exchanged (Martin, Otto and Felten 1991)."""
+    cuts = random.choice(np.arange(1, len(order) + 1), 3)
+    a, b, c = np.sort(cuts).tolist()
+    return np.array([*order[:a], *order[b:c], *order[a:b], *order[c:]])
+
+
+def _shorten(order: IntArray, grid: _Grid, effort: Effort) -> float:
+    """Shorten an order in place until no small change of it is shorter; return its length."""
+    length = math.inf
+    sums = order.size * grid.starts.size**2
+    while True:
+        effort.spend_or_end(sums * CHAIN_BOXES)
+        before = length
+        length = float(better_order(order, *grid))
+        if length == before:
+            return length
+
+
+def _straight_lines(stops: Stops) -> _Grid:
+    """One heading a point, which does not count."""
+    points, ends = stops.points, np.zeros(len(stops.points))
+    if stops.target is not None:
+        ends = np.hypot(*(points - stops.target).T)
+    begin = np.arange(len(points) + 1)
+    return _Grid(begin, cdist(points, points), np.hypot(*points.T), ends)
+
+
+def _nearest_neighbours(points: FloatArray) -> IntArray:
+    """The order of going on to the nearest point that is left."""
+    left = list(range(len(points)))
+    here = np.zeros(2)
+    order = []
+    while left:
+        away = np.hypot(*(points[left] - here).T)
+        following = left.pop(int(away.argmin()))
+        order.append(following)
+        here = points[following]
+    return np.array(order)
+
+
+def _heading_grid(stops: Stops, effort: Effort) -> _Grid:
+    """Evenly spread headings at each point, and those of single arcs to points near by."""
+    n = len(stops.points)
+    count = _HEADINGS if n <= _SOME else _FEWER
+    evenly = np.linspace(-math.pi, math.pi, count, endpoint=False)
+    sizes, of_points = [0], []
+    for i, given in enumerate(stops.headings):
+        some = evenly if given is None else np.array([given])
+        if given is None and n <= _SOME:
+            arcs = _arc_headings(stops.points - stops.points[i])
+            some = np.append(evenly, arcs[:_MOST_ARCS])
+        of_points.append(some)
+        sizes.append(some.size)
+    begin, headings = np.cumsum(sizes), np.concatenate(of_points)
+    effort.spend_or_end(headings.size**2 / 10)
+    lengths = lengths_between(stops.points, begin, headings)
+    return _Grid(begin, lengths, *_to_ends(stops, begin, headings))
+
+
+def _to_ends(stops: Stops, begin: IntArray, headings: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lengths from the start to each heading of the grid, and from it to the end."""
+    circle = np.linspace(-math.pi, math.pi, 2 * _HEADINGS, endpoint=False)
+    first = circle if stops.first is None else np.array([stops.first])
+    last = circle if stops.last is None else np.array([stops.last])
+    starts, ends = np.zeros(headings.size), np.zeros(headings.size)
+    for i, point in enumerate(stops.points):
+        some = slice(begin[i], begin[i + 1])
+        here = headings[some]
+        starts[some] = _lengths(point, first, here).min(axis=0)
+        if stops.target is not None:
+            ends[some] = _lengths(stops.target - point, here, last).min(axis=1)
+    return starts, ends
+
+
+def _lengths(way: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray:
+    lengths: FloatArray = leg_table(way, first, last, np.ones((first.size, last.size), np.int8))[0]
+    return lengths
+
+
+def _arc_headings(ways: FloatArray) -> FloatArray:
+    """Headings with which one arc leads to a point that is this way off, or from it."""
+    distances = np.hypot(*ways.T)
+    near = np.argsort(distances, kind="stable")
+    near = near[(distances[near] > 0.0) & (distances[near] < 2.0)]
+    chords = np.arctan2(ways[near, 1], ways[near, 0])
+    halves = np.arcsin(0.5 * distances[near])
+    to = (chords + halves, chords - halves, chords + math.pi - halves, chords - math.pi + halves)
+    both = [*to, *(heading + math.pi for heading in to)]
+    return np.array(both).T.ravel()
+
+
+@compiled
+def lengths_between(points: FloatArray, begin: IntArray, headings: FloatArray) -> FloatArray:
+    """Shortest lengths between the headings of different points, shape (headings, headings)."""
+    lengths = np.full((headings.size, headings.size), math.inf)
+    for i in range(points.shape[0]):
+        for j in range(points.shape[0]):
+            if i == j:
+                continue
+            x = points[j, 0] - points[i, 0]
+            y = points[j, 1] - points[i, 1]
+            for p in range(begin[i], begin[i + 1]):
+                for q in range(begin[j], begin[j + 1]):
+                    lengths[p, q] = shortest_leg(x, y, headings[p], headings[q])[0]
+    return lengths
+
+
+@compiled
+def _go(
+    costs: FloatArray,
+    here: int,
+    there: int,
+    lengths: FloatArray,
+    begin: IntArray,
+    following: FloatArray,
+) -> None:
+    """Write the least costs at the headings of a point of going on to it from another one."""
+    first, end = begin[there], begin[there + 1]
+    following[first:end] = math.inf
+    for p in range(begin[here], begin[here + 1]):
+        for q in range(first, end):
+            total = costs[p] + lengths[p, q]
+            following[q] = total if total < following[q] else following[q]
+
+
+@compiled
+def _costs_along(
+    order: IntArray,
+    lengths: FloatArray,
+    begin: IntArray,
+    starts: FloatArray,
+    costs: FloatArray,
+) -> None:
+    """Write the least costs of an order up to each of the headings at its points."""
+    first = slice(begin[order[0]], begin[order[0] + 1])
+    costs[first] = starts[first]
+    for k in range(1, order.size):
+        _go(costs, order[k - 1], order[k], lengths, begin, costs)
+
+
+_MOST_MOVED = 3  # points that change their place together
+_SHORTER = 1e-9  # radii; less is no reason for another order
+
+
+@compiled
+def better_order(
+    order: IntArray, begin: IntArray, lengths: FloatArray, starts: FloatArray, ends: FloatArray
+) -> float:
+    """Shorten an order in place where it can be, and return its length by the best headings.
+
+    A part of it is turned round, or up to three points are moved to another place. Each is tried
+    once, so that a shorter order may be left: ask again as long as the length is less.
+    """
+    n = order.size
+    back = np.ascontiguousarray(lengths.T)
+    ahead, behind, costs = np.empty(starts.size), np.empty(starts.size), np.empty(starts.size)
+    _costs_along(order, lengths, begin, starts, ahead)
+    _costs_along(order[::-1], back, begin, ends, behind)
+    least = (starts + behind)[begin[order[0]] : begin[order[0] + 1]].min()
+    for i in range(n):
+        for j in range(i + 1, n):
+            for moved in range(-_MOST_MOVED, min(_MOST_MOVED, j - i) + 1):
+                # moved points of order[i : j + 1] go from its front to its end, or back
+                size = abs(moved)
+                if size > j - i:
+                    continue
+                part = order[i : j + 1].copy()
+                if moved == 0:
+                    part[:] = order[i : j + 1][::-1]
+                elif moved > 0:
+                    part[: part.size - size] = order[i + size : j + 1]
+                    part[part.size - size :] = order[i : i + size]
+                else:
+                    part[:size] = order[j + 1 - size : j + 1]
+                    part[size:] = order[i : j + 1 - size]
+                if i == 0:
+                    _costs_along(part, lengths, begin, starts, costs)
+                else:
+                    _go(ahead, order[i - 1], part[0], lengths, begin, costs)
+                    _costs_along(part, lengths, begin, costs, costs)
+                last = slice(begin[part[-1]], begin[part[-1] + 1])
+                if j == n - 1:
+                    length = (costs[last] + ends[last]).min()
+                else:
+                    _go(costs, part[-1], order[j + 1], lengths, begin, costs)
+                    last = slice(begin[order[j + 1]], begin[order[j + 1] + 1])
+                    length = (costs[last] + behind[last]).min()
+                if length < least - _SHORTER:
+                    least = length
+                    order[i : j + 1] = part
+                    _costs_along(order, lengths, begin, starts, ahead)
+                    _costs_along(order[::-1], back, begin, ends, behind)
+    return float(least)

@@ -1,0 +1,38 @@
+"""What a tour has to pass, in radii and seen from its start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.study.arrays import FloatArray
+
+
+class Stops(NamedTuple):
+    """What a tour has to pass, seen from its start."""
+
+    points: FloatArray  # via points, shape (n, 2)
+    headings: Sequence[float | None]  # at the via points; None where free
+    first: float | None  # heading at the start
+    target: tuple[float, float] | None  # None: the tour ends at whichever point comes last
+    last: float | None  # heading at the target
+    closed: bool = False  # whether the tour ends with the heading that it starts with, both free
+
+    def route(self, order: Sequence[int]) -> tuple[FloatArray, list[float | None]]:
+        """The points of one order, from the start on, and the headings there."""
+        some = list(order)
+        points = np.vstack([np.zeros(2), self.points[some]])
+        headings = [self.first, *(self.headings[i] for i in some)]
+        if self.target is None:
+            return points, headings
+        return np.vstack([points, self.target]), [*headings, self.last]
+
+    def begun_at(self, place: int) -> Stops:
+        """The same loop from a via point with a heading on; the start becomes the first point."""
+        others = np.delete(self.points, place, axis=0)
+        around = np.vstack([np.zeros((1, 2)), others]) - self.points[place]
+        rest = [heading for i, heading in enumerate(self.headings) if i != place]
+        heading = self.headings[place]
+        return Stops(around, [None, *rest], heading, (0.0, 0.0), heading)
