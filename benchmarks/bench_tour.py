@@ -18,6 +18,7 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.harness import Measurement, absent, sized
+from benchmarks.tour_genetic import NO_DEAP, evolved
 from benchmarks.tour_routing import NO_ORTOOLS, routed
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.closed_form.pose import shortest_to_pose
@@ -140,16 +141,11 @@ def proof_row(size: Size, found: Sequence[Timed]) -> Measurement:
 
 def shorter_ways(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:
     """What is lost without a proof, and how long it takes, on the same points."""
-    ways: dict[str, Callable[[Stops], float]] = {
-        "Euclidean order, best headings": euclidean_headings,
-        "alternating straight legs": alternating,
-        "OR-tools' routing, 8 headings a point": routed,
-    }
-    for way, length_of in ways.items():
+    for way, (length_of, missing) in WAYS.items():
         what = f"{way}: {named(size)}"
         tried = [timed(length_of, drawn(size, seed)) for seed in range(len(found))]
         if any(math.isnan(each.result) for each in tried):
-            yield absent(what, NO_ORTOOLS)
+            yield absent(what, missing)
             continue
         above = [
             each.result / proof.result.high - 1.0 for each, proof in zip(tried, found, strict=True)
@@ -209,6 +205,15 @@ def length_of_poses(points: FloatArray, headings: FloatArray) -> float:
     poses = [Pose(x, y, angle) for (x, y), angle in zip(points, headings, strict=True)]
     legs = [shortest_to_pose(*both, 1.0) for both in pairwise(poses)]
     return math.fsum(leg.total for leg in legs if leg is not None)
+
+
+# shorter ways, each with the reason where it cannot be tried
+WAYS: dict[str, tuple[Callable[[Stops], float], str]] = {
+    "Euclidean order, best headings": (euclidean_headings, ""),
+    "alternating straight legs": (alternating, ""),
+    "OR-tools' routing, 8 headings a point": (routed, NO_ORTOOLS),
+    "DEAP's genetic search, 8 headings a point": (evolved, NO_DEAP),
+}
 
 
 def without_parts(size: Size, found: Sequence[Timed]) -> Iterator[Measurement]:

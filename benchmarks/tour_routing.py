@@ -18,7 +18,7 @@ from dubins_study.study.tour.stops import Stops
 NO_ORTOOLS = "ortools is not installed"
 HEADINGS = 8
 SECONDS = sized(2, 1)
-_UNITS = 10_000  # of whole numbers, a radius
+UNITS = 10_000  # of whole numbers, a radius
 _NOT_VISITED = 10**9
 _LAST_HEADINGS = 72
 
@@ -29,7 +29,7 @@ def routed(stops: Stops) -> float:
         return math.nan
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
-    costs = _costs(stops)
+    costs = grid_costs(stops)
     size = len(costs)
     manager = pywrapcp.RoutingIndexManager(size, 1, [size - 2], [size - 1])
     routing = pywrapcp.RoutingModel(manager)
@@ -50,10 +50,10 @@ def routed(stops: Stops) -> float:
     found = routing.SolveWithParameters(asked)
     if found is None or found.ObjectiveValue() >= _NOT_VISITED:
         return math.inf
-    return float(found.ObjectiveValue() / _UNITS)
+    return float(found.ObjectiveValue() / UNITS)
 
 
-def _costs(stops: Stops) -> np.ndarray:
+def grid_costs(stops: Stops) -> np.ndarray:
     """Lengths between all headings, those of the start and to the target in the last two rows."""
     n = len(stops.points)
     grid = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
@@ -69,4 +69,4 @@ def _costs(stops: Stops) -> np.ndarray:
         live = np.ones((HEADINGS, _LAST_HEADINGS), np.int8)
         way = np.array(stops.target) - point
         lengths[some, -1] = leg_table(way, grid, last, live)[0].min(axis=1)
-    return np.minimum(np.rint(_UNITS * lengths), _NOT_VISITED).astype(np.int64)
+    return np.minimum(np.rint(UNITS * lengths), _NOT_VISITED).astype(np.int64)
