@@ -120,14 +120,14 @@ class Disjunctive(EngineSolver):
     emphasis: str = one_of("lean", ("lean", "default"))
     presolve: bool = False
 
-    name: ClassVar[str] = "disjunctive"
-    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
-    branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    takes: ClassVar[frozenset[str]] = IN_ORDER | {FREE_ORDER, CLOSED}
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
-    summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
-    variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "disjunctive"
+    guarantee = Guarantee.GLOBAL
+    branches = ("best", *WORDS)
+    takes = IN_ORDER | {FREE_ORDER, CLOSED}
+    packages = ("pyomo", *packages(MINLP_ENGINES))
+    summary = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
+    variants = others("disjunctive", MINLP_ENGINES, "scip")
+    profiles: ClassVar = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
     }

@@ -96,13 +96,13 @@ class GlobalNlp(EngineSolver):
     polish: bool = True
     presolve: bool = False
 
-    name: ClassVar[str] = "global-nlp"
-    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = ("casadi", *packages(MINLP_ENGINES))
-    summary: ClassVar[str] = "the paper's model (4.12), proven by SCIP or MAiNGO"
-    variants: ClassVar[tuple[str, ...]] = others("global-nlp", MINLP_ENGINES, "scip")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "global-nlp"
+    guarantee = Guarantee.GLOBAL
+    branches = BRANCHES
+    packages = ("casadi", *packages(MINLP_ENGINES))
+    summary = "the paper's model (4.12), proven by SCIP or MAiNGO"
+    variants = others("global-nlp", MINLP_ENGINES, "scip")
+    profiles: ClassVar = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
     }

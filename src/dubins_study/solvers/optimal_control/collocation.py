@@ -140,11 +140,11 @@ class Collocation(NlpTranscription):
 
     points: int = whole(5, 1, 10)  # more than ten Radau points are lost in rounding
 
-    name: ClassVar[str] = "collocation"
-    formulation: ClassVar[str] = "Radau collocation"
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
-    summary: ClassVar[str] = "optimal control collocated in pyomo.dae, free elements"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "collocation"
+    formulation = "Radau collocation"
+    packages = ("pyomo", "casadi")
+    summary = "optimal control collocated in pyomo.dae, free elements"
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
     }

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 
@@ -39,10 +38,10 @@ class MultipleShooting(NlpTranscription):
 
     n: int = whole(4, 3, 1000)
 
-    name: ClassVar[str] = "multiple-shooting"
-    formulation: ClassVar[str] = "multiple shooting"
-    packages: ClassVar[tuple[str, ...]] = ("casadi",)
-    summary: ClassVar[str] = "optimal control by multiple shooting, arcs of free length"
+    name = "multiple-shooting"
+    formulation = "multiple shooting"
+    packages = ("casadi",)
+    summary = "optimal control by multiple shooting, arcs of free length"
 
     def template(self, course: Course) -> Segments:
         engine = self.library.load()(self.tol, self.max_iter, self.options)

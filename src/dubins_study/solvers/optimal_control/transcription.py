@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -128,10 +128,10 @@ class Transcription(EngineSolver):
     presolve: bool = False
 
     formulation: ClassVar[str]
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    branches: ClassVar[tuple[str, ...]] = tuple(RATES)
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    warm: ClassVar[bool] = True
+    guarantee = Guarantee.DISCRETISED
+    branches = tuple(RATES)
+    takes = IN_ORDER
+    warm = True
     keeps_limit = False  # compiling takes seconds for hundreds of legs
 
     def template(self, course: Course) -> Template:
@@ -200,7 +200,7 @@ class NlpTranscription(Transcription):
     tol: float = tolerance()
     max_iter: int = iterations()
 
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -68,11 +68,11 @@ class TurnRateQp(Transcription):
     max_qps: int = whole(60, 1, 10**6)
     options: str = option_set()
 
-    name: ClassVar[str] = "turn-rate-qp"
-    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
-    summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
+    name = "turn-rate-qp"
+    packages = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
+    summary = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
     # gaps near 1e-9 outside the discs and 2e-6 inside, for ten times the time
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
+    profiles: ClassVar = {"accurate": {"n": 640, "mesh": "graded"}}
 
     @property
     def method(self) -> Method:

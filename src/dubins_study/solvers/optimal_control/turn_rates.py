@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -48,11 +48,11 @@ class TurnRates(NlpTranscription):
     n: int = whole(50, 3, 1000)
     mesh: str = one_of("equal", SHARINGS)
 
-    name: ClassVar[str] = "turn-rates"
-    formulation: ClassVar[str] = "turn rates"
-    packages: ClassVar[tuple[str, ...]] = ("casadi",)
-    summary: ClassVar[str] = "optimal control over n turn rates and the length, one program"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "turn-rates"
+    formulation = "turn rates"
+    packages = ("casadi",)
+    summary = "optimal control over n turn rates and the length, one program"
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"n": 200, "mesh": "graded"},
     }

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.minlp_engines.mixed_program import Settings
@@ -43,14 +43,14 @@ class HeadingMilp(EngineSolver):
     headings: int = whole(72, 4, 1000)
     gap: float = within(1e-6, 0, 1, ends=False)
 
-    name: ClassVar[str] = "heading-milp"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
-    summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
+    name = "heading-milp"
+    guarantee = Guarantee.DISCRETISED
+    takes = IN_ORDER
+    packages = packages(("highs", *MINLP_ENGINES))
+    summary = "headings on a grid, exact legs between them, by a MILP engine"
     keeps_limit = False  # a program of thousands of legs takes seconds to state
-    variants: ClassVar[tuple[str, ...]] = others("heading-milp", _ENGINES, "highs")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    variants = others("heading-milp", _ENGINES, "highs")
+    profiles: ClassVar = {
         "fast": {"headings": 36},
         "accurate": {"headings": 144},
     }

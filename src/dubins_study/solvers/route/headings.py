@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -81,12 +81,12 @@ class Headings(SearchSolver):
     evaluations: int = whole(0, 0, 10**6)
     trace: bool = False
 
-    name: ClassVar[str] = "headings"
-    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
-    variants: ClassVar[tuple[str, ...]] = others("headings", _ENGINES, _DEFAULT)
+    name = "headings"
+    guarantee = Guarantee.STOCHASTIC
+    takes = IN_ORDER
+    packages = packages(_ENGINES)
+    summary = "headings at the points of a route, exact legs between them"
+    variants = others("headings", _ENGINES, _DEFAULT)
 
     @property
     def method(self) -> Method:

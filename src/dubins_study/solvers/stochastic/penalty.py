@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -82,13 +82,13 @@ class Penalty(SearchSolver):
     presolve: bool = False
     options: str = option_set()
 
-    name: ClassVar[str] = "penalty"
-    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
-    variants: ClassVar[tuple[str, ...]] = others("penalty", _ENGINES, _ENGINES[0])
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "penalty"
+    guarantee = Guarantee.STOCHASTIC
+    branches = BRANCHES
+    packages = packages(_ENGINES)
+    summary = "length plus weighted miss, searched without derivatives"
+    variants = others("penalty", _ENGINES, _ENGINES[0])
+    profiles: ClassVar = {
         "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
     }

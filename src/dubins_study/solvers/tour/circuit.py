@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,14 +44,14 @@ class TourCircuit(Solver):
     polish: bool = False
     seed: int = whole(0, 0, 10**6)
 
-    name: ClassVar[str] = "tour-circuit"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
-    summary: ClassVar[str] = "tours: order and headings on a grid, by CP-SAT's circuit"
+    name = "tour-circuit"
+    guarantee = Guarantee.DISCRETISED
+    takes = frozenset(NEEDS)
+    packages = _ENGINE.packages
+    summary = "tours: order and headings on a grid, by CP-SAT's circuit"
     # OR-tools carries another HiGHS than highspy, and no process can load both
     keeps_limit = False
-    variants: ClassVar[tuple[str, ...]] = ("tour-circuit[costs=bounds]",)
+    variants = ("tour-circuit[costs=bounds]",)
 
     @property
     def method(self) -> Method:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
 
 from dubins_study.solvers.engines import EngineSolver, packages
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
@@ -59,13 +58,13 @@ class TourMilp(EngineSolver):
     polish: bool = False
     seed: int = whole(0, 0, 10**6)
 
-    name: ClassVar[str] = "tour-milp"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "tours: order and headings on a grid, by a MILP engine"
+    name = "tour-milp"
+    guarantee = Guarantee.DISCRETISED
+    takes = frozenset(NEEDS)
+    packages = packages(_ENGINES)
+    summary = "tours: order and headings on a grid, by a MILP engine"
     keeps_limit = False  # thousands of arcs take seconds to state
-    variants: ClassVar[tuple[str, ...]] = (
+    variants = (
         *("tour-milp[engine=scip]", "tour-milp[engine=cbc]"),
         *("tour-milp[model=mtz]", "tour-milp[model=cuts]", "tour-milp[costs=bounds]"),
     )

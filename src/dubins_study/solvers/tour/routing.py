@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 
@@ -50,12 +49,12 @@ class TourRouting(Solver):
     search: str = one_of(DESCENT, _SEARCHES)
     polish: bool = False
 
-    name: ClassVar[str] = "tour-routing"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    name = "tour-routing"
+    guarantee = Guarantee.DISCRETISED
     # the vehicle has one depot: the start with its heading
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS) - {FREE_START}
-    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
-    summary: ClassVar[str] = "tours: order and headings on a grid, by OR-tools' routing library"
+    takes = frozenset(NEEDS) - {FREE_START}
+    packages = _ENGINE.packages
+    summary = "tours: order and headings on a grid, by OR-tools' routing library"
     keeps_limit = False  # as that of `tour-circuit`
 
     @property
