@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
@@ -33,6 +33,7 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
+    nothing_found,
     spent,
     total,
     tried,
@@ -80,16 +81,19 @@ class Transcribed(NamedTuple):
     native: EngineResult
 
 
-@dataclass(frozen=True, eq=False)
-class Template:
-    """A transcription, compiled for its settings and a number of legs."""
+def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
+    """The solution of a program whose last two equations are those of the end point."""
+    duals = None if result.duals is None else result.duals[-2:]
+    return Transcribed(elements, result._replace(duals=duals))
+
+
+class Template(NamedTuple):
+    """A transcription of a course in body coordinates, compiled."""
 
     # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
     shares: FloatArray | None
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
-        """Solve in body coordinates from a guess until a time (s, on `perf_counter`)."""
-        raise NotImplementedError
+    # from a guess, within the rates, until a time (s, on `perf_counter`)
+    solve: Callable[[Guess, Rates, float], Transcribed]
 
 
 class PosedCourse(NamedTuple):
@@ -159,7 +163,7 @@ class Transcription(EngineSolver):
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began, course = perf_counter(), model.course
-        elements, native = model.template.solve(guess, model.rates, course, until)
+        elements, native = model.template.solve(guess, model.rates, until)
         # what is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
         missed, off, rollouts = math.inf, math.inf, 0
@@ -221,7 +225,7 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     Of equally short runs one that the engine calls a solution goes first.
     """
     if not runs:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        return nothing_found(runs)
     scenario, rates, course = model.question.scenario, model.rates, model.course
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
     most = min((run.length for run in arrived), default=math.inf) * (1 + _SAME)
