@@ -18,7 +18,7 @@ from dubins_study.solvers.runs import Run, spent
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.tour.graph import LENGTHS, Graph, found_by, graph_of
 from dubins_study.solvers.tour.linear_program import CUTS, LinearProgram, program_of
-from dubins_study.solvers.tour.milp_engines import FEASIBILITY, Asked, highs, mixed
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.places import empty_path, tour_path
 from dubins_study.study.words import IN_ORDER, Claim
 
@@ -69,11 +69,7 @@ class HeadingMilp(EngineSolver):
             return there
         scenario = graph.question.scenario
         began = perf_counter()
-        if self.engine == "highs":
-            proven = highs(program, Asked(limit, self.gap, 0))
-        else:
-            ask = self.library.load()(Settings(self.gap, FEASIBILITY))
-            proven = ask(mixed(program), limit)
+        proven = solved(self, program, Settings(self.gap, FEASIBILITY), limit)
         result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
         found = found_by(graph, proven)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from dubins_study.solvers.engines import EngineSolver, packages
+from dubins_study.solvers.minlp_engines.mixed_program import Settings
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.tour.graph import (
@@ -25,11 +26,11 @@ from dubins_study.solvers.tour.linear_program import (
     program_of,
     with_cuts,
 )
-from dubins_study.solvers.tour.milp_engines import ENGINE_CALLS, FEASIBILITY, Asked
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import NEEDS, Claim
 
-_ENGINES = tuple(ENGINE_CALLS)
+_ENGINES = ("highs", "scip", "cbc")
 
 
 @dataclass(frozen=True)
@@ -82,9 +83,9 @@ class TourMilp(EngineSolver):
         if there := empty_path(graph.question):
             return there
         began = perf_counter()
-        asked = Asked(limit, self.gap, self.seed + graph.question.repeat)
-        call = ENGINE_CALLS[self.engine]
-        result = call(program, asked)
+        seed = self.seed + graph.question.repeat
+        settings = Settings(self.gap, FEASIBILITY, seed=seed)
+        result = solved(self, program, settings, limit)
         bound = result.bound
         nodes = result.nodes or 0
         while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
@@ -93,7 +94,7 @@ class TourMilp(EngineSolver):
             if len(subtours) == 1 or left <= 0.0:
                 break
             program = with_cuts(program, graph, subtours)
-            result = call(program, asked._replace(seconds=left))
+            result = solved(self, program, settings, left)
             bound = max(bound, result.bound)
             nodes += result.nodes or 0
         found = found_by(graph, result._replace(bound=bound, nodes=nodes))
