@@ -17,7 +17,6 @@ from dubins_study.solvers.course import Course, body_course, path_of
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
-    WORDS,
     Translated,
     gdp_model,
     pieces,
@@ -28,7 +27,7 @@ from dubins_study.solvers.global_minlp.gdp_model import (
 from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult, Settings
 from dubins_study.solvers.one_leg.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.one_leg.polish import meet_target
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import WORDS, words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
