@@ -14,7 +14,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, needs_watch
 from dubins_study.solvers.runs import EngineResult, no_point
-from dubins_study.solvers.setting_checks import nested
+from dubins_study.solvers.setting_checks import OptionValues, nested
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -166,7 +166,7 @@ def _by_arrays(solver: Any) -> _Call:
     return run
 
 
-def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
+def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
     """A plug-in of `nlpsol` by its name."""
     chosen = tuple(options.items())
     max_iter = next((value for name, value in chosen if name.endswith("max_iter")), None)

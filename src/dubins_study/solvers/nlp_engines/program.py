@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
 
@@ -147,21 +148,7 @@ class Functions(NamedTuple):
     equations: Callable[[FloatArray], FloatArray]  # shape (m,)
     jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
     hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
-    entries: Entries | None = None  # where the derivatives have zeros
-
-
-def _all_entries(functions: Functions, n: int, m: int) -> Entries:
-    """Every entry of the derivatives by n variables of m equations."""
-    lower = np.tril_indices(n)
-
-    def hessian(x: FloatArray, weight: float, weights: FloatArray) -> FloatArray:
-        curved = functions.hessian(x, weights)
-        if weight != 1.0:
-            curved = curved + (weight - 1.0) * functions.hessian(x, np.zeros(m))
-        return curved[lower]
-
-    every = np.indices((m, n)).reshape(2, -1)
-    return Entries(every, lambda x: functions.jacobian(x).ravel(), np.array(lower), hessian)
+    entries: Entries  # for engines that take the derivatives' places
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,15 +173,7 @@ class Program:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
 
-    @cached_property
-    def entries(self) -> Entries:
-        """The derivatives' entries, for engines that take their places."""
-        functions = self.functions
-        if functions.entries is not None:
-            return functions.entries
-        return _all_entries(functions, self.lower.size, functions.equations(self.lower).size)
-
-    def attainable(self, options: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    def attainable(self, options: Mapping[str, Any], *names: str) -> OptionValues:
         """Options, no named tolerance on the equations less than what their rounding leaves."""
         least = 64 * EPS * self.magnitude
         return {**options, **{key: max(options[key], least) for key in names if key in options}}

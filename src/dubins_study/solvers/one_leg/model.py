@@ -132,13 +132,8 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
 def equations(z: Lengths, X: float, Y: float) -> FloatArray:
     """Target minus end point: (4.10), (4.11) with start (0, 0, 0) and b = 1; (3,) -> (2,)."""
     z1, z2, z3 = z
-    th = z1 - z2
-    return np.array(
-        (
-            X - (2 * math.sin(z1) - math.sin(th)) - z3 * math.cos(th),
-            Y - (1 - 2 * math.cos(z1) + math.cos(th)) - z3 * math.sin(th),
-        )
-    )
+    x, y = end_point(z1, z1 - z2, z3, math)
+    return np.array((X - x, Y - y))
 
 
 def jacobian(z: Lengths) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import (
     DeferredExpressions,
+    Entries,
     Expressions,
     Functions,
     NlpCall,
@@ -76,12 +77,26 @@ def _written(case: Case) -> Functions:
         full[places] = z.tolist()
         return full
 
+    def slopes(z: FloatArray) -> FloatArray:
+        return jacobian(lengths(z))[:, places]
+
+    def curvatures(z: FloatArray, weights: FloatArray) -> FloatArray:
+        return hessian(lengths(z), weights)[places, places]
+
+    lower = np.tril_indices(ones.size)
+    every = Entries(
+        np.indices((2, ones.size)).reshape(2, -1),
+        lambda z: slopes(z).ravel(),
+        np.array(lower),
+        lambda z, weight, weights: curvatures(z, weights)[lower],  # the objective is linear
+    )
     return Functions(
         lambda z: sum(z.tolist()),
         lambda z: ones,
         lambda z: equations(lengths(z), X, Y),
-        lambda z: jacobian(lengths(z))[:, places],
-        lambda z, weights: hessian(lengths(z), weights)[places, places],
+        slopes,
+        curvatures,
+        every,
     )
 
 

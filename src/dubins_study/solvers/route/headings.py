@@ -27,7 +27,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Program,
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import EngineResult, Run, at_start, spent, timed
+from dubins_study.solvers.runs import EngineResult, Run, at_start, nothing_found, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
@@ -111,8 +111,7 @@ class Headings(SearchSolver):
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
         begun = [run for run in runs if np.isfinite(run.length)]
         if not begun:
-            messages = [run.result.message for run in runs]
-            return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+            return nothing_found(runs)
         best = min(begun, key=lambda run: run.length)
         return Solution(
             Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,

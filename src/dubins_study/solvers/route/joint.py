@@ -32,6 +32,7 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
+    nothing_found,
     settled,
     spent,
     timed,
@@ -167,7 +168,7 @@ class RouteNlp(EngineSolver):
 def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest point that the engine calls a solution, or the one that misses least."""
     if not runs:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        return nothing_found(runs)
     question, route, places, program, known = model
     scenario, equations = question.scenario, program.functions.equations
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))

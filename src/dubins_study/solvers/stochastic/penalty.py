@@ -28,7 +28,7 @@ from dubins_study.solvers.one_leg.model import (
 )
 from dubins_study.solvers.one_leg.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import Run, at_start, spent
+from dubins_study.solvers.runs import Run, at_start, nothing_found, spent
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
@@ -169,8 +169,7 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest path that arrives; if none does, the one that ends nearest to the target."""
     begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
-        messages = [run.result.message for run in runs]
-        return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+        return nothing_found(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
     best = min(begun, key=lambda run: run.miss)
