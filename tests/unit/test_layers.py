@@ -36,13 +36,13 @@ class Size(NamedTuple):
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
     "study": 85_400,
-    "solvers": 74_600,
-    "asking": 5_600,
+    "solvers": 72_800,
+    "asking": 5_460,
     "experiments": 35_000,
     "conformance": 11_800,
     "report": 71_900,
     "cli": 12_000,
-    "package": 296_200,
+    "package": 293_700,
     "tests": 262_000,
 }
 

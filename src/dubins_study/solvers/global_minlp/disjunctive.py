@@ -198,7 +198,14 @@ class Disjunctive(EngineSolver):
             message=run.result.message,
         )
         if run.point is None:
-            return _without_a_path(model, known)
+            if run.claim is not Claim.INFEASIBLE:
+                return known
+            known = replace(known, lower_bound=None)
+            branch = model.question.branch
+            if branch == "best":
+                # Some word reaches every target, so the engine has cut it off.
+                return replace(known, claim=Claim.FAILED, message="no word left")
+            return replace(known, message=f"{branch} does not reach the target")
         words, met = _met(model, run.point)
         stopped = run.claim is Claim.LIMIT
         claim, message = self._claim(stopped, feastol, bound, met)
@@ -278,13 +285,3 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
     return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
-
-
-def _without_a_path(model: PosedDisjunction, known: Solution) -> Solution:
-    question = model.question
-    if known.claim is not Claim.INFEASIBLE:
-        return known
-    if question.branch == "best":
-        # Some word reaches every target, so the engine has cut it off.
-        return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
-    return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -38,6 +37,8 @@ def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        import nlopt as library
+
         chosen = program.attainable(options, "constraint_tol")
         allowed, most = chosen.pop("constraint_tol"), chosen.pop("maxeval", 0)
         search = _search(algorithm, guess.size, chosen)
@@ -66,7 +67,8 @@ def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
         search.add_equality_mconstraint(equations, np.full(m, allowed))
         # NLopt refuses a guess outside the bounds
         x = np.asarray(search.optimize(np.clip(guess, program.lower, program.upper)))
-        status = _status_names()[search.last_optimize_result()]
+        names = {getattr(library, name): name for name in _STATUSES}
+        status = names[search.last_optimize_result()]
         message = status.replace("_", " ").lower()
         claim = claim_of("nlopt", status)
         # a success is a claim only where the equations hold to the tolerance that NLopt was given
@@ -85,11 +87,3 @@ def _search(algorithm: str, n: int, tolerances: dict[str, float]) -> Any:
     for name, value in tolerances.items():
         getattr(search, f"set_{name}")(value)
     return search
-
-
-@cache
-def _status_names() -> dict[int, str]:
-    """Names of NLopt's return codes, by code."""
-    import nlopt
-
-    return {getattr(nlopt, name): name for name in _STATUSES}

@@ -110,23 +110,6 @@ class _Compiled(NamedTuple):
     hessian_at: IntArray
 
 
-class DeferredExpressions(Expressions):
-    """Expressions that are written when an engine first reads them.
-
-    One that calls functions which a formulation has written by hand loads no casadi.
-    """
-
-    def __init__(self, write: Callable[[], Expressions]) -> None:
-        vars(self)["write"] = write
-
-    def __getattr__(self, name: str) -> Any:
-        # called for what is not set yet
-        if name not in ("x", "p", "f", "g"):
-            raise AttributeError(name)
-        vars(self).update(vars(self.write()))
-        return vars(self)[name]
-
-
 class Entries(NamedTuple):
     """The entries of a program's derivatives that may differ from zero.
 
@@ -155,18 +138,24 @@ class Functions(NamedTuple):
 class Program:
     """One question's program: values of p (k,), and bounds of x (n,), maybe infinite.
 
-    `written` are functions written by hand, if these are quicker than casadi's. Some 1e-16 of
+    An engine that calls functions which are `written` by hand, if these are quicker than casadi's,
+    loads no casadi where the expressions are a function that gives them. Some 1e-16 of
     `magnitude`, that of the terms which the equations add up, is their rounding. `bounds` of g, if
     they are not 0, are read by the engines of `casadi_nlpsol` only.
     """
 
-    expressions: Expressions
+    source: Expressions | Callable[[], Expressions]
     p: FloatArray
     lower: FloatArray
     upper: FloatArray
     written: Functions | None = None
     magnitude: float = 1.0
     bounds: tuple[FloatArray, FloatArray] | None = None
+
+    @cached_property
+    def expressions(self) -> Expressions:
+        """The expressions, for engines that read some."""
+        return self.source if isinstance(self.source, Expressions) else self.source()
 
     @cached_property
     def functions(self) -> Functions:

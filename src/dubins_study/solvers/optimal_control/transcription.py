@@ -41,7 +41,6 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import IN_ORDER, Claim
@@ -297,8 +296,11 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
         share, most = None if shares is None else shares[0], 1 if name == "words" else None
 
         def shaped(word: str) -> Iterator[Guess]:
-            paths = islice(_shaped(word, target), most)
-            return (Guess(word, cut(path, n, share)) for path in paths)
+            case = case_of(word, target)
+            for z in islice(bearing_guesses(case, prescribed=False), most):
+                lengths = np.array(z) * case.subproblem.mask
+                path = Path(HERE, case.subproblem.turns, lengths)
+                yield Guess(word, cut(path, n, share))
 
         cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
@@ -359,10 +361,3 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
         for a, b in pairwise(bounds)
     ]
     return [Guess("warm", _cut_legs(legs, n, shares))]
-
-
-def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Paths shaped like a word, from the start at heading 0."""
-    case = case_of(word, target)
-    for z in bearing_guesses(case, prescribed=False):
-        yield Path(HERE, case.subproblem.turns, np.array(z) * case.subproblem.mask)

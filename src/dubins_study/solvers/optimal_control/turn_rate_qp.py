@@ -115,7 +115,7 @@ class Sequence:
     def run(self, guess: Elements) -> Transcribed:
         """Solve from one initial guess; QPs count as iterations, rollouts as evaluations."""
         self.restored = False
-        self.qp.forget()
+        self.qp.memory.clear()  # no answer depends on an earlier question
         self._begin(guess.within(self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"

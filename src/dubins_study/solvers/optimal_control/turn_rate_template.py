@@ -140,10 +140,6 @@ class QpTemplate:
         objective = p.w @ self.t + bend + p.penalty @ cp.reshape(slack, (1,), order="C")
         return cp.Problem(cp.Minimize(objective), [*ends, *bounds]), ends
 
-    def forget(self) -> None:
-        """Let the engine start cold, so that no answer depends on an earlier question."""
-        self.memory.clear()
-
     def _solved(self, numbers: Numbers, options: OptionValues) -> Any:
         """cvxpy's own solution.
 

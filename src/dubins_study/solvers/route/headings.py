@@ -19,7 +19,6 @@ from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import SearchSolver, names, others, packages
 from dubins_study.solvers.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.nlp_engines.program import (
-    DeferredExpressions,
     Entries,
     Expressions,
     Functions,
@@ -245,7 +244,7 @@ def program(route: Route, functions: Functions | None = None) -> Program:
     k = route.unknowns
     free = np.full(k, np.inf)
     written = functions or _functions(route)
-    return Program(DeferredExpressions(_no_expressions), free[:0], -free, free, written)
+    return Program(_no_expressions, free[:0], -free, free, written)
 
 
 def _no_expressions() -> Expressions:

@@ -94,10 +94,6 @@ class Penalty(SearchSolver):
     }
 
     @property
-    def _budget(self) -> int:
-        return self.evaluations or self.library.evaluations
-
-    @property
     def method(self) -> Method:
         return Method("penalty", self.library.label, self.guess)
 
@@ -147,7 +143,8 @@ class Penalty(SearchSolver):
         """One search; the run's point is that of its result after the correction."""
         began = perf_counter()
         penalised = PenaltyFunction(case, weight)
-        function = CountedFunction(penalised, self._budget, until)
+        budget = self.evaluations or self.library.evaluations
+        function = CountedFunction(penalised, budget, until)
         begin = None
         if guess is not None:
             begin = np.clip(guess[list(case.subproblem.free)], 0.0, penalised.upper)
