@@ -3,6 +3,7 @@
 import pytest
 
 from dubins_study.experiments import solve as asking
+from dubins_study.solvers.engines import EngineSolver
 from dubins_study.solvers.protocol import Solver
 
 
@@ -18,8 +19,7 @@ def _asked_here():
         # OR-tools and highspy cannot be loaded in one process
         chosen = isolated
         if isolated is None and isinstance(solver, Solver):
-            engine = getattr(solver, "engine", "cbc")  # the only one of several
-            chosen = "ortools" in solver.packages and engine == "cbc"
+            chosen = isinstance(solver, EngineSolver) and "ortools" in solver.library.packages
         return in_worker(solver, chosen, frames=frames)
 
     with pytest.MonkeyPatch.context() as patch:

@@ -36,13 +36,13 @@ class Size(NamedTuple):
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
     "study": 85_600,
-    "solvers": 74_600,
-    "asking": 5_600,
+    "solvers": 72_800,
+    "asking": 5_460,
     "experiments": 35_000,
     "conformance": 11_800,
     "report": 71_900,
     "cli": 12_000,
-    "package": 296_400,
+    "package": 294_800,
     "tests": 262_000,
 }
 
@@ -71,10 +71,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "solvers.optimal_control": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
     "solvers.indirect": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.minlp_engines": (*_FACTS, "solvers"),
-    "solvers.global_minlp": (
-        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp"),
-        *("solvers.minlp_engines", "solvers.nlp_engines"),
-    ),
+    "solvers.global_minlp": (*_FACTS, "solvers", "solvers.one_leg", "solvers.minlp_engines"),
     "solvers.stochastic": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.route": (
         *(*_FACTS, "solvers", "solvers.nlp_engines", "solvers.minlp_engines"),

@@ -181,50 +181,6 @@ def judged(
     method: Method = NOT_STATED,
 ) -> Answer:
     """A reply judged by the check and certified."""
-    fields = _judged(spec, question, reply, allowed, method)
-    return Answer(scenario=question.scenario, path=reply.solution.path, **fields)
-
-
-_SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
-
-
-def shorter_answer(answer: Answer) -> Answer | None:
-    """The shortest path that the check knows, judged, where the answer has no path as short."""
-    if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
-        return None
-    at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
-    path = reference_of(answer.scenario, answer.branch, at_once).path
-    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
-    return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
-
-
-def judged_row(
-    spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
-) -> dict[str, Any]:
-    """The row of the answer that `judged` returns, quicker than by way of the answer."""
-    row = _judged(spec, question, reply, allowed, method)
-    row.update(zip(_SCENARIO, _scenario_numbers(question.scenario), strict=True))
-    row["curvatures"], row["lengths"] = controls(reply.solution.path)
-    return row
-
-
-def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
-    """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
-    if path is None:
-        return None, None
-    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
-    finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
-    return (curvatures, lengths) if finite else (None, None)
-
-
-_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
-_scenario_numbers = attrgetter(*_SCENARIO)
-
-
-def _judged(
-    spec: str, question: Question, reply: Reply, allowed: Tolerances, method: Method
-) -> dict[str, Any]:
-    """The fields of an answer that are columns of a row under the same name."""
     solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
     pathless = pathless_kind_of(branch)
@@ -247,13 +203,46 @@ def _judged(
         )
     if solution.trace:
         judgement = _with_trace(judgement, question, solution, allowed)
-    answer: dict[str, Any] = {"solver": spec, "branch": branch, "outcome": reply.outcome}
-    answer |= method.columns(question) | vars(reply.times) | vars(judgement) | vars(certificate)
-    answer |= {name: getattr(solution, name) for name in _REPORTED}
-    answer |= {name: _finite(answer[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
+    fields: dict[str, Any] = method.columns(question)
+    fields |= vars(reply.times) | vars(judgement) | vars(certificate)
+    fields |= {name: getattr(solution, name) for name in _REPORTED}
+    fields |= {name: _finite(fields[name]) for name in _REPORTED_NUMBERS} | _spent(solution)
     if solution.presolved:  # whatever the check finds, no engine has proved anything
-        answer["proof"] = Proof.NONE
-    return answer
+        fields["proof"] = Proof.NONE
+    return Answer(
+        scenario=scenario,
+        solver=spec,
+        branch=branch,
+        outcome=reply.outcome,
+        path=path,
+        **fields,
+    )
+
+
+_SHORTER_KNOWN = (Verdict.LONGER, Verdict.MISSES, Verdict.NONE)
+
+
+def shorter_answer(answer: Answer) -> Answer | None:
+    """The shortest path that the check knows, judged, where the answer has no path as short."""
+    if answer.verdict not in _SHORTER_KNOWN or pathless_kind_of(answer.branch):
+        return None
+    at_once = replace(DEFAULT, until=-math.inf)  # it was found when the answer was judged
+    path = reference_of(answer.scenario, answer.branch, at_once).path
+    found = Reply(Outcome.RETURNED, Solution(Claim.NONE, path))
+    return judged("the check", Question(answer.scenario, answer.branch), found, at_once)
+
+
+def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None, None]:
+    """Curvatures and lengths as a row holds them: both None if a number of them is not finite."""
+    if path is None:
+        return None, None
+    curvatures, lengths = path.curvatures.tolist(), path.lengths.tolist()
+    finite = all(map(math.isfinite, curvatures)) and all(map(math.isfinite, lengths))
+    return (curvatures, lengths) if finite else (None, None)
+
+
+_SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+_scenario_numbers = attrgetter(*_SCENARIO)
 
 
 def _with_trace(

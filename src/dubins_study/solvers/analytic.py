@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from dubins_study.solvers.protocol import (
     FrameSolution,
@@ -33,11 +33,11 @@ class Analytic(Solver):
     `study.closed_form.kernel` and, with final headings, `pose_kernel`.
     """
 
-    name: ClassVar[str] = "analytic"
-    guarantee: ClassVar[Guarantee] = Guarantee.EXACT
-    branches: ClassVar[tuple[str, ...]] = PATH_BRANCHES
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    summary: ClassVar[str] = "the closed form: exact, every branch, no iteration; routes: search"
+    name = "analytic"
+    guarantee = Guarantee.EXACT
+    branches = PATH_BRANCHES
+    takes = frozenset(NEEDS)
+    summary = "the closed form: exact, every branch, no iteration; routes: search"
     keeps_limit = True
 
     @property

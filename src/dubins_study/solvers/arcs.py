@@ -150,16 +150,11 @@ def rollout(elements: Elements) -> Rollout:
     middle = np.cumsum(elements.turn) - half
     along = np.array([np.cos(middle), np.sin(middle)])
     across = np.array([-along[1], along[0]])
-    sinc = _sinc(half)
+    sinc: FloatArray = np.sinc(half / np.pi)  # numpy's sinc(x) is sin(pi x) / (pi x)
     # the mean heading turns by half of each heading, and the chord's length changes with the turn
     swing = (0.5 * elements.length * sinc) * across
     stretch = (0.5 * elements.length * _sinc_slope(half, sinc)) * along
     return Rollout(elements.length * sinc * along, swing - stretch, swing + stretch)
-
-
-def _sinc(x: FloatArray) -> FloatArray:
-    values: FloatArray = np.sinc(x / np.pi)  # numpy's sinc(x) is sin(pi x) / (pi x)
-    return values
 
 
 def _sinc_slope(x: FloatArray, sinc: FloatArray) -> FloatArray:

@@ -87,12 +87,6 @@ class Course:
         return legs
 
 
-def world_course(scenario: Scenario) -> Course:
-    """The course in the directions of the scenario's axes."""
-    steps = np.diff(scenario.points, axis=0) / scenario.radius
-    return Course(steps, scenario.start.heading, scenario.final_heading, _target(scenario))
-
-
 def body_course(scenario: Scenario) -> Course:
     """The course with the start at heading 0, as `Scenario.local` turns a target."""
     dx, dy = np.diff(scenario.points, axis=0).T
@@ -100,11 +94,8 @@ def body_course(scenario: Scenario) -> Course:
     steps = np.column_stack((dx * cos + dy * sin, dy * cos - dx * sin)) / scenario.radius
     final = scenario.stops[-1].heading  # also where the path is closed
     last = None if final is None else final - scenario.start.heading
-    return Course(steps, 0.0, last, _target(scenario))
-
-
-def _target(scenario: Scenario) -> Local | None:
-    return local(scenario) if scenario.one_free_leg else None
+    target = local(scenario) if scenario.one_free_leg else None
+    return Course(steps, 0.0, last, target)
 
 
 def path_of(

@@ -126,15 +126,6 @@ def _nlopt(label: str, algorithm: str, **inner: str) -> Engine:
     return _nlp(label, "nlopt", "nlopt_local:nlopt", _OF_NLOPT, arguments=arguments)
 
 
-def _proven(label: str, package: str, name: str, **more: Any) -> Engine:
-    return Engine(label, PROVEN, (package,), f"minlp_engines.{name}:{name}", **more)
-
-
-def _qp(label: str, package: str, options: Options) -> Engine:
-    """One that cvxpy starts."""
-    return Engine(label, QP, ("cvxpy", package), options=options)
-
-
 def _search(
     label: str, name: str, budget: int, optimality: tuple[str, ...] = (), **options: Any
 ) -> Engine:
@@ -142,12 +133,6 @@ def _search(
     place, arguments = "stochastic.penalty_function:scipy_search", {"name": name}
     chosen = Options(optimality=optimality, **options)
     return Engine(label, SAMPLING, ("scipy",), place, arguments, chosen, evaluations=budget)
-
-
-def _minimizer(method: str, options: Options) -> Engine:
-    """One that ends by itself long before the budget."""
-    place, arguments = "stochastic.penalty_function:minimize", {"method": method}
-    return Engine(method, DERIVATIVE_FREE, ("scipy",), place, arguments, options, evaluations=3000)
 
 
 _PRINTS_NOTHING = "prints nothing"
@@ -268,9 +253,13 @@ ENGINES = {
     "knitro": Engine(
         "KNITRO", NLP, ("knitro",), check="paper_nlp.pyomo_model:unlicensed", keeps_limit=False
     ),
-    "scip": _proven("SCIP", "pyscipopt", "scip", versions=scip_in_pyscipopt),
+    "scip": Engine(
+        "SCIP", PROVEN, ("pyscipopt",), "minlp_engines.scip:scip", versions=scip_in_pyscipopt
+    ),
     # counts the processor's seconds, and whole ones
-    "maingo": _proven("MAiNGO", "maingopy", "maingo", keeps_limit=False),
+    "maingo": Engine(
+        "MAiNGO", PROVEN, ("maingopy",), "minlp_engines.maingo:maingo", keeps_limit=False
+    ),
     "differential-evolution": _search(
         "differential evolution",
         "differential_evolution",
@@ -308,33 +297,55 @@ ENGINES = {
         ),
         evaluations=1000,
     ),
-    "nelder-mead": _minimizer(
+    # both end by themselves long before the budget
+    "nelder-mead": Engine(
         "Nelder-Mead",
+        DERIVATIVE_FREE,
+        ("scipy",),
+        "stochastic.penalty_function:minimize",
+        {"method": "Nelder-Mead"},
         Options(
             (),
             ("xatol", "fatol"),
             tuned={"adaptive": True},
             source="Gao and Han 2012, Computational Optimization and Applications 51, 259 to 277",
         ),
+        evaluations=3000,
     ),
-    "powell": _minimizer("Powell", Options((), ("xtol", "ftol"))),
+    "powell": Engine(
+        "Powell",
+        DERIVATIVE_FREE,
+        ("scipy",),
+        "stochastic.penalty_function:minimize",
+        {"method": "Powell"},
+        Options((), ("xtol", "ftol")),
+        evaluations=3000,
+    ),
     "hybr": Engine("MINPACK hybr", ROOTS, ("scipy",), options=Options((), ("xtol",), "maxfev")),
     "lm": Engine("MINPACK lm", ROOTS, ("scipy",), options=Options((), ("xtol", "ftol"), "maxiter")),
-    "piqp": _qp(
+    # cvxpy starts those of quadratic programs
+    "piqp": Engine(
         "PIQP",
-        "piqp",
-        Options(
+        QP,
+        ("cvxpy", "piqp"),
+        options=Options(
             ("eps_abs", "eps_rel"),
             ("eps_duality_gap_abs", "eps_duality_gap_rel"),
             always={"compute_timings": True},
             why="its own time is told",
         ),
     ),
-    "clarabel": _qp("Clarabel", "clarabel", Options(("tol_feas",), ("tol_gap_abs", "tol_gap_rel"))),
-    "osqp": _qp(
+    "clarabel": Engine(
+        "Clarabel",
+        QP,
+        ("cvxpy", "clarabel"),
+        options=Options(("tol_feas",), ("tol_gap_abs", "tol_gap_rel")),
+    ),
+    "osqp": Engine(
         "OSQP",
-        "osqp",
-        Options(
+        QP,
+        ("cvxpy", "osqp"),
+        options=Options(
             ("eps_abs", "eps_rel"),
             always={"eps_abs": 1e-3, "eps_rel": 1e-3, "max_iter": 4000, "polishing": False},
             why="OSQP's own, which cvxpy replaces",
@@ -343,16 +354,18 @@ ENGINES = {
             "Mathematical Programming Computation 12, pages 637 to 672",
         ),
     ),
-    "highs": _qp(
+    "highs": Engine(
         "HiGHS",
-        "highspy",
-        Options(
+        QP,
+        ("cvxpy", "highspy"),
+        options=Options(
             ("primal_feasibility_tolerance",),
             ("dual_feasibility_tolerance",),
             always={"threads": 1},
             why="one thread, as all engines have",
         ),
     ),
+    "glpk": Engine("GLPK", MILP, ("swiglpk",), keeps_limit=False),
     # Of OR-tools, in whose package lies another HiGHS than highspy's: a process that has loaded one
     # of the two cannot load the other.
     # counts the processor's seconds

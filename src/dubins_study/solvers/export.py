@@ -48,7 +48,10 @@ def export(scenario: Scenario, model: str = "paper", format: str = "nl", order: 
     if model == "paper":
         program, title = _paper(scenario, order), f"model (4.12), order {order}"
     else:
-        program, title = _disjunctive(scenario), "disjunctive model, unit radius, vehicle's frame"
+        from dubins_study.solvers.global_minlp.gdp_model import gdp_model, transformed
+
+        program = transformed(gdp_model(body_course(scenario)))
+        title = "disjunctive model, unit radius, vehicle's frame"
     return _nl(program, title) if format == "nl" else _gams(program, title)
 
 
@@ -84,21 +87,15 @@ def _paper(scenario: Scenario, order: str) -> Any:
     return m
 
 
-def _disjunctive(scenario: Scenario) -> Any:
-    from dubins_study.solvers.global_minlp.gdp_model import gdp_model, transformed
-
-    return transformed(gdp_model(body_course(scenario)))
-
-
 def _nl(program: Any, title: str) -> str:
     from pyomo.repn.plugins.nl_writer import NLWriter
 
     stream = StringIO()
     info = NLWriter().write(program, stream, linear_presolve=False)
-    names = " ".join(_plain(variable.name) for variable in info.variables)
+    names = [v.name.removesuffix(".binary_indicator_var") for v in info.variables]
     # The rest of the first line is the only place for a comment that every reader leaves alone.
     first, _, rest = stream.getvalue().partition("\n")
-    return f"{first.partition('#')[0]}# dubins-study: {title}; variables {names}\n{rest}"
+    return f"{first.partition('#')[0]}# dubins-study: {title}; variables {' '.join(names)}\n{rest}"
 
 
 def _gams(program: Any, title: str) -> str:
@@ -108,10 +105,6 @@ def _gams(program: Any, title: str) -> str:
     everything = {"symbolic_solver_labels": True}
     WriterFactory("gams")(program, stream, lambda feature: True, everything)
     return f"* dubins-study: {title}\n{stream.getvalue().rstrip()}\n"
-
-
-def _plain(name: str) -> str:
-    return name.removesuffix(".binary_indicator_var")
 
 
 def _mod(scenario: Scenario, order: str) -> str:

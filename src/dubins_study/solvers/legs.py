@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from dubins_study.solvers.course import Course, world_course
+from dubins_study.solvers.course import Course
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.body_coordinates import local
 from dubins_study.study.closed_form.pose import WORDS6
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import TURN
@@ -47,4 +48,6 @@ def legs(
 
 def route_of(scenario: Scenario) -> Route:
     """The route of a scenario, in the directions of its axes."""
-    return Route(**vars(world_course(scenario)))
+    steps = np.diff(scenario.points, axis=0) / scenario.radius
+    target = local(scenario) if scenario.one_free_leg else None
+    return Route(steps, scenario.start.heading, scenario.final_heading, target)

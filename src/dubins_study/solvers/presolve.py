@@ -6,7 +6,7 @@ A row that it answers says so, and proves nothing for the engine.
 from __future__ import annotations
 
 from dubins_study.solvers.protocol import Question, Solution
-from dubins_study.study.body_coordinates import Local, local
+from dubins_study.study.body_coordinates import Local, local, power
 from dubins_study.study.words import BRANCHES, Claim
 
 WORDS = BRANCHES[1:]
@@ -43,7 +43,7 @@ def unreachable(target: Local, word: str) -> str | None:
     """
     X, Y, delta = target
     side = Y if word[0] == "L" else -Y
-    inside = side * (2.0 - side) - X * X  # 1 - |T - C|^2
+    inside = power(X, side, 0.0)
     # A target off by delta in X and in Y moves by sqrt(2) delta, and `inside` by 2 |T - C| times
     # that, where |T - C| <= 1 + |X| + |Y|. Twice as much leaves room for rounding, which moves
     # X, Y and `inside` by less than delta.

@@ -145,6 +145,12 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
     return fields
 
 
+def nothing_found(runs: Sequence[Run[Any]]) -> Solution:
+    """The answer where no run has a point."""
+    messages = [run.result.message for run in runs]
+    return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+
+
 def at_start(scenario: Scenario, target: Local | None, tolerance: float = 0.0) -> Solution | None:
     """The path of no length where the target is within `tolerance` radii of the start, or None.
 

@@ -87,6 +87,10 @@ OPTION_SETS = ("equal", "default", "tuned")
 FEASIBILITY = OPTIMALITY = 1e-9
 
 
+# of an engine's options, by its own names
+OptionValues = dict[str, Any]
+
+
 class Options(NamedTuple):
     """An engine's options, by its own names; a dot leads into a table of options."""
 
@@ -98,7 +102,7 @@ class Options(NamedTuple):
     tuned: Mapping[str, Any] = MappingProxyType({})  # what the makers advise, beside `always`
     source: str = ""  # of `tuned`
 
-    def of(self, name: str, tol: float = 0.0, max_iter: int = 0) -> dict[str, Any]:
+    def of(self, name: str, tol: float = 0.0, max_iter: int = 0) -> OptionValues:
         """The options of a set; a tolerance or a number of iterations other than 0 replaces its."""
         values = dict(self.always)
         if name == "equal":

@@ -140,6 +140,11 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         "infeasible": ("kInfeasible", "kUnboundedOrInfeasible"),
         "limit": ("kTimeLimit", "kIterationLimit", "kMemoryLimit"),
     },
+    "glpk": {
+        "optimal": ("GLP_OPT", "GLP_EMIPGAP"),
+        "infeasible": ("GLP_NOFEAS", "GLP_ENOPFS"),
+        "limit": ("GLP_ETMLIM", "GLP_FEAS", "GLP_UNDEF"),
+    },
     # names of OR-tools: linear_solver.h, cp_model.proto, routing.h
     "cbc": {
         "optimal": ("OPTIMAL",),

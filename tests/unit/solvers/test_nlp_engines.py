@@ -203,7 +203,8 @@ def every_operation(p=(0.7, 1.3)):
 def test_the_objective_has_its_weight_in_the_hessian(weight):
     """Against central differences; Uno gives it the weight 0 to look for a feasible point."""
     posed, h = every_operation(), 1e-6
-    functions, entries = posed.functions, posed.entries
+    functions = posed.functions
+    entries = functions.entries
     x, weights = np.array((0.4, 1.1, 2.3)), np.array((0.3, -2.0, 1.5, 0.7))
     lower = np.zeros((3, 3))
 

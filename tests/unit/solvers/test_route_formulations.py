@@ -267,7 +267,8 @@ def test_entries_are_those_of_the_whole_derivatives(posed, low):
     """
     random, legs = np.random.default_rng(5), 20
     program = posed(route_of(random_route(random, legs, low, low + 4)))
-    functions, entries, n = program.functions, program.entries, program.lower.size
+    functions, n = program.functions, program.lower.size
+    entries = functions.entries
     x = random.uniform(0.1, 3, n)
     weights = random.uniform(-2, 2, functions.equations(x).size)
     jacobian, hessian = np.zeros((weights.size, n)), np.zeros((n, n))

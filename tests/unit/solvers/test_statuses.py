@@ -185,6 +185,12 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "failed": ("unbounded", "infeasible (inaccurate)", "interrupted", "indeterminate"),
     },
+    "glpk": {
+        "optimal": ("GLP_OPT", "GLP_EMIPGAP"),
+        "infeasible": ("GLP_NOFEAS", "GLP_ENOPFS"),
+        "limit": ("GLP_ETMLIM", "GLP_FEAS", "GLP_UNDEF"),
+        "failed": ("GLP_ENODFS", "2"),
+    },
     "cbc": {
         "optimal": ("OPTIMAL",),
         "infeasible": ("INFEASIBLE",),

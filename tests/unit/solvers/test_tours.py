@@ -14,12 +14,14 @@ from dubins_study.asking.attempt import attempt
 from dubins_study.asking.reply import ask
 from dubins_study.experiments.executors.local import ask_isolated
 from dubins_study.experiments.isolation.floor import floor_s
+from dubins_study.solvers.minlp_engines.mixed_program import Settings
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError, load
 from dubins_study.solvers.tour.euclidean import euclidean_order
 from dubins_study.solvers.tour.graph import _bounds, cycles, graph_of
 from dubins_study.solvers.tour.linear_program import MODELS, program_of, with_cuts
-from dubins_study.solvers.tour.milp_engines import Asked, highs
+from dubins_study.solvers.tour.milp import TourMilp
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.order_headings import layers_between
 from dubins_study.solvers.tour.places import places_of
 from dubins_study.study.closed_form.pose import pose_path
@@ -45,7 +47,8 @@ FREE_STARTS = ("free start", "closed, free start")
 HERE = [
     *("tour-milp[headings=4]", "tour-milp[headings=4,model=mtz]"),
     *("tour-milp[headings=4,model=cuts]", "tour-milp[headings=4,engine=scip]"),
-    "tour-milp[headings=4,engine=scip,model=cuts]",
+    *("tour-milp[headings=4,engine=scip,model=cuts]", "tour-milp[headings=4,engine=glpk]"),
+    "tour-milp[headings=4,engine=glpk,model=cuts]",
 ]
 ISOLATED = [
     *("tour-circuit[headings=4]", "tour-milp[headings=4,engine=cbc]"),
@@ -211,7 +214,8 @@ def test_models_forbid_subtours(model):
     """Two clusters far apart, whose cheapest cycles are two."""
     points = [(0, 1), (1, 0), (50, 0), (50, 1), (51, 0)]
     graph = graph_of(Question(Scenario(via=points, order="free", closed=True)), 2, "lengths")
-    result = highs(program_of(graph, model), Asked(20.0, 1e-6, 0))
+    settings = Settings(1e-6, FEASIBILITY)
+    result = solved(TourMilp(), program_of(graph, model), settings, 20.0)
     tours = cycles(graph, result.x)
 
     assert (len(tours) == 1) is (model != "cuts")

@@ -7,7 +7,7 @@ from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from dubins_study.asking.attempt import Answer, judged, judged_row
+from dubins_study.asking.attempt import Answer, judged
 from dubins_study.asking.reply import Reply
 from dubins_study.experiments.executors.executor import Executor, Probed, WorkUnit
 from dubins_study.experiments.interruption import Interruption
@@ -98,7 +98,8 @@ def check_code(cell: Cell, reply: Reply, executor: str) -> None:
 
 def row_of(cell: Cell, question: Question, settings: RunSettings, reply: Reply) -> Row:
     """The row for a worker's reply to a cell."""
-    row = judged_row(cell.solver, question, reply, tolerances(cell.profile), cell.method)
+    answer = judged(cell.solver, question, reply, tolerances(cell.profile), cell.method)
+    row = answer.row()
     row |= zip(_KEY, cell.key, strict=True)
     row |= {
         "versions": reply.versions,

@@ -22,6 +22,8 @@ from scipy.sparse import (
     vstack,
 )
 
+from dubins_study.solvers.highs import highs_rows, highs_run
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import Point, Problem, ProblemError
@@ -57,7 +59,7 @@ class NotSolvedError(Exception):
 
 
 # a problem, prepared: from options by their names to the end of a run
-Prepared = Callable[[dict[str, Any]], Ended]
+Prepared = Callable[[OptionValues], Ended]
 
 
 class Conic(NamedTuple):
@@ -93,7 +95,7 @@ def conic(problem: Problem) -> Conic:
     return Conic(P, csc_matrix(vstack(A)), b, sizes[0], sum(sizes[1:5]), back)
 
 
-def _set(settings: Any, options: dict[str, Any]) -> Any:
+def _set(settings: Any, options: OptionValues) -> Any:
     settings.verbose = False
     for name, value in options.items():
         setattr(settings, name, value)
@@ -136,7 +138,7 @@ def piqp(problem: Problem) -> Prepared:
     A = csc_matrix(problem.A[equal])
     G = csc_matrix(problem.A[rows])
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         solver = library.SparseSolver()
         _set(solver.settings, options)
         ends = problem.l[rows], problem.u[rows], problem.lb, problem.ub
@@ -157,7 +159,7 @@ def clarabel(problem: Problem) -> Prepared:
     cones = [library.ZeroConeT(form.zeros), library.NonnegativeConeT(form.positive)]
     cones += [library.SecondOrderConeT(size) for size in problem.cones.tolist()]
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         settings = _set(library.DefaultSettings(), options)
         result = library.DefaultSolver(P, problem.q, form.A, form.b, cones, settings).solve()
         return Ended(result, form.back(np.array(result.x), np.array(result.z)), result.iterations)
@@ -170,7 +172,7 @@ def osqp(problem: Problem) -> Prepared:
 
     P, box = _quadratic(problem), _boxed(problem)
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         solver = library.OSQP()
         solver.setup(P, problem.q, *box, verbose=False, **options)
         result = solver.solve(raise_error=False)
@@ -186,7 +188,7 @@ def scs(problem: Problem) -> Prepared:
     cone = {"z": form.zeros, "l": form.positive, "q": problem.cones.tolist()}
     data = {"P": triu(form.P, format="csc"), "A": form.A, "b": form.b, "c": problem.q}
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         result = library.SCS(data, cone, verbose=False, **options).solve()
         return Ended(result, form.back(result["x"], result["y"]), result["info"]["iter"])
 
@@ -196,24 +198,15 @@ def scs(problem: Problem) -> Prepared:
 def highs(problem: Problem) -> Prepared:
     import highspy as library
 
-    model, A = library.HighsModel(), csc_matrix(problem.A)
-    lp, hessian = model.lp_, model.hessian_
-    lp.num_col_, lp.num_row_ = problem.q.size, problem.l.size
-    lp.col_cost_, lp.col_lower_, lp.col_upper_ = problem.q, problem.lb, problem.ub
-    lp.row_lower_, lp.row_upper_ = problem.l, problem.u
-    lp.a_matrix_.format_ = library.MatrixFormat.kColwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = A.indptr, A.indices, A.data
-    P = _quadratic(problem)
+    model = library.HighsModel()
+    ends = problem.l, problem.u, problem.lb, problem.ub
+    model.lp_ = highs_rows(problem.q, problem.A, *ends)
+    hessian, P = model.hessian_, _quadratic(problem)
     hessian.dim_, hessian.format_ = problem.q.size, library.HessianFormat.kTriangular
     hessian.start_, hessian.index_, hessian.value_ = P.indptr, P.indices, P.data
 
-    def solve(options: dict[str, Any]) -> Ended:
-        solver = library.Highs()
-        solver.silent()
-        for name, value in options.items():
-            solver.setOptionValue(name, value)
-        solver.passModel(model)
-        solver.run()
+    def solve(options: OptionValues) -> Ended:
+        solver = highs_run(model, options)
         ended = {"model_status": solver.getModelStatus().name}
         result, info = solver.getSolution(), solver.getInfo()
         if not (result.value_valid and result.dual_valid):
@@ -233,7 +226,7 @@ def proxqp(problem: Problem) -> Prepared:
     low = np.concatenate((problem.l[~equal], problem.lb))
     high = np.concatenate((problem.u[~equal], problem.ub))
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         solver = library.sparse.QP(n, A.shape[0], C.shape[0])
         _set(solver.settings, options)
         solver.init(P, problem.q, A, problem.u[equal], C, low, high)
@@ -253,7 +246,7 @@ def qpalm(problem: Problem) -> Prepared:
     data.Q, data.q = triu(diags_array(problem.p), format="csc"), problem.q
     data.A, data.bmin, data.bmax = A, low, high
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         solver = library.Solver(data, _set(library.Settings(), options))
         solver.solve()
         point = _of_box(problem, solver.solution.x, solver.solution.y)
@@ -283,7 +276,7 @@ def ecos(problem: Problem) -> Prepared:
     h = ends[zeros:]
     cost = np.append(problem.q, 1.0)
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         result = library.solve(cost, G, h, dims, *equations, verbose=False, **options)
         y = result["y"] if zeros else np.zeros(0)
         multipliers = np.concatenate((y, result["z"][: h.size - 2 - some.size]))
@@ -302,7 +295,7 @@ def daqp(problem: Problem) -> Prepared:
     low = np.concatenate((problem.lb, problem.l))
     sense = np.where(high == low, 5, 0).astype(np.int32)  # 5: an equation
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         result = library.solve(P, problem.q, A, high, low, sense, **options)
         x, _, _, info = result
         z, y = np.split(np.array(info["lam"]), (n,))
@@ -331,7 +324,7 @@ def through_cvxpy(engine: str, problem: Problem) -> Prepared:
     length = cp.quad_form(x, cp.psd_wrap(form.P)) / 2 + problem.q @ x
     stated = cp.Problem(cp.Minimize(length), [*rows, *cones])
 
-    def solve(options: dict[str, Any]) -> Ended:
+    def solve(options: OptionValues) -> Ended:
         """As `stated.solve`, which does not tell the engine's own status."""
         data, chain, inverse = stated.get_problem_data(engine.upper(), solver_opts=options)
         try:
@@ -367,7 +360,7 @@ class Engine(NamedTuple):
     cones: bool = False
     least: float = 0.0  # tolerance that it takes
 
-    def options(self, ask: Ask) -> dict[str, Any]:
+    def options(self, ask: Ask) -> OptionValues:
         """Its options by their names."""
         values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
         values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -34,12 +34,12 @@ class Convex(Solver):
     interface: str = one_of("own", INTERFACES)
     tolerance: float = within(1e-6, 0, 1, ends=False)
 
-    name: ClassVar[str] = "convex"
-    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
-    branches: ClassVar[tuple[str, ...]] = (FROZEN,)
-    takes: ClassVar[frozenset[str]] = frozenset({FREE_FINAL_HEADING, VIA_POINTS})
-    packages: ClassVar[tuple[str, ...]] = ("cvxpy", *(each.package for each in ENGINES.values()))
-    summary: ClassVar[str] = "a frozen QP or SOCP of a route, by an engine's own interface or cvxpy"
+    name = "convex"
+    guarantee = Guarantee.GLOBAL
+    branches = (FROZEN,)
+    takes = frozenset({FREE_FINAL_HEADING, VIA_POINTS})
+    packages = ("cvxpy", *(each.package for each in ENGINES.values()))
+    summary = "a frozen QP or SOCP of a route, by an engine's own interface or cvxpy"
 
     @property
     def method(self) -> Method:

@@ -17,7 +17,6 @@ from dubins_study.solvers.course import Course, body_course, path_of
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.global_minlp.gdp_model import (
     TRANSFORMATIONS,
-    WORDS,
     Translated,
     gdp_model,
     pieces,
@@ -28,7 +27,7 @@ from dubins_study.solvers.global_minlp.gdp_model import (
 from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult, Settings
 from dubins_study.solvers.one_leg.model import SUBPROBLEMS, as_path
 from dubins_study.solvers.one_leg.polish import meet_target
-from dubins_study.solvers.presolve import words
+from dubins_study.solvers.presolve import WORDS, words
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import Run, at_start, summed
 from dubins_study.solvers.setting_checks import one_of, within
@@ -120,14 +119,14 @@ class Disjunctive(EngineSolver):
     emphasis: str = one_of("lean", ("lean", "default"))
     presolve: bool = False
 
-    name: ClassVar[str] = "disjunctive"
-    guarantee: ClassVar[Guarantee] = Guarantee.GLOBAL
-    branches: ClassVar[tuple[str, ...]] = ("best", *WORDS)
-    takes: ClassVar[frozenset[str]] = IN_ORDER | {FREE_ORDER, CLOSED}
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", *packages(MINLP_ENGINES))
-    summary: ClassVar[str] = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
-    variants: ClassVar[tuple[str, ...]] = others("disjunctive", MINLP_ENGINES, "scip")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "disjunctive"
+    guarantee = Guarantee.GLOBAL
+    branches = ("best", *WORDS)
+    takes = IN_ORDER | {FREE_ORDER, CLOSED}
+    packages = ("pyomo", *packages(MINLP_ENGINES))
+    summary = "one disjunct per word in Pyomo.GDP, proven by SCIP or another engine"
+    variants = others("disjunctive", MINLP_ENGINES, "scip")
+    profiles: ClassVar = {
         "fast": {"gap": 1e-4, "feastol": 1e-6},
         "accurate": {"gap": 1e-7, "feastol": 1e-9},
     }
@@ -199,7 +198,14 @@ class Disjunctive(EngineSolver):
             message=run.result.message,
         )
         if run.point is None:
-            return _without_a_path(model, known)
+            if run.claim is not Claim.INFEASIBLE:
+                return known
+            known = replace(known, lower_bound=None)
+            branch = model.question.branch
+            if branch == "best":
+                # Some word reaches every target, so the engine has cut it off.
+                return replace(known, claim=Claim.FAILED, message="no word left")
+            return replace(known, message=f"{branch} does not reach the target")
         words, met = _met(model, run.point)
         stopped = run.claim is Claim.LIMIT
         claim, message = self._claim(stopped, feastol, bound, met)
@@ -279,13 +285,3 @@ def _met(model: PosedDisjunction, point: Point) -> tuple[str, Met]:
     elements, off, *_ = closed(elements, RATES["best"], course, equal=False)
     path = path_of(scenario, elements.rate.tolist(), elements.length.tolist())
     return " ".join(point.words), Met(path, elements.total, off, off <= close_enough(course))
-
-
-def _without_a_path(model: PosedDisjunction, known: Solution) -> Solution:
-    question = model.question
-    if known.claim is not Claim.INFEASIBLE:
-        return known
-    if question.branch == "best":
-        # Some word reaches every target, so the engine has cut it off.
-        return replace(known, claim=Claim.FAILED, lower_bound=None, message="no word left")
-    return replace(known, lower_bound=None, message=f"{question.branch} does not reach the target")

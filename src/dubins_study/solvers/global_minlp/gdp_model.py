@@ -14,12 +14,12 @@ import numpy as np
 
 from dubins_study.solvers.course import Course
 from dubins_study.solvers.minlp_engines.mixed_program import Functions, MixedProgram, Row, Written
+from dubins_study.solvers.presolve import WORDS
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.words import BRANCHES, POSE_BRANCHES, TURN
+from dubins_study.study.words import POSE_BRANCHES, TURN
 
-WORDS = BRANCHES[1:]  # of a last leg to a free final heading
-_OF_LEGS = POSE_BRANCHES[1:]  # of all others
+_OF_LEGS = POSE_BRANCHES[1:]  # words of a leg to a given heading; `WORDS` are those to a free one
 _THREE_ARCS = 4.0  # radii; points so far apart are joined by no shortest path of three arcs
 TRANSFORMATIONS = ("bigm", "hull")
 _QUARTER = TWO_PI / 4

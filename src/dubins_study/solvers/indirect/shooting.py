@@ -66,13 +66,13 @@ class Shooting(Solver):
     presolve: bool = False
     options: str = option_set()
 
-    name: ClassVar[str] = "shooting"
-    branches: ClassVar[tuple[str, ...]] = ("best", "LS", "RS", "LR", "RL")
-    warm: ClassVar[bool] = True
-    packages: ClassVar[tuple[str, ...]] = ("scipy",)
-    summary: ClassVar[str] = "Pontryagin's conditions by structured shooting, SciPy's root"
+    name = "shooting"
+    branches = ("best", "LS", "RS", "LR", "RL")
+    warm = True
+    packages = ("scipy",)
+    summary = "Pontryagin's conditions by structured shooting, SciPy's root"
     keeps_limit = True
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
     }

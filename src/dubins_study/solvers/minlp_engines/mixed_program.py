@@ -79,6 +79,7 @@ class Settings(NamedTuple):
     gap: float  # relative difference of objective and bound at which the engine may stop
     feastol: float  # on equations, absolute
     lean: bool = False  # without heuristics, cuts, presolving and propagation, where it can
+    seed: int = 0  # of its random numbers, where it takes one
 
 
 class ProvenResult(NamedTuple):

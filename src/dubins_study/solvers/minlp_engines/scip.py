@@ -47,7 +47,10 @@ _LEAN = dict.fromkeys(
 
 
 def scip(settings: Settings) -> MinlpCall:
-    """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound."""
+    """SCIP with numerics/feastol and limits/gap; `lean` leaves bare branch and bound.
+
+    An error of SCIP's own is a result; Ctrl-C, which SCIP catches, is raised again.
+    """
 
     def run(program: MixedProgram, seconds: float) -> ProvenResult:
         from pyscipopt.scip import PY_SCIP_PARAMSETTING as SCIP_PARAMSETTING
@@ -57,33 +60,30 @@ def scip(settings: Settings) -> MinlpCall:
             model.setHeuristics(SCIP_PARAMSETTING.OFF)
             model.setSeparating(SCIP_PARAMSETTING.OFF)
             model.setParams(_LEAN)
-        model.setParams({"numerics/feastol": settings.feastol, "limits/gap": settings.gap})
-        model.setParams({"limits/time": max(seconds, 0.0)})
-        return optimized(model, x)
+        parameters = {
+            "numerics/feastol": settings.feastol,
+            "limits/gap": settings.gap,
+            "limits/time": max(seconds, 0.0),
+            "randomization/randomseedshift": settings.seed,
+            # in the main thread Ctrl-C must end SCIP, since Python sees it only afterwards
+            "misc/catchctrlc": current_thread() is main_thread(),
+        }
+        model.setParams(parameters)
+        model.hideOutput()
+        try:
+            # In about a third of all questions SoPlex, SCIP's own linear solver, writes to the
+            # descriptor 2 that it takes no tolerance below 1e-10, up to thousands of times; no
+            # parameter of SCIP's turns that off. SCIP holds the interpreter's lock, so no thread
+            # writes at that time in Python.
+            with _silent_errors():
+                model.optimize()
+        except Exception as error:
+            if not str(error).startswith(BROKEN):
+                raise
+            return ProvenResult(None, Claim.FAILED, -math.inf, 0, None, str(error), str(error))
+        return _result(model, x)
 
     return run
-
-
-def optimized(model: Any, x: list[Any]) -> ProvenResult:
-    """The end of one run of a model whose parameters are set; x are its variables.
-
-    An error of SCIP's own is a result; Ctrl-C, which SCIP catches, is raised again.
-    """
-    # in the main thread Ctrl-C must end SCIP, since Python sees it only afterwards
-    model.setParams({"misc/catchctrlc": current_thread() is main_thread()})
-    model.hideOutput()
-    try:
-        # In about a third of all questions SoPlex, SCIP's own linear solver, writes to the
-        # descriptor 2 that it takes no tolerance below 1e-10, up to thousands of times; no
-        # parameter of SCIP's turns that off. SCIP holds the interpreter's lock, so no thread
-        # writes at that time in Python.
-        with _silent_errors():
-            model.optimize()
-    except Exception as error:
-        if not str(error).startswith(BROKEN):
-            raise
-        return ProvenResult(None, Claim.FAILED, -math.inf, 0, None, str(error), str(error))
-    return _result(model, x)
 
 
 def _result(model: Any, x: list[Any]) -> ProvenResult:

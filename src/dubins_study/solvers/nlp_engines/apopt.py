@@ -16,13 +16,13 @@ import sys
 import tempfile
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import Any
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.expressions import algebra_text
 from dubins_study.solvers.nlp_engines.program import NlpCall, Program
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.solvers.statuses import STATUSES, claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -30,7 +30,7 @@ from dubins_study.study.words import Claim
 _MODEL = "model"  # APMonitor's names of its files
 
 
-def apopt(options: dict[str, Any]) -> NlpCall:
+def apopt(options: OptionValues) -> NlpCall:
     """APOPT; its RTOL is on the equations, its OTOL on the objective."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:

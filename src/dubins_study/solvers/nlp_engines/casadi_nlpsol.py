@@ -14,7 +14,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Expressions, NlpCall, Program, needs_watch
 from dubins_study.solvers.runs import EngineResult, no_point
-from dubins_study.solvers.setting_checks import nested
+from dubins_study.solvers.setting_checks import OptionValues, nested
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -166,7 +166,7 @@ def _by_arrays(solver: Any) -> _Call:
     return run
 
 
-def nlpsol(options: dict[str, Any], plugin: str) -> NlpCall:
+def nlpsol(options: OptionValues, plugin: str) -> NlpCall:
     """A plug-in of `nlpsol` by its name."""
     chosen = tuple(options.items())
     max_iter = next((value for name, value in chosen if name.endswith("max_iter")), None)
@@ -203,18 +203,15 @@ def claim(plugin: str, stats: dict[str, Any]) -> Claim:
 def _result(plugin: str, x: FloatArray, duals: FloatArray, stats: dict[str, Any]) -> EngineResult:
     status = str(stats.get("return_status", stats["unified_return_status"]))
     iterations = stats.get("iter_count")
+    # of objective or equations, whichever are more; alpaqa's psi evaluates both
+    of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
+    of_one = max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0))
     return EngineResult(
         x,
         claim(plugin, stats),
         duals if np.isfinite(duals).all() else None,  # Bonmin returns none
         iterations=None if iterations is None else int(iterations),
-        evaluations=_evaluations(stats),
+        evaluations=int(of_both + of_one),
         status=status,
         message=status.replace("_", " ").lower(),
     )
-
-
-def _evaluations(stats: dict[str, Any]) -> int:
-    """Evaluations of objective or equations, whichever are more; alpaqa's psi evaluates both."""
-    of_both = stats.get("n_call_nlp_fg", 0) + stats.get("n_call_nlp_psi", 0)
-    return int(of_both + max(stats.get("n_call_nlp_f", 0), stats.get("n_call_nlp_g", 0)))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import NlpCall, Program
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -29,11 +28,8 @@ _STATUSES = (
     "FORCED_STOP",
 )
 
-Objective = Callable[[FloatArray, FloatArray], float]
-Equations = Callable[[FloatArray, FloatArray, FloatArray], None]
 
-
-def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
+def nlopt(options: OptionValues, algorithm: str, inner: str = "") -> NlpCall:
     """An NLopt algorithm, with the algorithm `inner` for its subproblems if it needs one.
 
     `constraint_tol` is the violation of each equation, `maxeval` limits evaluations; the other
@@ -41,6 +37,8 @@ def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
     """
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
+        import nlopt as library
+
         chosen = program.attainable(options, "constraint_tol")
         allowed, most = chosen.pop("constraint_tol"), chosen.pop("maxeval", 0)
         search = _search(algorithm, guess.size, chosen)
@@ -51,17 +49,30 @@ def nlopt(options: dict[str, Any], algorithm: str, inner: str = "") -> NlpCall:
         search.set_maxtime(max(seconds, 1e-6))  # NLopt takes 0 for no limit
         search.set_lower_bounds(program.lower)
         search.set_upper_bounds(program.upper)
-        objective, equations = _functions(program)
+        functions = program.functions
+
+        # derivatives go where NLopt wants them
+        def objective(x: FloatArray, gradient: FloatArray) -> float:
+            if gradient.size:
+                gradient[:] = functions.gradient(x)
+            return float(functions.objective(x))
+
+        def equations(values: FloatArray, x: FloatArray, jacobian: FloatArray) -> None:
+            values[:] = functions.equations(x)
+            if jacobian.size:
+                jacobian[:] = functions.jacobian(x)
+
         search.set_min_objective(objective)
-        m = program.functions.equations(guess).size
+        m = functions.equations(guess).size
         search.add_equality_mconstraint(equations, np.full(m, allowed))
         # NLopt refuses a guess outside the bounds
         x = np.asarray(search.optimize(np.clip(guess, program.lower, program.upper)))
-        status = _status_names()[search.last_optimize_result()]
+        names = {getattr(library, name): name for name in _STATUSES}
+        status = names[search.last_optimize_result()]
         message = status.replace("_", " ").lower()
         claim = claim_of("nlopt", status)
         # a success is a claim only where the equations hold to the tolerance that NLopt was given
-        if claim is Claim.LOCAL and not (np.abs(program.functions.equations(x)) <= allowed).all():
+        if claim is Claim.LOCAL and not (np.abs(functions.equations(x)) <= allowed).all():
             claim = Claim.FAILED
         evaluations = search.get_numevals()
         return EngineResult(x, claim, evaluations=evaluations, status=status, message=message)
@@ -76,28 +87,3 @@ def _search(algorithm: str, n: int, tolerances: dict[str, float]) -> Any:
     for name, value in tolerances.items():
         getattr(search, f"set_{name}")(value)
     return search
-
-
-def _functions(program: Program) -> tuple[Objective, Equations]:
-    """Objective and equations; derivatives go where NLopt wants them."""
-    functions = program.functions
-
-    def objective(x: FloatArray, gradient: FloatArray) -> float:
-        if gradient.size:
-            gradient[:] = functions.gradient(x)
-        return float(functions.objective(x))
-
-    def equations(values: FloatArray, x: FloatArray, jacobian: FloatArray) -> None:
-        values[:] = functions.equations(x)
-        if jacobian.size:
-            jacobian[:] = functions.jacobian(x)
-
-    return objective, equations
-
-
-@cache
-def _status_names() -> dict[int, str]:
-    """Names of NLopt's return codes, by code."""
-    import nlopt
-
-    return {getattr(nlopt, name): name for name in _STATUSES}

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.study.arrays import FloatArray, IntArray
 from dubins_study.study.body_coordinates import EPS
 
@@ -109,23 +110,6 @@ class _Compiled(NamedTuple):
     hessian_at: IntArray
 
 
-class DeferredExpressions(Expressions):
-    """Expressions that are written when an engine first reads them.
-
-    One that calls functions which a formulation has written by hand loads no casadi.
-    """
-
-    def __init__(self, write: Callable[[], Expressions]) -> None:
-        vars(self)["write"] = write
-
-    def __getattr__(self, name: str) -> Any:
-        # called for what is not set yet
-        if name not in ("x", "p", "f", "g"):
-            raise AttributeError(name)
-        vars(self).update(vars(self.write()))
-        return vars(self)[name]
-
-
 class Entries(NamedTuple):
     """The entries of a program's derivatives that may differ from zero.
 
@@ -147,33 +131,20 @@ class Functions(NamedTuple):
     equations: Callable[[FloatArray], FloatArray]  # shape (m,)
     jacobian: Callable[[FloatArray], FloatArray]  # of the equations, shape (m, n)
     hessian: Callable[[FloatArray, FloatArray], FloatArray]  # (x, weights (m,)) -> shape (n, n)
-    entries: Entries | None = None  # where the derivatives have zeros
-
-
-def _all_entries(functions: Functions, n: int, m: int) -> Entries:
-    """Every entry of the derivatives by n variables of m equations."""
-    lower = np.tril_indices(n)
-
-    def hessian(x: FloatArray, weight: float, weights: FloatArray) -> FloatArray:
-        curved = functions.hessian(x, weights)
-        if weight != 1.0:
-            curved = curved + (weight - 1.0) * functions.hessian(x, np.zeros(m))
-        return curved[lower]
-
-    every = np.indices((m, n)).reshape(2, -1)
-    return Entries(every, lambda x: functions.jacobian(x).ravel(), np.array(lower), hessian)
+    entries: Entries  # for engines that take the derivatives' places
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
     """One question's program: values of p (k,), and bounds of x (n,), maybe infinite.
 
-    `written` are functions written by hand, if these are quicker than casadi's. Some 1e-16 of
+    An engine that calls functions which are `written` by hand, if these are quicker than casadi's,
+    loads no casadi where the expressions are a function that gives them. Some 1e-16 of
     `magnitude`, that of the terms which the equations add up, is their rounding. `bounds` of g, if
     they are not 0, are read by the engines of `casadi_nlpsol` only.
     """
 
-    expressions: Expressions
+    source: Expressions | Callable[[], Expressions]
     p: FloatArray
     lower: FloatArray
     upper: FloatArray
@@ -182,19 +153,16 @@ class Program:
     bounds: tuple[FloatArray, FloatArray] | None = None
 
     @cached_property
+    def expressions(self) -> Expressions:
+        """The expressions, for engines that read some."""
+        return self.source if isinstance(self.source, Expressions) else self.source()
+
+    @cached_property
     def functions(self) -> Functions:
         """The functions, for engines that call some."""
         return self.written or self.expressions.functions(self.p)
 
-    @cached_property
-    def entries(self) -> Entries:
-        """The derivatives' entries, for engines that take their places."""
-        functions = self.functions
-        if functions.entries is not None:
-            return functions.entries
-        return _all_entries(functions, self.lower.size, functions.equations(self.lower).size)
-
-    def attainable(self, options: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    def attainable(self, options: Mapping[str, Any], *names: str) -> OptionValues:
         """Options, no named tolerance on the equations less than what their rounding leaves."""
         least = 64 * EPS * self.magnitude
         return {**options, **{key: max(options[key], least) for key in names if key in options}}

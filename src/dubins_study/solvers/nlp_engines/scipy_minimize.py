@@ -11,6 +11,7 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import Functions, NlpCall, Program, needs_watch
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -25,7 +26,7 @@ _MOST_DENSE = 60
 _STATIONARY = 1e-3  # slopes of 1 in all: what is off by more is no stationary point
 
 
-def slsqp(options: dict[str, Any]) -> NlpCall:
+def slsqp(options: OptionValues) -> NlpCall:
     """SLSQP after Kraft; its ftol is on the objective's change and the violations' sum."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -46,7 +47,7 @@ def slsqp(options: dict[str, Any]) -> NlpCall:
     return run
 
 
-def cobyqa(options: dict[str, Any]) -> NlpCall:
+def cobyqa(options: OptionValues) -> NlpCall:
     """COBYQA of Ragonneau and Zhang, without derivatives."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -67,7 +68,7 @@ def cobyqa(options: dict[str, Any]) -> NlpCall:
     return run
 
 
-def trust_constr(options: dict[str, Any]) -> NlpCall:
+def trust_constr(options: OptionValues) -> NlpCall:
     """trust-constr; its gtol is on the Lagrangian's gradient and on the violation."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -103,7 +104,8 @@ def _sparse(program: Program) -> Functions:
     """The program's functions, their derivatives as sparse matrices."""
     from scipy.sparse import csr_array
 
-    functions, entries = program.functions, program.entries
+    functions = program.functions
+    entries = functions.entries
     n, m = program.lower.size, functions.equations(program.lower).size
     rows, columns = entries.hessian_at
     below = rows != columns

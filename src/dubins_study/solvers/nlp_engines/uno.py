@@ -9,11 +9,12 @@ import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import NlpCall, Program
 from dubins_study.solvers.runs import EngineResult
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
 
 
-def filtersqp(options: dict[str, Any]) -> NlpCall:
+def filtersqp(options: OptionValues) -> NlpCall:
     """Fletcher and Leyffer's filterSQP as Uno rebuilds it, with their QP solver BQPD."""
 
     def run(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
@@ -48,7 +49,8 @@ def _model(program: Program, guess: FloatArray) -> Any:
     """The program as Uno takes it: derivatives by entries, the Lagrangian f + multipliers g."""
     import unopy
 
-    functions, entries = program.functions, program.entries
+    functions = program.functions
+    entries = functions.entries
     n, m = guess.size, functions.equations(guess).size
 
     def filling(function: Callable[[FloatArray], FloatArray]) -> Callable[[Any, Any], None]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,15 +80,10 @@ class Case(NamedTuple):
     @property
     def upper(self) -> FloatArray:
         """Upper bounds of z, shape (3,), in radii."""
-        return _upper(self.subproblem, self.capped)
-
-
-@cache
-def _upper(subproblem: Subproblem, capped: bool) -> FloatArray:
-    # A path with a full turn in it is never shortest, so the cap, which the paper does not have,
-    # removes local minima and no optimum (docs/derivation.md, section 7).
-    arc = TWO_PI if capped else math.inf
-    return np.where(subproblem.mask, (arc, arc, math.inf), 0.0)
+        # A path with a full turn in it is never shortest, so the cap, which the paper does not
+        # have, removes local minima and no optimum (docs/derivation.md, section 7).
+        arc = TWO_PI if self.capped else math.inf
+        return np.where(self.subproblem.mask, (arc, arc, math.inf), 0.0)
 
 
 def case_of(name: str, target: Local) -> Case:
@@ -132,13 +127,8 @@ def end_point(z1: Any, th: Any, z3: Any, functions: Any, R: Any = 1.0) -> tuple[
 def equations(z: Lengths, X: float, Y: float) -> FloatArray:
     """Target minus end point: (4.10), (4.11) with start (0, 0, 0) and b = 1; (3,) -> (2,)."""
     z1, z2, z3 = z
-    th = z1 - z2
-    return np.array(
-        (
-            X - (2 * math.sin(z1) - math.sin(th)) - z3 * math.cos(th),
-            Y - (1 - 2 * math.cos(z1) + math.cos(th)) - z3 * math.sin(th),
-        )
-    )
+    x, y = end_point(z1, z1 - z2, z3, math)
+    return np.array((X - x, Y - y))
 
 
 def jacobian(z: Lengths) -> FloatArray:

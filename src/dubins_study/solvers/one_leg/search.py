@@ -12,7 +12,16 @@ from dubins_study.solvers.course import in_world
 from dubins_study.solvers.one_leg.initial_guesses import suffices
 from dubins_study.solvers.one_leg.model import Case, PosedLeg, as_path, case_of, equations
 from dubins_study.solvers.protocol import Solution
-from dubins_study.solvers.runs import Attempts, EngineResult, Run, settled, spent, timed, tried
+from dubins_study.solvers.runs import (
+    Attempts,
+    EngineResult,
+    Run,
+    nothing_found,
+    settled,
+    spent,
+    timed,
+    tried,
+)
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
 
@@ -46,7 +55,7 @@ def searched(
 def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
     """The answer of all runs (`runs.settled`)."""
     if not runs:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        return nothing_found(runs)
     scenario = posed.question.scenario
 
     def residual(run: Run[FloatArray]) -> float:

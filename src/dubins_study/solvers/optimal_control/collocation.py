@@ -27,33 +27,11 @@ from dubins_study.solvers.setting_checks import whole
 from dubins_study.study.arrays import FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Collocated(Template):
+class Collocated(NamedTuple):
     """The transcription of one choice of settings, compiled."""
 
-    n: int
     fraction: FloatArray  # how far into its element each point lies, shape (points,), in (0, 1]
     ask: Ask
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
-        """As `transcription.Template.solve`; the states of the guess follow its controls."""
-        turn, length = guess.elements
-        legs, equal = course.legs, self.shares is not None
-        times = length.reshape(legs, -1).sum(axis=1) if equal else length
-        each, each_length = (np.repeat(part, self.fraction.size) for part in guess.elements)
-        x, y, heading = guess.states(legs, self.fraction).T
-        slopes = each_length * np.cos(heading), each_length * np.sin(heading), each
-        values = np.concatenate((times, turn, x, y, heading, *slopes))
-        lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
-        lower[: times.size] = 0.0
-        turns = slice(times.size, times.size + turn.size)
-        # |a| <= h bounds both sides by 1; a branch's other bound is 0
-        most = most_turn(course, self.n, equal)
-        lower[turns], upper[turns] = most * rates.lower, most * rates.upper
-        result = self.ask(values, course.data, lower, upper, until - perf_counter())
-        driven = np.maximum(result.x[: times.size], 0.0)
-        length = np.repeat(driven / self.n, self.n) if equal else driven
-        return Transcribed(Elements(result.x[turns], length).within(rates), result)
 
 
 @lru_cache(maxsize=64)
@@ -71,8 +49,7 @@ def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str)
     ask = asked(program, call, native=engine == "ipopt")
     # not from the points' labels in the model, which Pyomo rounds
     fraction = np.array(model.tau.get_discretization_info()["tau_points"][1:])
-    shares = np.full((shape.legs, shape.n), 1 / shape.n) if shape.equal else None
-    return Collocated(shares, shape.n, fraction, ask)
+    return Collocated(fraction, ask)
 
 
 class Shape(NamedTuple):
@@ -140,16 +117,38 @@ class Collocation(NlpTranscription):
 
     points: int = whole(5, 1, 10)  # more than ten Radau points are lost in rounding
 
-    name: ClassVar[str] = "collocation"
-    formulation: ClassVar[str] = "Radau collocation"
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
-    summary: ClassVar[str] = "optimal control collocated in pyomo.dae, free elements"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "collocation"
+    formulation = "Radau collocation"
+    packages = ("pyomo", "casadi")
+    summary = "optimal control collocated in pyomo.dae, free elements"
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"n": 6, "points": 6, "tol": 1e-11},
     }
 
-    def template(self, course: Course) -> Collocated:
-        final = course.last is not None
-        shape = Shape(self.n, self.points, self.mesh == "equal", course.legs, final)
-        return template(shape, self.engine, self.tol, self.max_iter, self.options)
+    def template(self, course: Course) -> Template:
+        n, legs, equal = self.n, course.legs, self.mesh == "equal"
+        shape = Shape(n, self.points, equal, legs, course.last is not None)
+        compiled = template(shape, self.engine, self.tol, self.max_iter, self.options)
+
+        def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
+            """The states of the guess follow its controls."""
+            turn, length = guess.elements
+            times = length.reshape(legs, -1).sum(axis=1) if equal else length
+            fraction = compiled.fraction
+            each, each_length = (np.repeat(part, fraction.size) for part in guess.elements)
+            x, y, heading = guess.states(legs, fraction).T
+            slopes = each_length * np.cos(heading), each_length * np.sin(heading), each
+            values = np.concatenate((times, turn, x, y, heading, *slopes))
+            lower, upper = np.full(values.size, -math.inf), np.full(values.size, math.inf)
+            lower[: times.size] = 0.0
+            turns = slice(times.size, times.size + turn.size)
+            # |a| <= h bounds both sides by 1; a branch's other bound is 0
+            most = most_turn(course, n, equal)
+            lower[turns], upper[turns] = most * rates.lower, most * rates.upper
+            result = compiled.ask(values, course.data, lower, upper, until - perf_counter())
+            driven = np.maximum(result.x[: times.size], 0.0)
+            length = np.repeat(driven / n, n) if equal else driven
+            return Transcribed(Elements(result.x[turns], length).within(rates), result)
+
+        return Template(np.full((legs, n), 1 / n) if equal else None, solve)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Template,
     Transcribed,
+    transcribed,
 )
 from dubins_study.solvers.setting_checks import whole
 
@@ -39,28 +39,22 @@ class MultipleShooting(NlpTranscription):
 
     n: int = whole(4, 3, 1000)
 
-    name: ClassVar[str] = "multiple-shooting"
-    formulation: ClassVar[str] = "multiple shooting"
-    packages: ClassVar[tuple[str, ...]] = ("casadi",)
-    summary: ClassVar[str] = "optimal control by multiple shooting, arcs of free length"
+    name = "multiple-shooting"
+    formulation = "multiple shooting"
+    packages = ("casadi",)
+    summary = "optimal control by multiple shooting, arcs of free length"
 
-    def template(self, course: Course) -> Segments:
-        engine = self.library.load()(self.tol, self.max_iter, self.options)
+    def template(self, course: Course) -> Template:
+        engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
         shares = step_shares(self.n, "equal", course) if self.mesh == "equal" else None
-        return Segments(shares, self.n, engine)
+        return Template(shares, partial(self._solved, engine, course))
 
-
-@dataclass(frozen=True, eq=False)
-class Segments(Template):
-    """The program over segments, and its engine."""
-
-    n: int
-    engine: NlpCall
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
+    def _solved(
+        self, engine: NlpCall, course: Course, guess: Guess, rates: Rates, until: float
+    ) -> Transcribed:
         """As `transcription.Template.solve`; the poses of the guess follow its controls."""
         turn, length = guess.elements
-        legs, equal = course.legs, self.shares is not None
+        legs, equal = course.legs, self.mesh == "equal"
         # a side that a word has not is no variable: engines do badly with one that is fixed
         signs = tuple(sign for sign, rate in ((1, rates.upper), (-1, rates.lower)) if rate != 0)
         turns = [np.maximum(sign * turn, 0.0) for sign in signs]
@@ -80,15 +74,14 @@ class Segments(Template):
             upper,
             magnitude=course.magnitude,
         )
-        result = self.engine(program, np.clip(begin, lower, upper), until - perf_counter())
+        result = engine(program, np.clip(begin, lower, upper), until - perf_counter())
         rows = np.append(np.zeros(_POSE), result.x).reshape(turn.size, -1)
         lengths = np.maximum(rows[:, _POSE:], 0.0)
         elements = Elements(lengths[:, :-1] @ np.array(signs, float), lengths.sum(axis=1))
         if equal:
             mean = elements.length.reshape(legs, -1).mean(axis=1)
             elements = Elements(elements.turn, np.repeat(mean, self.n)).within(rates)
-        duals = None if result.duals is None else result.duals[-2:]
-        return Transcribed(elements, result._replace(duals=duals))
+        return transcribed(elements, result)
 
 
 @lru_cache(maxsize=32)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
+    nothing_found,
     spent,
     total,
     tried,
@@ -40,7 +41,6 @@ from dubins_study.solvers.runs import (
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.body_coordinates import Local
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import IN_ORDER, Claim
@@ -80,16 +80,19 @@ class Transcribed(NamedTuple):
     native: EngineResult
 
 
-@dataclass(frozen=True, eq=False)
-class Template:
-    """A transcription, compiled for its settings and a number of legs."""
+def transcribed(elements: Elements, result: EngineResult) -> Transcribed:
+    """The solution of a program whose last two equations are those of the end point."""
+    duals = None if result.duals is None else result.duals[-2:]
+    return Transcribed(elements, result._replace(duals=duals))
+
+
+class Template(NamedTuple):
+    """A transcription of a course in body coordinates, compiled."""
 
     # of its leg's length that the n elements of a leg have, shape (legs, n); None if free
     shares: FloatArray | None
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
-        """Solve in body coordinates from a guess until a time (s, on `perf_counter`)."""
-        raise NotImplementedError
+    # from a guess, within the rates, until a time (s, on `perf_counter`)
+    solve: Callable[[Guess, Rates, float], Transcribed]
 
 
 class PosedCourse(NamedTuple):
@@ -128,10 +131,10 @@ class Transcription(EngineSolver):
     presolve: bool = False
 
     formulation: ClassVar[str]
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    branches: ClassVar[tuple[str, ...]] = tuple(RATES)
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    warm: ClassVar[bool] = True
+    guarantee = Guarantee.DISCRETISED
+    branches = tuple(RATES)
+    takes = IN_ORDER
+    warm = True
     keeps_limit = False  # compiling takes seconds for hundreds of legs
 
     def template(self, course: Course) -> Template:
@@ -159,7 +162,7 @@ class Transcription(EngineSolver):
 
     def _run(self, model: PosedCourse, guess: Guess, until: float) -> Run[Elements]:
         began, course = perf_counter(), model.course
-        elements, native = model.template.solve(guess, model.rates, course, until)
+        elements, native = model.template.solve(guess, model.rates, until)
         # what is optimal for a transcription is not proven for the problem itself
         claim = Claim.LOCAL if native.claim is Claim.OPTIMAL else native.claim
         missed, off, rollouts = math.inf, math.inf, 0
@@ -200,7 +203,7 @@ class NlpTranscription(Transcription):
     tol: float = tolerance()
     max_iter: int = iterations()
 
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"tol": 1e-11},
     }
@@ -221,7 +224,7 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
     Of equally short runs one that the engine calls a solution goes first.
     """
     if not runs:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        return nothing_found(runs)
     scenario, rates, course = model.question.scenario, model.rates, model.course
     arrived = [run for run in runs if run.claim is Claim.LOCAL or _arrives(run.miss, course)]
     most = min((run.length for run in arrived), default=math.inf) * (1 + _SAME)
@@ -293,8 +296,11 @@ def trials(model: PosedCourse, solver: Transcription) -> Iterator[Iterator[Guess
         share, most = None if shares is None else shares[0], 1 if name == "words" else None
 
         def shaped(word: str) -> Iterator[Guess]:
-            paths = islice(_shaped(word, target), most)
-            return (Guess(word, cut(path, n, share)) for path in paths)
+            case = case_of(word, target)
+            for z in islice(bearing_guesses(case, prescribed=False), most):
+                lengths = np.array(z) * case.subproblem.mask
+                path = Path(HERE, case.subproblem.turns, lengths)
+                yield Guess(word, cut(path, n, share))
 
         cold = [shaped(word) for word in words(question.branch, target, solver.presolve)]
     else:
@@ -355,10 +361,3 @@ def _given(question: Question, course: Course, n: int, shares: FloatArray | None
         for a, b in pairwise(bounds)
     ]
     return [Guess("warm", _cut_legs(legs, n, shares))]
-
-
-def _shaped(word: str, target: Local) -> Iterator[Path]:
-    """Paths shaped like a word, from the start at heading 0."""
-    case = case_of(word, target)
-    for z in bearing_guesses(case, prescribed=False):
-        yield Path(HERE, case.subproblem.turns, np.array(z) * case.subproblem.mask)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -39,7 +39,6 @@ from dubins_study.solvers.optimal_control.turn_rate_template import (
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.runs import EngineResult
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
-from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import QP, Claim
 
 
@@ -68,36 +67,28 @@ class TurnRateQp(Transcription):
     max_qps: int = whole(60, 1, 10**6)
     options: str = option_set()
 
-    name: ClassVar[str] = "turn-rate-qp"
-    packages: ClassVar[tuple[str, ...]] = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
-    summary: ClassVar[str] = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
+    name = "turn-rate-qp"
+    packages = ("cvxpy", "clarabel", "highspy", "osqp", "piqp")
+    summary = "optimal control over n turn rates, a sequence of convex QPs in cvxpy"
     # gaps near 1e-9 outside the discs and 2e-6 inside, for ten times the time
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {"accurate": {"n": 640, "mesh": "graded"}}
+    profiles: ClassVar = {"accurate": {"n": 640, "mesh": "graded"}}
 
     @property
     def method(self) -> Method:
         label = self.library.label
         return Method("turn rates", label, self.initial_guess, self.tolerance)
 
-    def template(self, course: Course) -> Qps:
+    def template(self, course: Course) -> Template:
         qp = template(self.n, course.legs, course.last is not None, self.engine)
-        return Qps(step_shares(self.n, self.mesh, course), self, qp)
+        shares = step_shares(self.n, self.mesh, course)
+        least = (LEAST * shares).ravel()  # a step of no length cannot grow by a part of itself
 
+        def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
+            turn, length = guess.elements
+            begin = Elements(turn, np.maximum(length, least))
+            return Sequence(self, qp, rates, course, until).run(begin)
 
-@dataclass(frozen=True, eq=False)
-class Qps(Template):
-    """The QP of a course, compiled."""
-
-    shares: FloatArray
-    solver: TurnRateQp
-    qp: QpTemplate
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
-        """As `transcription.Template.solve`: one sequence."""
-        turn, length = guess.elements
-        least = (LEAST * self.shares).ravel()  # a step of no length cannot grow by a part of itself
-        begin = Elements(turn, np.maximum(length, least))
-        return Sequence(self, rates, course, until).run(begin)
+        return Template(shares, solve)
 
 
 _RETRIES = 3  # with a smaller trust region each, after which a failing engine ends the sequence
@@ -114,15 +105,17 @@ class Sequence:
     backwards) is replaced by zero, which keeps every QP convex.
     """
 
-    def __init__(self, qps: Qps, rates: Rates, course: Course, deadline: float) -> None:
-        self.qp, self.solver = qps.qp, qps.solver
-        self.options = qps.solver.library.options.of(qps.solver.options)
+    def __init__(
+        self, solver: TurnRateQp, qp: QpTemplate, rates: Rates, course: Course, deadline: float
+    ) -> None:
+        self.qp, self.solver = qp, solver
+        self.options = solver.library.options.of(solver.options)
         self.rates, self.course, self.deadline = rates, course, deadline
 
     def run(self, guess: Elements) -> Transcribed:
         """Solve from one initial guess; QPs count as iterations, rollouts as evaluations."""
         self.restored = False
-        self.qp.forget()
+        self.qp.memory.clear()  # no answer depends on an earlier question
         self._begin(guess.within(self.rates))
         self.qps, self.rollouts, failures = 0, 1, 0
         claim, status = Claim.FEASIBLE, "QP limit"

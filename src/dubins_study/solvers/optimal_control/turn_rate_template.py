@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import diags_array, eye_array, issparse, kron
 
+from dubins_study.solvers.setting_checks import OptionValues
 from dubins_study.study.arrays import FloatArray
 
 
@@ -139,11 +140,7 @@ class QpTemplate:
         objective = p.w @ self.t + bend + p.penalty @ cp.reshape(slack, (1,), order="C")
         return cp.Problem(cp.Minimize(objective), [*ends, *bounds]), ends
 
-    def forget(self) -> None:
-        """Let the engine start cold, so that no answer depends on an earlier question."""
-        self.memory.clear()
-
-    def _solved(self, numbers: Numbers, options: dict[str, Any]) -> Any:
+    def _solved(self, numbers: Numbers, options: OptionValues) -> Any:
         """cvxpy's own solution.
 
         It is not written into the problem, which would evaluate the objective.
@@ -161,12 +158,12 @@ class QpTemplate:
             raise KeyboardInterrupt
         return self.chain.invert(raw, self.inverse)
 
-    def solve(self, numbers: Numbers, options: dict[str, Any], seconds: float) -> QpAnswer:
+    def solve(self, numbers: Numbers, options: OptionValues, seconds: float) -> QpAnswer:
         """Solve the QP for these numbers; an EngineError if there is no answer."""
         import cvxpy as cp
 
         # PIQP has no limit of time; its 250 iterations are short enough
-        limits: dict[str, Any] = {} if self.engine == "piqp" else {"time_limit": seconds}
+        limits: OptionValues = {} if self.engine == "piqp" else {"time_limit": seconds}
         if self.engine == "highs":  # takes about four iterations a step, or cycles without end
             limits["qp_iteration_limit"] = 20 * self.z.size + 200
         try:

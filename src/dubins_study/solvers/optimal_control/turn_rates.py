@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,9 +25,9 @@ from dubins_study.solvers.optimal_control.transcription import (
     NlpTranscription,
     Template,
     Transcribed,
+    transcribed,
 )
 from dubins_study.solvers.setting_checks import one_of, whole
-from dubins_study.study.arrays import FloatArray
 
 # radii; a shortest path is longer than the target's distance by less than two full turns
 _DETOUR = 4 * math.pi
@@ -48,50 +48,41 @@ class TurnRates(NlpTranscription):
     n: int = whole(50, 3, 1000)
     mesh: str = one_of("equal", SHARINGS)
 
-    name: ClassVar[str] = "turn-rates"
-    formulation: ClassVar[str] = "turn rates"
-    packages: ClassVar[tuple[str, ...]] = ("casadi",)
-    summary: ClassVar[str] = "optimal control over n turn rates and the length, one program"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "turn-rates"
+    formulation = "turn rates"
+    packages = ("casadi",)
+    summary = "optimal control over n turn rates and the length, one program"
+    profiles: ClassVar = {
         "fast": {"tol": 1e-7},
         "accurate": {"n": 200, "mesh": "graded"},
     }
 
-    def template(self, course: Course) -> Steps:
+    def template(self, course: Course) -> Template:
         shares = step_shares(self.n, self.mesh, course)
         longest = np.hypot(*course.steps.T)[:, None] + _DETOUR
-        most = np.minimum(1.0, MOST_TURN_EACH / (shares * longest))
-        engine = self.library.load()(self.tol, self.max_iter, self.options)
-        return Steps(shares, most.ravel(), engine)
+        most = np.minimum(1.0, MOST_TURN_EACH / (shares * longest))  # turn rates
+        engine: NlpCall = self.library.load()(self.tol, self.max_iter, self.options)
+        legs, n = shares.shape
 
+        def solve(guess: Guess, rates: Rates, until: float) -> Transcribed:
+            lower = rates.lower * most.ravel()
+            upper = rates.upper * most.ravel()
+            program = Program(
+                expressions(n, legs, course.last is not None),
+                np.concatenate((course.data, shares.ravel())),
+                np.append(lower, np.zeros(legs)),
+                np.append(upper, np.full(legs, np.inf)),
+                magnitude=course.magnitude,
+            )
+            whole = guess.elements.length.reshape(legs, n).sum(axis=1)
+            begin = np.append(np.clip(guess.elements.rate, lower, upper), whole)
+            result = engine(program, begin, until - perf_counter())
+            rate, whole = np.split(result.x, [-legs])
+            length = (shares * np.maximum(whole, 0.0)[:, None]).ravel()
+            elements = Elements(np.clip(rate, rates.lower, rates.upper) * length, length)
+            return transcribed(elements, result)
 
-@dataclass(frozen=True, eq=False)
-class Steps(Template):
-    """The program over n turn rates a leg, and its engine."""
-
-    shares: FloatArray
-    most: FloatArray  # the largest turn rates, shape (N,), at most 1
-    engine: NlpCall
-
-    def solve(self, guess: Guess, rates: Rates, course: Course, until: float) -> Transcribed:
-        """As `transcription.Template.solve`."""
-        legs, n = self.shares.shape
-        lower, upper = rates.lower * self.most, rates.upper * self.most
-        program = Program(
-            expressions(n, legs, course.last is not None),
-            np.concatenate((course.data, self.shares.ravel())),
-            np.append(lower, np.zeros(legs)),
-            np.append(upper, np.full(legs, np.inf)),
-            magnitude=course.magnitude,
-        )
-        whole = guess.elements.length.reshape(legs, n).sum(axis=1)
-        begin = np.append(np.clip(guess.elements.rate, lower, upper), whole)
-        result = self.engine(program, begin, until - perf_counter())
-        rate, whole = np.split(result.x, [-legs])
-        length = (self.shares * np.maximum(whole, 0.0)[:, None]).ravel()
-        duals = None if result.duals is None else result.duals[-2:]
-        elements = Elements(np.clip(rate, rates.lower, rates.upper) * length, length)
-        return Transcribed(elements, result._replace(duals=duals))
+        return Template(shares, solve)
 
 
 @lru_cache(maxsize=32)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
 from dubins_study.solvers.nlp_engines.program import (
-    DeferredExpressions,
+    Entries,
     Expressions,
     Functions,
     NlpCall,
@@ -30,7 +30,7 @@ def program(case: Case) -> Program:
     scaled = unit != 1.0
     given = (X, Y, 1.0) if scaled else (X, Y)
     return Program(
-        expressions(free, scaled),
+        partial(expressions, free, scaled),
         p=unit * np.array(given),
         lower=np.zeros(len(free)),
         upper=unit * case.upper[case.subproblem.mask],
@@ -43,24 +43,22 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
     """The point z that an engine reaches from `guess`, both of shape (3,), in so many seconds."""
     free = list(case.subproblem.free)
     result = engine(program(case), case.unit * guess[free], seconds)
-    return result._replace(x=_point(result.x if case.unit == 1.0 else result.x / case.unit, free))
+    z = np.full(3, np.nan if np.isnan(result.x).all() else 0.0)  # NaN where there is no point
+    z[free] = result.x / case.unit
+    return result._replace(x=z)
 
 
 @cache
-def expressions(free: tuple[int, ...], scaled: bool = False) -> Expressions:
+def expressions(free: tuple[int, ...], scaled: bool) -> Expressions:
     """Model (4.12) with only the `free` lengths of z; the radius is a parameter if `scaled`."""
+    import casadi
 
-    def write() -> Expressions:
-        import casadi
-
-        x = casadi.SX.sym("z", len(free))
-        p = casadi.SX.sym("p", 3 if scaled else 2)
-        R = p[2] if scaled else casadi.SX(1)
-        z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
-        x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
-        return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
-
-    return DeferredExpressions(write)
+    x = casadi.SX.sym("z", len(free))
+    p = casadi.SX.sym("p", 3 if scaled else 2)
+    R = p[2] if scaled else casadi.SX(1)
+    z = [x[free.index(i)] if i in free else casadi.SX(0) for i in range(3)]
+    x_end, y_end = end_point(z[0] / R, (z[0] - z[1]) / R, z[2], casadi, R)
+    return Expressions(x, p, casadi.sum1(x), casadi.vertcat(p[0] - x_end, p[1] - y_end))
 
 
 def _written(case: Case) -> Functions:
@@ -76,17 +74,24 @@ def _written(case: Case) -> Functions:
         full[places] = z.tolist()
         return full
 
+    def slopes(z: FloatArray) -> FloatArray:
+        return jacobian(lengths(z))[:, places]
+
+    def curvatures(z: FloatArray, weights: FloatArray) -> FloatArray:
+        return hessian(lengths(z), weights)[places, places]
+
+    lower = np.tril_indices(ones.size)
+    every = Entries(
+        np.indices((2, ones.size)).reshape(2, -1),
+        lambda z: slopes(z).ravel(),
+        np.array(lower),
+        lambda z, weight, weights: curvatures(z, weights)[lower],  # the objective is linear
+    )
     return Functions(
         lambda z: sum(z.tolist()),
         lambda z: ones,
         lambda z: equations(lengths(z), X, Y),
-        lambda z: jacobian(lengths(z))[:, places],
-        lambda z, weights: hessian(lengths(z), weights)[places, places],
+        slopes,
+        curvatures,
+        every,
     )
-
-
-def _point(z: FloatArray, free: list[int]) -> FloatArray:
-    """All three lengths, or three NaN where the engine returned no point."""
-    full = np.full(3, np.nan if np.isnan(z).all() else 0.0)
-    full[free] = z
-    return full

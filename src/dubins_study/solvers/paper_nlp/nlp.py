@@ -12,7 +12,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from dubins_study.solvers.engines import (
     APART,
@@ -93,9 +93,9 @@ class PaperNlp(EngineSolver):
     units = "radius"  # of the model's lengths (`UNITS`); some presets make it a setting
     # the preset's names of the engine's tolerance and of its limit of iterations
     limits: ClassVar[tuple[str, str]] = ("tol", "max_iter")
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    warm: ClassVar[bool] = True
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    branches = BRANCHES
+    warm = True
+    profiles: ClassVar = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},
     }
@@ -148,12 +148,12 @@ class Slsqp(PaperNlp):
     maxiter: int = iterations()
     units: str = one_of("radius", UNITS)
 
-    name: ClassVar[str] = "slsqp"
+    name = "slsqp"
     engine = "slsqp"
     limits = ("ftol", "maxiter")
-    packages: ClassVar[tuple[str, ...]] = ("scipy",)
-    summary: ClassVar[str] = "the paper's model (4.12) by SciPy's SLSQP"
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    packages = ("scipy",)
+    summary = "the paper's model (4.12) by SciPy's SLSQP"
+    profiles: ClassVar = {
         "fast": {"ftol": 1e-8},
         "accurate": {"ftol": 1e-14},
     }
@@ -175,10 +175,10 @@ class Ipopt(PaperNlp):
     mu_target: float = within(0.0, 0, 1)
     units: str = one_of("radius", UNITS)
 
-    name: ClassVar[str] = "ipopt"
+    name = "ipopt"
     engine = "ipopt"
-    packages: ClassVar[tuple[str, ...]] = ("pyomo", "casadi")
-    summary: ClassVar[str] = "the paper's model (4.12) in Pyomo by Ipopt"
+    packages = ("pyomo", "casadi")
+    summary = "the paper's model (4.12) in Pyomo by Ipopt"
 
     def adapter(self) -> Adapter:
         chosen = self.library.options.of(self.options, self.tol, self.max_iter)
@@ -223,11 +223,11 @@ class Nlp(PaperNlp, _Named):
     tol: float = tolerance()
     max_iter: int = iterations()
 
-    name: ClassVar[str] = "nlp"
-    always_named: ClassVar[tuple[str, ...]] = ("engine",)
-    packages: ClassVar[tuple[str, ...]] = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
-    summary: ClassVar[str] = "the paper's model (4.12) by any NLP engine or AMPL solver"
-    variants: ClassVar[tuple[str, ...]] = others("nlp", _ENGINES, *APART)
+    name = "nlp"
+    always_named = ("engine",)
+    packages = (*packages(NLP_ENGINES), "pyomo", _KNITRO)
+    summary = "the paper's model (4.12) by any NLP engine or AMPL solver"
+    variants = others("nlp", _ENGINES, *APART)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from dubins_study.solvers.engines import MINLP_ENGINES, EngineSolver, others, packages
 from dubins_study.solvers.minlp_engines.mixed_program import Settings
@@ -18,7 +18,7 @@ from dubins_study.solvers.runs import Run, spent
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.tour.graph import LENGTHS, Graph, found_by, graph_of
 from dubins_study.solvers.tour.linear_program import CUTS, LinearProgram, program_of
-from dubins_study.solvers.tour.milp_engines import FEASIBILITY, Asked, highs, mixed
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.places import empty_path, tour_path
 from dubins_study.study.words import IN_ORDER, Claim
 
@@ -43,14 +43,14 @@ class HeadingMilp(EngineSolver):
     headings: int = whole(72, 4, 1000)
     gap: float = within(1e-6, 0, 1, ends=False)
 
-    name: ClassVar[str] = "heading-milp"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    packages: ClassVar[tuple[str, ...]] = packages(("highs", *MINLP_ENGINES))
-    summary: ClassVar[str] = "headings on a grid, exact legs between them, by a MILP engine"
+    name = "heading-milp"
+    guarantee = Guarantee.DISCRETISED
+    takes = IN_ORDER
+    packages = packages(("highs", *MINLP_ENGINES))
+    summary = "headings on a grid, exact legs between them, by a MILP engine"
     keeps_limit = False  # a program of thousands of legs takes seconds to state
-    variants: ClassVar[tuple[str, ...]] = others("heading-milp", _ENGINES, "highs")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    variants = others("heading-milp", _ENGINES, "highs")
+    profiles: ClassVar = {
         "fast": {"headings": 36},
         "accurate": {"headings": 144},
     }
@@ -69,11 +69,7 @@ class HeadingMilp(EngineSolver):
             return there
         scenario = graph.question.scenario
         began = perf_counter()
-        if self.engine == "highs":
-            proven = highs(program, Asked(limit, self.gap, 0))
-        else:
-            ask = self.library.load()(Settings(self.gap, FEASIBILITY))
-            proven = ask(mixed(program), limit)
+        proven = solved(self, program, Settings(self.gap, FEASIBILITY), limit)
         result = proven.counted(iterations=proven.iterations, evaluations=proven.nodes)
         run = Run("grid", perf_counter() - began, result, result.x, bound=proven.bound)
         found = found_by(graph, proven)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from dubins_study.solvers.course import path_of
 from dubins_study.solvers.engines import SearchSolver, names, others, packages
 from dubins_study.solvers.legs import WORD_TURNS, Route, route_of
 from dubins_study.solvers.nlp_engines.program import (
-    DeferredExpressions,
     Entries,
     Expressions,
     Functions,
@@ -27,7 +26,7 @@ from dubins_study.solvers.nlp_engines.program import (
     Program,
 )
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import EngineResult, Run, at_start, spent, timed
+from dubins_study.solvers.runs import EngineResult, Run, at_start, nothing_found, spent, timed
 from dubins_study.solvers.setting_checks import iterations, one_of, option_set, tolerance, whole
 from dubins_study.solvers.stochastic.penalty_function import CountedFunction, Task
 from dubins_study.study.angle import TWO_PI
@@ -81,12 +80,12 @@ class Headings(SearchSolver):
     evaluations: int = whole(0, 0, 10**6)
     trace: bool = False
 
-    name: ClassVar[str] = "headings"
-    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "headings at the points of a route, exact legs between them"
-    variants: ClassVar[tuple[str, ...]] = others("headings", _ENGINES, _DEFAULT)
+    name = "headings"
+    guarantee = Guarantee.STOCHASTIC
+    takes = IN_ORDER
+    packages = packages(_ENGINES)
+    summary = "headings at the points of a route, exact legs between them"
+    variants = others("headings", _ENGINES, _DEFAULT)
 
     @property
     def method(self) -> Method:
@@ -111,8 +110,7 @@ class Headings(SearchSolver):
         runs = list(self._runs(route, question.repeat, perf_counter() + limit, trace))
         begun = [run for run in runs if np.isfinite(run.length)]
         if not begun:
-            messages = [run.result.message for run in runs]
-            return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+            return nothing_found(runs)
         best = min(begun, key=lambda run: run.length)
         return Solution(
             Claim.LOCAL if best.claim is Claim.LOCAL else Claim.FEASIBLE,
@@ -246,7 +244,7 @@ def program(route: Route, functions: Functions | None = None) -> Program:
     k = route.unknowns
     free = np.full(k, np.inf)
     written = functions or _functions(route)
-    return Program(DeferredExpressions(_no_expressions), free[:0], -free, free, written)
+    return Program(_no_expressions, free[:0], -free, free, written)
 
 
 def _no_expressions() -> Expressions:

@@ -32,6 +32,7 @@ from dubins_study.solvers.runs import (
     EngineResult,
     Run,
     at_start,
+    nothing_found,
     settled,
     spent,
     timed,
@@ -99,13 +100,13 @@ class RouteNlp(EngineSolver):
     tol: float = tolerance()
     max_iter: int = iterations()
 
-    name: ClassVar[str] = "route-nlp"
-    takes: ClassVar[frozenset[str]] = IN_ORDER
-    packages: ClassVar[tuple[str, ...]] = packages(NLP_ENGINES)
-    summary: ClassVar[str] = "the paper's model (4.12) with the arcs L R S L R a leg"
+    name = "route-nlp"
+    takes = IN_ORDER
+    packages = packages(NLP_ENGINES)
+    summary = "the paper's model (4.12) with the arcs L R S L R a leg"
     keeps_limit = False  # at 50 legs compiling or a dense engine's iteration takes up to 5 s
-    variants: ClassVar[tuple[str, ...]] = others("route-nlp", NLP_ENGINES, "ipopt")
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    variants = others("route-nlp", NLP_ENGINES, "ipopt")
+    profiles: ClassVar = {
         "fast": {"tol": 1e-6},
         "accurate": {"tol": 1e-11},
     }
@@ -167,7 +168,7 @@ class RouteNlp(EngineSolver):
 def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest point that the engine calls a solution, or the one that misses least."""
     if not runs:
-        return Solution(Claim.LIMIT, message="no time to begin")
+        return nothing_found(runs)
     question, route, places, program, known = model
     scenario, equations = question.scenario, program.functions.equations
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))

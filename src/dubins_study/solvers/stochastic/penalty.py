@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from dubins_study.solvers.one_leg.model import (
 )
 from dubins_study.solvers.one_leg.polish import polish
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
-from dubins_study.solvers.runs import Run, at_start, spent
+from dubins_study.solvers.runs import Run, at_start, nothing_found, spent
 from dubins_study.solvers.setting_checks import one_of, option_set, whole, within
 from dubins_study.solvers.stochastic.penalty_function import (
     CountedFunction,
@@ -82,20 +82,16 @@ class Penalty(SearchSolver):
     presolve: bool = False
     options: str = option_set()
 
-    name: ClassVar[str] = "penalty"
-    guarantee: ClassVar[Guarantee] = Guarantee.STOCHASTIC
-    branches: ClassVar[tuple[str, ...]] = BRANCHES
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "length plus weighted miss, searched without derivatives"
-    variants: ClassVar[tuple[str, ...]] = others("penalty", _ENGINES, _ENGINES[0])
-    profiles: ClassVar[dict[str, dict[str, Any]]] = {
+    name = "penalty"
+    guarantee = Guarantee.STOCHASTIC
+    branches = BRANCHES
+    packages = packages(_ENGINES)
+    summary = "length plus weighted miss, searched without derivatives"
+    variants = others("penalty", _ENGINES, _ENGINES[0])
+    profiles: ClassVar = {
         "fast": {"rounds": 2},
         "accurate": {"evaluations": 20000},
     }
-
-    @property
-    def _budget(self) -> int:
-        return self.evaluations or self.library.evaluations
 
     @property
     def method(self) -> Method:
@@ -147,7 +143,8 @@ class Penalty(SearchSolver):
         """One search; the run's point is that of its result after the correction."""
         began = perf_counter()
         penalised = PenaltyFunction(case, weight)
-        function = CountedFunction(penalised, self._budget, until)
+        budget = self.evaluations or self.library.evaluations
+        function = CountedFunction(penalised, budget, until)
         begin = None
         if guess is not None:
             begin = np.clip(guess[list(case.subproblem.free)], 0.0, penalised.upper)
@@ -169,8 +166,7 @@ def _answer(scenario: Scenario, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest path that arrives; if none does, the one that ends nearest to the target."""
     begun = [run for run in runs if np.isfinite(run.point).all()]
     if not begun:
-        messages = [run.result.message for run in runs]
-        return Solution(Claim.LIMIT, message=(messages or ["no time to begin"])[0])
+        return nothing_found(runs)
     allowed = max(ARRIVES, coordinate_rounding(scenario))
     arriving = [run for run in begun if run.miss <= allowed]
     best = min(begun, key=lambda run: run.miss)

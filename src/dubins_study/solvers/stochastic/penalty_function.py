@@ -18,7 +18,7 @@ import numpy as np
 from dubins_study.solvers.engines import ENGINES
 from dubins_study.solvers.one_leg.model import Case, end_point
 from dubins_study.solvers.runs import EngineResult
-from dubins_study.solvers.setting_checks import OPTION_SETS
+from dubins_study.solvers.setting_checks import OPTION_SETS, OptionValues
 from dubins_study.study.angle import TWO_PI
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.words import Claim
@@ -167,7 +167,7 @@ Search = Callable[[Task], str]
 
 
 # What SciPy's global searches are given beside the box and the options of their set.
-_LIMITS: dict[str, Callable[[Task], dict[str, Any]]] = {
+_LIMITS: dict[str, Callable[[Task], OptionValues]] = {
     "differential_evolution": lambda task: {"maxiter": task.function.budget, "rng": task.random},
     "dual_annealing": lambda task: {"maxiter": task.function.budget, "rng": task.random},
     "shgo": lambda task: {"options": {"maxfev": task.function.budget}},
@@ -175,7 +175,7 @@ _LIMITS: dict[str, Callable[[Task], dict[str, Any]]] = {
 }
 
 
-def scipy_search(options: dict[str, Any], name: str) -> Search:
+def scipy_search(options: OptionValues, name: str) -> Search:
     """A function of `scipy.optimize`; with `vectorized` it evaluates a generation at once."""
 
     def run(task: Task) -> str:
@@ -189,7 +189,7 @@ def scipy_search(options: dict[str, Any], name: str) -> Search:
     return run
 
 
-def minimize(options: dict[str, Any], method: str) -> Search:
+def minimize(options: OptionValues, method: str) -> Search:
     """A method of `scipy.optimize.minimize` within the box."""
 
     def run(task: Task) -> str:
@@ -202,7 +202,7 @@ def minimize(options: dict[str, Any], method: str) -> Search:
     return run
 
 
-def cma_es(options: dict[str, Any]) -> Search:
+def cma_es(options: OptionValues) -> Search:
     """CMA-ES of the package `cma`, from a uniform point; where it restarts, from another."""
     chosen = dict(options)
     step, restarts = chosen.pop("sigma0"), chosen.pop("restarts", 0)
@@ -216,7 +216,7 @@ def cma_es(options: dict[str, Any]) -> Search:
         def begin() -> FloatArray:
             return upper * task.random.uniform(size=upper.size)
 
-        of_task: dict[str, Any] = {
+        of_task: OptionValues = {
             "bounds": [0.0, upper.tolist()],
             "CMA_stds": upper,
             "maxfevals": task.function.budget,

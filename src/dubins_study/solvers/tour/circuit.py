@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dubins_study.solvers.engines import ENGINES
+from dubins_study.solvers.engines import EngineSolver, packages
 from dubins_study.solvers.minlp_engines.mixed_program import ProvenResult
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.solvers.tour.graph import (
@@ -24,11 +24,9 @@ from dubins_study.solvers.tour.graph import (
 from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import NEEDS, Claim
 
-_ENGINE = ENGINES["cp-sat"]
-
 
 @dataclass(frozen=True)
-class TourCircuit(Solver):
+class TourCircuit(EngineSolver):
     """Points in any order and headings on a grid: a circuit that leaves nodes out.
 
     A literal for each arc, and one for each heading that is not driven through. Costs are whole
@@ -44,21 +42,17 @@ class TourCircuit(Solver):
     polish: bool = False
     seed: int = whole(0, 0, 10**6)
 
-    name: ClassVar[str] = "tour-circuit"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
-    summary: ClassVar[str] = "tours: order and headings on a grid, by CP-SAT's circuit"
-    # OR-tools carries another HiGHS than highspy, and no process can load both
-    keeps_limit = False
-    variants: ClassVar[tuple[str, ...]] = ("tour-circuit[costs=bounds]",)
+    name = "tour-circuit"
+    guarantee = Guarantee.DISCRETISED
+    takes = frozenset(NEEDS)
+    engine = "cp-sat"
+    packages = packages((engine,))
+    summary = "tours: order and headings on a grid, by CP-SAT's circuit"
+    variants = ("tour-circuit[costs=bounds]",)
 
     @property
     def method(self) -> Method:
-        return Method("tour circuit", _ENGINE.label)
-
-    def unavailable(self) -> str | None:
-        return _ENGINE.unavailable()
+        return Method("tour circuit", self.library.label)
 
     def build(self, question: Question) -> tuple[Graph, Circuit]:
         graph = graph_of(question, self.headings, self.costs)

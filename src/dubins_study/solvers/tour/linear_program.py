@@ -86,12 +86,11 @@ def _with_positions(
 ) -> LinearProgram:
     """With the position of each place: that of j is at least 1 more than that of i before it."""
     rows = np.arange(i.size)
-    ahead = csr_array((np.ones(i.size), (rows, i)), shape=(i.size, places))
-    behind = csr_array((np.ones(i.size), (rows, j)), shape=(i.size, places))
+    ahead = (_ones(i, rows, places) - _ones(j, rows, places)).T
     most = places - 2.0
     return _extended(
         program,
-        [[(most + 1.0) * z, ahead - behind]],
+        [[(most + 1.0) * z, ahead]],
         least=np.full(i.size, -np.inf),
         most=np.full(i.size, most),
         high=np.full(places, most),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
 
 from dubins_study.solvers.engines import EngineSolver, packages
+from dubins_study.solvers.minlp_engines.mixed_program import Settings
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole, within
 from dubins_study.solvers.tour.graph import (
@@ -26,11 +26,11 @@ from dubins_study.solvers.tour.linear_program import (
     program_of,
     with_cuts,
 )
-from dubins_study.solvers.tour.milp_engines import ENGINE_CALLS, FEASIBILITY, Asked
+from dubins_study.solvers.tour.milp_engines import FEASIBILITY, solved
 from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import NEEDS, Claim
 
-_ENGINES = tuple(ENGINE_CALLS)
+_ENGINES = ("highs", "scip", "glpk", "cbc")
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class TourMilp(EngineSolver):
     """Points in any order and headings on a grid: a generalised travelling salesman problem.
 
     Args:
-        engine: `highs`, `scip`, or `cbc` by OR-tools.
+        engine: `highs`, `scip`, `glpk`, or `cbc` by OR-tools.
         model: what forbids subtours: `flow`, `mtz`, or `cuts`, which are added while some are
             found.
         costs: `lengths` of legs between headings: an optimum of the grid, and no bound; or `bounds`
@@ -59,14 +59,14 @@ class TourMilp(EngineSolver):
     polish: bool = False
     seed: int = whole(0, 0, 10**6)
 
-    name: ClassVar[str] = "tour-milp"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    packages: ClassVar[tuple[str, ...]] = packages(_ENGINES)
-    summary: ClassVar[str] = "tours: order and headings on a grid, by a MILP engine"
+    name = "tour-milp"
+    guarantee = Guarantee.DISCRETISED
+    takes = frozenset(NEEDS)
+    packages = packages(_ENGINES)
+    summary = "tours: order and headings on a grid, by a MILP engine"
     keeps_limit = False  # thousands of arcs take seconds to state
-    variants: ClassVar[tuple[str, ...]] = (
-        *("tour-milp[engine=scip]", "tour-milp[engine=cbc]"),
+    variants = (
+        *("tour-milp[engine=scip]", "tour-milp[engine=glpk]", "tour-milp[engine=cbc]"),
         *("tour-milp[model=mtz]", "tour-milp[model=cuts]", "tour-milp[costs=bounds]"),
     )
 
@@ -83,9 +83,9 @@ class TourMilp(EngineSolver):
         if there := empty_path(graph.question):
             return there
         began = perf_counter()
-        asked = Asked(limit, self.gap, self.seed + graph.question.repeat)
-        call = ENGINE_CALLS[self.engine]
-        result = call(program, asked)
+        seed = self.seed + graph.question.repeat
+        settings = Settings(self.gap, FEASIBILITY, seed=seed)
+        result = solved(self, program, settings, limit)
         bound = result.bound
         nodes = result.nodes or 0
         while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
@@ -94,7 +94,7 @@ class TourMilp(EngineSolver):
             if len(subtours) == 1 or left <= 0.0:
                 break
             program = with_cuts(program, graph, subtours)
-            result = call(program, asked._replace(seconds=left))
+            result = solved(self, program, settings, left)
             bound = max(bound, result.bound)
             nodes += result.nodes or 0
         found = found_by(graph, result._replace(bound=bound, nodes=nodes))

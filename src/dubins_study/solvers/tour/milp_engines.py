@@ -1,4 +1,4 @@
-"""Engines of mixed-integer linear programs, each by its own interface: HiGHS, SCIP and CBC.
+"""Engines of mixed-integer linear programs: HiGHS, CBC and GLPK, and those of `minlp_engines`.
 
 HiGHS is the package's own. OR-tools' modelling layer would reach it too, but its copy is of another
 version under the same name, so that a process that has loaded one of them cannot load the other.
@@ -6,65 +6,57 @@ version under the same name, so that a process that has loaded one of them canno
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
+from dubins_study.solvers.engines import EngineSolver
+from dubins_study.solvers.highs import highs_rows, highs_run
 from dubins_study.solvers.minlp_engines.mixed_program import (
     MixedProgram,
     ProvenResult,
     Row,
+    Settings,
     Written,
 )
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.solvers.tour.linear_program import LinearProgram
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.words import Claim
 
 FEASIBILITY = 1e-9  # of rows and whole numbers, where the engine takes it
 
 
-class Asked(NamedTuple):
-    """What every engine is asked for, beside one thread."""
+def solved(
+    solver: EngineSolver, program: LinearProgram, settings: Settings, seconds: float
+) -> ProvenResult:
+    """The end of a run of a solver's engine, with one thread."""
+    if call := _OWN_CALLS.get(solver.engine):
+        return call(program, settings, seconds)
+    result: ProvenResult = solver.library.load()(settings)(_mixed(program), seconds)
+    return result
 
-    seconds: float
-    gap: float
-    seed: int
 
-
-def highs(program: LinearProgram, asked: Asked) -> ProvenResult:
+def _highs(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
     """HiGHS, by highspy."""
     import highspy
 
-    solver = highspy.Highs()
     options = {
-        "output_flag": False,
         "threads": 1,
-        "random_seed": asked.seed,
-        "time_limit": asked.seconds,
-        "mip_rel_gap": asked.gap,
-        "mip_feasibility_tolerance": FEASIBILITY,
-        "primal_feasibility_tolerance": FEASIBILITY,
+        "random_seed": settings.seed,
+        "time_limit": seconds,
+        "mip_rel_gap": settings.gap,
+        "mip_feasibility_tolerance": settings.feastol,
+        "primal_feasibility_tolerance": settings.feastol,
     }
-    for name, value in options.items():
-        solver.setOptionValue(name, value)
     kind = highspy.HighsVarType
-    model = highspy.HighsLp()
-    model.num_col_ = program.cost.size
-    model.num_row_ = program.least.size
-    model.col_cost_ = program.cost
-    model.col_lower_ = program.low
-    model.col_upper_ = program.high
-    model.row_lower_ = program.least
-    model.row_upper_ = program.most
+    model = highs_rows(
+        program.cost, program.rows, program.least, program.most, program.low, program.high
+    )
     model.integrality_ = [kind.kInteger if one else kind.kContinuous for one in program.whole]
-    matrix = model.a_matrix_
-    matrix.format_ = highspy.MatrixFormat.kRowwise
-    matrix.start_ = program.rows.indptr
-    matrix.index_ = program.rows.indices
-    matrix.value_ = program.rows.data
-    solver.passModel(model)
-    solver.run()
+    solver = highs_run(model, options)
     info = solver.getInfo()
     status = solver.getModelStatus().name
     found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
@@ -79,23 +71,7 @@ def highs(program: LinearProgram, asked: Asked) -> ProvenResult:
     )
 
 
-def scip(program: LinearProgram, asked: Asked) -> ProvenResult:
-    """SCIP, by pyscipopt."""
-    from dubins_study.solvers.minlp_engines.scip import optimized, translated
-
-    model, z = translated(mixed(program))
-    model.setParams(
-        {
-            "limits/time": max(asked.seconds, 0.0),
-            "limits/gap": asked.gap,
-            "numerics/feastol": FEASIBILITY,
-            "randomization/randomseedshift": asked.seed,
-        }
-    )
-    return optimized(model, z)
-
-
-def cbc(program: LinearProgram, asked: Asked) -> ProvenResult:
+def _cbc(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
     """CBC, by OR-tools' linear solver, which says nothing of seeds; CBC takes none by itself."""
     from ortools.linear_solver import pywraplp
 
@@ -113,8 +89,8 @@ def cbc(program: LinearProgram, asked: Asked) -> ProvenResult:
         objective.SetCoefficient(variable, cost)
     objective.SetMinimization()
     parameters = pywraplp.MPSolverParameters()
-    parameters.SetDoubleParam(parameters.RELATIVE_MIP_GAP, asked.gap)
-    solver.SetTimeLimit(max(int(1000 * asked.seconds), 1))
+    parameters.SetDoubleParam(parameters.RELATIVE_MIP_GAP, settings.gap)
+    solver.SetTimeLimit(max(int(1000 * seconds), 1))
     status = _CBC_STATUSES[solver.Solve(parameters)]
     point: FloatArray | None = None
     if status in ("OPTIMAL", "FEASIBLE"):
@@ -136,6 +112,75 @@ _CBC_STATUSES = (
 )
 
 
+def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenResult:
+    """GLPK, by swiglpk; it takes no seed, and tells of bounds and nodes only while it runs."""
+    import swiglpk as glpk
+
+    glpk.glp_term_out(glpk.GLP_OFF)
+    problem = glpk.glp_create_prob()
+    columns = list(zip(program.cost, program.low, program.high, program.whole, strict=True))
+    glpk.glp_add_cols(problem, len(columns))
+    for j, (cost, low, high, whole) in enumerate(columns, start=1):
+        glpk.glp_set_obj_coef(problem, j, float(cost))
+        glpk.glp_set_col_bnds(problem, j, *_between(glpk, float(low), float(high)))
+        if whole:
+            glpk.glp_set_col_kind(problem, j, glpk.GLP_IV)
+    glpk.glp_add_rows(problem, program.least.size)
+    for i, (body, least, most) in enumerate(_rows(program), start=1):
+        glpk.glp_set_row_bnds(problem, i, *_between(glpk, least, most))
+        places, values = glpk.intArray(len(body) + 1), glpk.doubleArray(len(body) + 1)
+        for k, (j, value) in enumerate(body, start=1):
+            places[k] = j + 1
+            values[k] = value
+        glpk.glp_set_mat_row(problem, i, len(body), places, values)
+    asked = glpk.glp_iocp()
+    glpk.glp_init_iocp(asked)
+    asked.presolve = glpk.GLP_ON  # without it the relaxation must have been solved before
+    asked.tol_int = settings.feastol
+    asked.mip_gap = settings.gap
+    asked.tm_lim = max(int(1000 * seconds), 1)
+    ended = glpk.glp_intopt(problem, asked)
+    status = _GLPK_ENDS.get(ended, str(ended))
+    if ended == 0:
+        status = _GLPK_STATUSES[glpk.glp_mip_status(problem)]
+    point: FloatArray | None = None
+    if glpk.glp_mip_status(problem) in (glpk.GLP_FEAS, glpk.GLP_OPT):
+        point = np.array([glpk.glp_mip_col_val(problem, j + 1) for j in range(len(columns))])
+    cost = float(glpk.glp_mip_obj_val(problem))
+    glpk.glp_delete_prob(problem)
+    claim = claim_of("glpk", status)
+    return ProvenResult(
+        point,
+        claim,
+        bound=cost * (1.0 - settings.gap) if claim is Claim.OPTIMAL else -math.inf,
+        nodes=None,
+        iterations=None,
+        status=status,
+        message="",
+    )
+
+
+def _between(glpk: Any, low: float, high: float) -> tuple[int, float, float]:
+    """What GLPK calls the kind of a row's or a column's bounds, and the bounds."""
+    if low == high:
+        return glpk.GLP_FX, low, high
+    if low == -math.inf:
+        return glpk.GLP_UP, 0.0, high
+    if high == math.inf:
+        return glpk.GLP_LO, low, 0.0
+    return glpk.GLP_DB, low, high
+
+
+# `glpk.h`: what `glp_intopt` returns, and where that is 0, `glp_mip_status`
+_GLPK_ENDS = {
+    0x09: "GLP_ETMLIM",
+    0x0A: "GLP_ENOPFS",
+    0x0B: "GLP_ENODFS",
+    0x0E: "GLP_EMIPGAP",
+}
+_GLPK_STATUSES = ("", "GLP_UNDEF", "GLP_FEAS", "", "GLP_NOFEAS", "GLP_OPT")
+
+
 def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], float, float]]:
     """The columns and values of each row, and between what its sum lies."""
     begins = program.rows.indptr
@@ -145,7 +190,7 @@ def _rows(program: LinearProgram) -> Iterator[tuple[list[tuple[int, float]], flo
         yield entries[begin:end], least, most
 
 
-def mixed(program: LinearProgram) -> MixedProgram:
+def _mixed(program: LinearProgram) -> MixedProgram:
     """The same program for the engines of `minlp_engines`."""
 
     def write(x: Any, functions: Any) -> Written:
@@ -166,8 +211,4 @@ def _sum(terms: list[Any]) -> Any:
     return _sum(terms[:half]) + _sum(terms[half:])
 
 
-ENGINE_CALLS: dict[str, Callable[[LinearProgram, Asked], ProvenResult]] = {
-    "highs": highs,
-    "scip": scip,
-    "cbc": cbc,
-}
+_OWN_CALLS = {"highs": _highs, "cbc": _cbc, "glpk": _glpk}

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 
@@ -38,11 +37,11 @@ class TourOrder(Solver):
     order: str = one_of(_EUCLIDEAN, _ORDERS)
     headings: int = whole(72, 4, 1000)
 
-    name: ClassVar[str] = "tour-order"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS)
-    summary: ClassVar[str] = "tours: the order by straight lines, then the headings"
-    variants: ClassVar[tuple[str, ...]] = ("tour-order[order=alternating]",)
+    name = "tour-order"
+    guarantee = Guarantee.DISCRETISED
+    takes = frozenset(NEEDS)
+    summary = "tours: the order by straight lines, then the headings"
+    variants = ("tour-order[order=alternating]",)
 
     @property
     def method(self) -> Method:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 
-from dubins_study.solvers.engines import ENGINES
-from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.engines import EngineSolver, packages
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.setting_checks import one_of, whole
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.solvers.tour.graph import (
@@ -22,7 +21,6 @@ from dubins_study.solvers.tour.graph import (
 from dubins_study.solvers.tour.places import empty_path
 from dubins_study.study.words import FREE_START, NEEDS
 
-_ENGINE = ENGINES["routing"]
 _FEW = 3  # places that can be passed in one order only, the start among them
 DESCENT, GUIDED = _SEARCHES = ("descent", "guided")
 # `operations_research::routing::RoutingSearchStatus`
@@ -34,7 +32,7 @@ _STATUSES = (
 
 
 @dataclass(frozen=True)
-class TourRouting(Solver):
+class TourRouting(EngineSolver):
     """Points in any order and headings on a grid: a vehicle that visits one heading a point.
 
     The headings of a point are a disjunction of which one is visited. The library proves nothing
@@ -50,20 +48,17 @@ class TourRouting(Solver):
     search: str = one_of(DESCENT, _SEARCHES)
     polish: bool = False
 
-    name: ClassVar[str] = "tour-routing"
-    guarantee: ClassVar[Guarantee] = Guarantee.DISCRETISED
+    name = "tour-routing"
+    guarantee = Guarantee.DISCRETISED
     # the vehicle has one depot: the start with its heading
-    takes: ClassVar[frozenset[str]] = frozenset(NEEDS) - {FREE_START}
-    packages: ClassVar[tuple[str, ...]] = _ENGINE.packages
-    summary: ClassVar[str] = "tours: order and headings on a grid, by OR-tools' routing library"
-    keeps_limit = False  # as that of `tour-circuit`
+    takes = frozenset(NEEDS) - {FREE_START}
+    engine = "routing"
+    packages = packages((engine,))
+    summary = "tours: order and headings on a grid, by OR-tools' routing library"
 
     @property
     def method(self) -> Method:
-        return Method("tour routing", _ENGINE.label)
-
-    def unavailable(self) -> str | None:
-        return _ENGINE.unavailable()
+        return Method("tour routing", self.library.label)
 
     def build(self, question: Question) -> Graph:
         return graph_of(question, self.headings, LENGTHS)

@@ -1,0 +1,50 @@
+"""HiGHS by its package highspy: linear rows and bounds as it reads them, and a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scipy.sparse import csr_array
+
+from dubins_study.solvers.setting_checks import OptionValues
+from dubins_study.study.arrays import FloatArray
+
+
+def highs_rows(
+    cost: FloatArray,
+    rows: csr_array,
+    least: FloatArray,
+    most: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+) -> Any:
+    """min cost x subject to least <= rows x <= most and low <= x <= high."""
+    import highspy
+
+    program = highspy.HighsLp()
+    program.num_col_ = cost.size
+    program.num_row_ = least.size
+    program.col_cost_ = cost
+    program.col_lower_ = low
+    program.col_upper_ = high
+    program.row_lower_ = least
+    program.row_upper_ = most
+    matrix = program.a_matrix_
+    matrix.format_ = highspy.MatrixFormat.kRowwise
+    matrix.start_ = rows.indptr
+    matrix.index_ = rows.indices
+    matrix.value_ = rows.data
+    return program
+
+
+def highs_run(program: Any, options: OptionValues) -> Any:
+    """The `highspy.Highs` that has solved a program, silently."""
+    import highspy
+
+    solver = highspy.Highs()
+    solver.silent()
+    for name, value in options.items():
+        solver.setOptionValue(name, value)
+    solver.passModel(program)
+    solver.run()
+    return solver
