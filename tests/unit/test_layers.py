@@ -71,7 +71,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "solvers.optimal_control": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
     "solvers.indirect": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.minlp_engines": (*_FACTS, "solvers"),
-    "solvers.global_minlp": (*_FACTS, "solvers", "solvers.one_leg", "solvers.minlp_engines"),
+    "solvers.global_minlp": (
+        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp"),
+        *("solvers.minlp_engines", "solvers.nlp_engines"),
+    ),
     "solvers.stochastic": (*_FACTS, "solvers", "solvers.one_leg"),
     "solvers.route": (
         *(*_FACTS, "solvers", "solvers.nlp_engines", "solvers.minlp_engines"),

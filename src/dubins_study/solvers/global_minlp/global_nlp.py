@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -22,6 +23,8 @@ from dubins_study.solvers.minlp_engines.mixed_program import (
     Settings,
     Written,
 )
+from dubins_study.solvers.nlp_engines.expressions import algebra_text
+from dubins_study.solvers.nlp_engines.program import Expressions, Program
 from dubins_study.solvers.one_leg.model import (
     MODELS,
     ORDERS,
@@ -34,6 +37,7 @@ from dubins_study.solvers.one_leg.model import (
     posed_leg,
 )
 from dubins_study.solvers.one_leg.polish import meet_target
+from dubins_study.solvers.paper_nlp.case_program import program
 from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution
 from dubins_study.solvers.runs import Run, at_start, spent
 from dubins_study.solvers.setting_checks import one_of, within
@@ -95,7 +99,7 @@ class GlobalNlp(EngineSolver):
     name = "global-nlp"
     guarantee = Guarantee.GLOBAL
     branches = BRANCHES
-    packages = packages(MINLP_ENGINES)
+    packages = ("casadi", *packages(MINLP_ENGINES))
     summary = "the paper's model (4.12), proven by SCIP or MAiNGO"
     variants = others("global-nlp", MINLP_ENGINES, "scip")
     profiles: ClassVar = {
@@ -168,26 +172,34 @@ class GlobalNlp(EngineSolver):
 def _program(case: Case, lifted: bool) -> MixedProgram:
     """The program of a case; a joint one, if `lifted`, with the final heading in it."""
     subproblem, target = case.subproblem, case.target
-    upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))[subproblem.mask]
-    lower = np.zeros(upper.size)
-    lifted = lifted and upper.size == 3
-    if lifted:
-        lower = np.append(lower, -TWO_PI)
-        upper = np.append(upper, TWO_PI)
+    upper = np.array((TWO_PI, TWO_PI, math.hypot(target.X, target.Y) + 2))
+    posed = replace(program(case), upper=upper[subproblem.mask])
+    if lifted and len(subproblem.free) == 3:
+        turn = (-TWO_PI, TWO_PI)
+        bounds = np.append(posed.lower, turn[0]), np.append(posed.upper, turn[1])
+        posed = Program(_with_heading(), posed.p, *bounds)
+
+    text = algebra_text(posed)
 
     def write(x: Sequence[Any], interface: Any) -> Written:
-        z: list[Any] = [0.0, 0.0, 0.0]
-        for place, length in zip(subproblem.free, x, strict=False):
-            z[place] = length
-        turned = z[0] - z[1]
-        th = x[3] if lifted else turned
-        x_end, y_end = end_point(z[0], th, z[2], Functions(interface))
-        rows = [Row(target.X - x_end), Row(target.Y - y_end)]
-        if lifted:
-            rows.append(Row(th - turned))
-        return Written(z[0] + z[1] + z[2], rows)
+        functions = Functions(interface)
+        # the model's own text, evaluated with the engine's variables x[1], x[2], ...
+        names = {"x": [None, *x], "sin": functions.sin, "cos": functions.cos}
+        rows = [Row(eval(side, names)) for side in text.equations]
+        return Written(eval(text.objective, names), rows)
 
-    return MixedProgram(lower, upper, np.zeros(upper.size, np.bool_), write)
+    return MixedProgram(posed.lower, posed.upper, np.zeros(posed.lower.size, np.bool_), write)
+
+
+@cache
+def _with_heading() -> Expressions:
+    """Model (4.12) in four variables, the last one the final heading; p is the target (X, Y)."""
+    import casadi
+
+    x, p = casadi.SX.sym("x", 4), casadi.SX.sym("p", 2)
+    z1, z2, z3, th = (x[i] for i in range(4))
+    x_end, y_end = end_point(z1, th, z3, casadi)
+    return Expressions(x, p, z1 + z2 + z3, casadi.vertcat(p[0] - x_end, p[1] - y_end, th - z1 + z2))
 
 
 def _claim(runs: list[Run[FloatArray]], covers: bool) -> Claim:

@@ -41,7 +41,7 @@ def template(shape: Shape, engine: str, tol: float, max_iter: int, options: str)
     times = [tau for tau in model.tau if tau > 0]
     states = (model.x, model.y, model.theta, model.dx, model.dy, model.dtheta)
     controls = [*model.duration.values(), *model.turn.values()]
-    # in the order in which `Collocated.solve` gives them
+    # in the order in which `Collocation.template` gives them
     unknowns = [*controls, *(state[tau] for state in states for tau in times)]
     end = [model.passes[2 * shape.legs - 2], model.passes[2 * shape.legs - 1]]
     program = PyomoProgram(model, unknowns, list(model.data.values()), end)
