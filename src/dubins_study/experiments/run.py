@@ -12,11 +12,12 @@ from uuid import uuid4
 
 from threadpoolctl import threadpool_limits
 
-from dubins_study.experiments.executors.executor import Executor, unfinished
+from dubins_study.experiments.executors.executor import Executor, WorkUnit
 from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.isolation.process_state import THREADS
+from dubins_study.experiments.plan.cells import shuffled
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import machine, now, source, versions
@@ -142,7 +143,7 @@ def _solve(
         for sentence in _other_limits(manifest, settings):
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
     writer = PartWriter(folder, settings.run_id, plan.rows, progress)
-    writer.skip(plan.rows - left)
+    writer.skip(plan.keys & done_keys)
     recorded_as_finished = manifest.finished is not None or not completes
     if recorded_as_finished and not left:
         return
@@ -156,9 +157,9 @@ def _solve(
         writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process
-                for limit, chains in stages(plan.chains, rising):
-                    limited = settings._replace(time_limit_s=limit)
-                    unit = unfinished(folder, chains, done_keys, limited)
+                for chains in stages(plan.chains, rising):
+                    unit = WorkUnit(settings, chains).remaining(done_keys)
+                    unit = unit._replace(chains=shuffled(unit.chains, settings.seed))
                     if rising:
                         writer.flush()  # the verdicts so far decide what is asked
                         unit, rows = not_asked(folder, unit)
