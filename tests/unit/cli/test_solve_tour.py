@@ -3,13 +3,16 @@
 import json
 import math
 import shlex
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 import pytest
 
 from dubins_study import Scenario, plot_path, solve
+from dubins_study.cli.solve import answer_json, answer_text
 from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments import solve as module
 from dubins_study.study.scenario_frame import solve_command
 from tests.unit.cli.conftest import asked, line_of
 
@@ -136,6 +139,41 @@ def test_headings_at_points_are_met(tmp_path):
     answer = solve(asked_for)
     assert answer.length == pytest.approx(answers[0]["length"], rel=1e-12)
     assert answer.path.at(answer.visits[0])[0, 2] % (2 * math.pi) == pytest.approx(math.pi / 2)
+
+
+def test_the_given_order_takes_a_tenth_of_the_limit(file, monkeypatch):
+    """It is only compared with: a tour of many points would take twice its limit."""
+    limits = []
+
+    def timed(scenario, *arguments, limit, **others):
+        limits.append((str(scenario.order), limit))
+        return solve(scenario, *arguments, limit=limit, **others)
+
+    monkeypatch.setattr(module, "solve", timed)
+    asked("solve", "--via-file", str(file), "--order", "free", "--time-limit", "20")
+
+    assert limits == [("free", 20.0), ("given", 2.0)]
+
+
+@pytest.mark.parametrize("turns", [-3, 1])
+def test_a_start_heading_is_shown_within_half_a_turn(file, turns):
+    heading = 1.0 + turns * math.tau
+
+    answer = json_of("--via-file", str(file), "--from", "0", "0", f"{heading}rad")
+
+    assert answer["start_heading"] == pytest.approx(1.0)
+
+
+def test_no_proved_path_has_a_gap_below_zero():
+    """Rounding may make it shorter than the proven bound by a few ulps."""
+    exact = solve(Scenario(target_x=9, target_y=1, via=[(3, 4)], order="free"))
+    answer = replace(exact, gap=-1e-16)
+    assert answer.proof == "proved"
+
+    assert line_of("gap", answer_text(answer)) == "0"
+    assert json.loads(answer_json(answer))["gap"] == 0.0
+    unproved = replace(answer, proof="extremal")
+    assert json.loads(answer_json(unproved))["gap"] == -1e-16
 
 
 REFUSED = {

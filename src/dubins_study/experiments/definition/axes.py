@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -68,19 +68,26 @@ class StrictModel(BaseModel):
     )
 
 
-class Spaced(StrictModel):
-    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
+class _Law(StrictModel):
+    """Values that are spread evenly (`linear`), or whose logarithms are (`log`)."""
 
-    linear: tuple[Number, Number, _AxisCount] | None = None
-    log: tuple[_AboveZero, _AboveZero, _AxisCount] | None = None
+    written: ClassVar[str]  # what follows the name of the law
 
     @model_validator(mode="after")
-    def _check_law(self) -> Spaced:
-        if (self.linear is None) == (self.log is None):
+    def _check_law(self) -> Self:
+        if len(self.model_fields_set) != 1:
             raise ValueError(
-                "expected { linear = [first, last, count] } or { log = [first, last, count] }"
+                f"expected {{ linear = {self.written} }} or {{ log = {self.written} }}"
             )
         return self
+
+
+class Spaced(_Law):
+    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
+
+    written = "[first, last, count]"
+    linear: tuple[Number, Number, _AxisCount] | None = None
+    log: tuple[_AboveZero, _AboveZero, _AxisCount] | None = None
 
     def values(self) -> list[float]:
         """All values, the first and the last included."""
@@ -96,19 +103,14 @@ class Spaced(StrictModel):
         return values
 
 
-class Range(StrictModel):
+class Range(_Law):
     """Sampled values are spread uniformly (`linear`), or their logarithms are (`log`)."""
 
+    written = "[low, high]"
     linear: tuple[Number, Number] | None = None
     """Least and largest value."""
     log: tuple[_AboveZero, _AboveZero] | None = None
     """Least and largest value, both above 0."""
-
-    @model_validator(mode="after")
-    def _check_law(self) -> Range:
-        if (self.linear is None) == (self.log is None):
-            raise ValueError("expected { linear = [low, high] } or { log = [low, high] }")
-        return self
 
     def value_at(self, share: float) -> float:
         """The value at a share, from 0 to 1, of the way from the least to the largest."""
