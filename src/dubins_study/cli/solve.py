@@ -168,7 +168,7 @@ def _write_files(
         if plot is not None:
             from dubins_study.report.path_plot import plot_path
 
-            plot_path(flown, plot)
+            plot_path(flown, plot, names=names)
         if geojson is not None:
             _write_geojson(answer_geojson(flown, flown.path, names), geojson)
         return True

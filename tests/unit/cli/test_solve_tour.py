@@ -235,3 +235,47 @@ def test_a_tour_is_drawn_with_its_points_in_the_order_of_visits():
     assert {int(text): tuple(xy) for text, xy in numbers.items()} == {
         place: tuple(points[i]) for place, i in enumerate(answer.order, 1)
     }
+
+
+def drawn_texts(scenario, names):
+    """The texts beside points, by their points; and what stands below the plot."""
+    answer = solve(scenario, limit=2)
+    [axes] = plot_path(answer, names=names).axes
+    beside = {tuple(text.xy): text.get_text() for text in axes.texts if text.get_text()}
+    return answer, beside, axes.get_xlabel().replace("\u00a0", " ")
+
+
+def test_names_stand_beside_few_points():
+    """Behind the numbers of visits; the last point of an open tour has both, a target its name."""
+    via = [(9, -6), (3, 7), (-5, 4)]
+    names = ["mill", "oak", ""]
+
+    answer, beside, below = drawn_texts(Scenario(via=via, order="free"), names)
+    numbered = {via[i]: f"{n} {names[i]}".strip() for n, i in enumerate(answer.order, 1)}
+    assert beside == {(0.0, 0.0): "start", **numbered}
+    assert below == "x"
+
+    to_home = Scenario(target_x=20, target_y=0, via=via, order="free")
+    _, beside, _ = drawn_texts(to_home, [*names, "home"])
+    assert beside[20.0, 0.0] == "home"
+
+
+def test_names_of_many_points_stand_below_the_plot():
+    via = [(5.0 * place, (-1.0) ** place) for place in range(1, 15)]
+    names = [f"field {place}" for place in range(14)]
+
+    answer, beside, below = drawn_texts(Scenario(via=via, order="free"), names)
+
+    assert set(beside.values()) <= {"start", *map(str, range(1, 15))}
+    expected = ", ".join(f"{n} {names[i]}" for n, i in enumerate(answer.order, 1))
+    assert " ".join(below.split()) == f"x {expected}"
+
+
+def test_texts_do_not_overlap():
+    """Of points that lie close some are left without a name, or without a text."""
+    via = [(4 + 0.1 * place, 3.0) for place in range(6)]
+    names = [f"point number {place}" for place in range(6)]
+
+    _, beside, _ = drawn_texts(Scenario(via=via, target_x=9, target_y=0), names)
+
+    assert 1 < len(beside) < 8
