@@ -85,7 +85,6 @@ class _Submission:
         self._client, self._settings, self._probed = client, unit.settings, probed
         self._waiting: deque[Chain] = deque(unit.chains)
         self._units: dict[Any, WorkUnit] = {}  # by Dask's future
-        self._sent = 0
         self._threads = 0
         self._warned = False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
@@ -144,11 +143,8 @@ class _Submission:
                 chains.append(self._waiting.popleft())
                 cells -= len(chains[-1])
             unit = WorkUnit(self._settings, chains)
-            self._sent += 1
-            key = f"dubins-study-{self._settings.run_id}-{self._sent}"
-            future = self._client.submit(
-                function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
-            )
+            message = pickle.dumps(unit)
+            future = self._client.submit(function, message, pure=False, retries=_RETRIES)
             self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:

@@ -143,11 +143,6 @@ class RunPlan(NamedTuple):
         return {cell.key for chain in self.chains for cell in chain}
 
     @property
-    def rows(self) -> int:
-        """How many rows there will be."""
-        return sum(map(len, self.chains))
-
-    @property
     def solver_specs(self) -> list[str]:
         """The canonical specs of all solvers, each once."""
         return list(dict.fromkeys(cell.solver for chain in self.chains for cell in chain))

@@ -87,7 +87,6 @@ class PartWriter:
         self._skipped: set[Key] = set()
         self._parts = self._cells_done = 0
         self._flushed = monotonic()
-        self.after_step: Callable[[], None] | None = None
 
     def skip(self, cells: set[Key]) -> None:
         """Count cells as done whose rows the folder holds; those of a sweep are solved again."""
@@ -114,7 +113,5 @@ class PartWriter:
         self._flushed = monotonic()
 
     def _report(self) -> None:
-        if self.after_step is not None:
-            self.after_step()
         if self._progress is not None:
             self._progress(self._cells_done, self._total)
