@@ -77,7 +77,9 @@ def _kind(schema: dict[str, Any]) -> str:
     """The values that a key takes, in a few words."""
     if "anyOf" in schema:
         kinds = [_kind(one) for one in schema["anyOf"] if one.get("type") != "null"]
-        return "[axis](#axes)" if "table" in kinds else " or ".join(kinds)
+        if "table `Spaced`" in kinds:
+            return "[axis](#axes)"
+        return "number or angle" if kinds == ["number", "text"] else " or ".join(kinds)
     if "$ref" in schema:
         return f"table `{schema['$ref'].rpartition('/')[2]}`"
     if "enum" in schema:
@@ -87,8 +89,6 @@ def _kind(schema: dict[str, Any]) -> str:
         return "[" + ", ".join(_kind(one) for one in schema["prefixItems"]) + "]"
     if kind == "array":
         return f"list of {_kind(schema['items'])}"
-    if kind == ["number", "string"]:
-        return "number or angle"
     names = {
         "integer": "whole number",
         "string": "text",

@@ -205,7 +205,7 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
         chains(read(experiment).experiment),
     )
     for chain in units[:3]:
-        reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(settings, [chain], {})))
+        reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(settings, [chain])))
         assert (len(reply.rows), reply.refusal) == (len(chain), "")
     pids = set(map(int, (tmp_path / "pids").read_text().split()))
     assert len(pids) == 1
@@ -217,7 +217,7 @@ def test_a_worker_keeps_its_processes_until_the_run_ends(experiment, tmp_path):
 def test_a_worker_whose_files_were_changed_is_to_be_restarted(monkeypatch):
     """What it has imported is not what is on disk, whose digest it would tell."""
     monkeypatch.setattr(dask_worker, "_IMPORTED", frozenset())
-    reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(RunSettings("r", 1.0), [], {})))
+    reply = dask_worker.solve_unit(pickle.dumps(WorkUnit(RunSettings("r", 1.0), [])))
 
     assert len(reply.rows) == 0
     assert reply.refusal.endswith("dubins-study was changed since the worker started; restart it")

@@ -118,7 +118,7 @@ def jobs(tmp_path):
     def ask(*labels):
         scenarios = [Scenario(target_x=3, target_y=1, label=label) for label in labels]
         spec = f"{tmp_path}/held_up.py:HeldUp"
-        return [Job(spec, "default", Question(scenario)) for scenario in scenarios]
+        return [Job(spec, "default", Question(scenario), 10.0) for scenario in scenarios]
 
     return ask
 
@@ -128,7 +128,7 @@ def test_one_slow_solve_does_not_end_working_ahead(jobs):
     """Soon after it a solve is expected to be quick again."""
     asked = jobs("slow", *["quick"] * 60)
     with WorkerPool(1) as pool:
-        answered = sum(map(len, pool.solve(asked, Interruption(), 10.0)))
+        answered = sum(map(len, pool.solve(asked, Interruption())))
 
     assert answered == 61
     assert pool._expected_s[asked[0].solver_key] < AHEAD_S
@@ -138,6 +138,6 @@ def test_one_slow_solve_does_not_end_working_ahead(jobs):
 def test_a_worker_killed_between_two_jobs_costs_no_row(jobs):
     with WorkerPool(1) as pool:
         for _ in range(5):
-            [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption(), 10.0))
+            [[(_, answer)]] = filter(None, pool.solve(jobs("quick"), Interruption()))
             assert answer.outcome == "returned"
             os.kill(int(answer.solution.message), signal.SIGKILL)

@@ -100,7 +100,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
     """Of a solver that is not tried again: thousands of rows hold up neither Ctrl-C nor news."""
     cells = chains(read(small).experiment) * 400
     reply = no_answer(Outcome.CRASHED, "no more")
-    unit = WorkUnit(RunSettings("r", 60.0), cells, {})
+    unit = WorkUnit(RunSettings("r", 60.0), cells)
 
     def rows_made(until):
         stop, rows = Interruption(), 0
@@ -116,7 +116,7 @@ def test_rows_without_a_solve_are_interrupted_too(small):
 
 
 def test_a_run_cut_short_is_completed(small, original, tmp_path, monkeypatch):
-    """Whatever is done stays; the rest is added; a warm sweep goes on from its last path."""
+    """Whatever is done stays; the rest is added; a warm sweep is solved again."""
     whole = rows(original)
     solved = local.solve_chains
 

@@ -70,10 +70,10 @@ def test_a_terminal_gets_lines_that_fit(mine, columns):
 
 
 def test_ctrl_c_ends_with_130(tmp_path):
-    """At once, without a traceback and without an answer."""
+    """At once, with a line that says so, and without an answer or a drawing."""
     (tmp_path / "slow.py").write_text(TELLS_AND_NAPS)
     process = subprocess.Popen(
-        command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow"),
+        command("solve", 1, 2, "--solver", f"{tmp_path}/slow.py:Slow", "--plot", "path.png"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -87,7 +87,9 @@ def test_ctrl_c_ends_with_130(tmp_path):
 
     assert process.returncode == 130
     assert out == ""
+    assert errors.splitlines()[-1:] == ["dubins-study: interrupted"]
     assert "Traceback" not in errors
+    assert not (tmp_path / "path.png").exists()
 
 
 def test_a_shell_completes_commands_and_options(tmp_path):

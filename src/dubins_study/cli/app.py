@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
@@ -33,6 +34,7 @@ try:
     from dubins_study.cli.terminal.arguments import PAIRS
     from dubins_study.cli.terminal.output import Verbosity, plain, set_verbosity
     from dubins_study.cli.terminal.slips import arranged
+    from dubins_study.experiments.interruption import Interruption
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
 
@@ -91,7 +93,7 @@ _SHARED = typer.main.get_command(_of_all).params  # the options --quiet and --ve
 
 
 class _Command(TyperCommand):
-    """A command with --quiet and --verbose, which takes negative numbers."""
+    """A command with --quiet and --verbose, which takes negative numbers and Ctrl-C."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -99,6 +101,14 @@ class _Command(TyperCommand):
         for option in self.params:
             if option.name in PAIRS:
                 option.nargs = 2
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            with Interruption((signal.SIGINT,), at_once=True):  # a library may swallow it
+                return super().invoke(ctx)
+        except KeyboardInterrupt:
+            print(f"{PROGRAM}: interrupted", file=sys.stderr)
+            raise typer.Exit(130) from None
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         rest = super().parse_args(ctx, arranged(args, self.get_params(ctx), ctx.fail))

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -41,6 +41,9 @@ _GEOJSON = (
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 _MOST_POINTS = 24  # of an order
 _SAME = 1e-8  # relative; two searches to 1e-9 each
+# Share of the limit for a tour's points in their given order: a good path of thousands takes a
+# second, a proof that it is the shortest is for `--order given`.
+_COMPARED = 0.1
 
 
 def solve(
@@ -58,64 +61,67 @@ def solve(
     solver: arguments.Spec = "analytic",
     branch: arguments.Branch = "best",
     profile: arguments.Profile = "default",
-    time_limit: Annotated[
-        float,
-        typer.Option(
-            metavar="SECONDS", parser=arguments.number, help="seconds that the solve may take"
-        ),
-    ] = 60.0,
+    time_limit: arguments.TimeLimit = 60.0,
     as_json: arguments.Json = False,
-    plot: Annotated[
-        FilePath | None, typer.Option(metavar="FILE", help="draw the path: .svg, .pdf or .png")
-    ] = None,
-    geojson: Annotated[
-        FilePath | None,
-        typer.Option(metavar="FILE", help="write path and points as GeoJSON, in their x and y"),
-    ] = None,
-    shortest: Annotated[
-        bool,
-        typer.Option(
-            "--shortest", help="draw and write the check's path where it is shorter than the answer"
-        ),
-    ] = False,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="exit code 1 unless the verdict is optimal")
-    ] = False,
+    plot: arguments.Plot = None,
+    geojson: arguments.Geojson = None,
+    shortest: arguments.Shortest = False,
+    strict: arguments.Strict = False,
 ) -> None:
     """Solve one scenario and judge the answer."""
     from dubins_study.asking.attempt import check_request, shorter_answer
-    from dubins_study.experiments.solve import solve as ask
     from dubins_study.study.scenario import checked_order
-    from dubins_study.study.tolerances import SEARCH_S
-    from dubins_study.study.values import unwritable
 
-    is_free = checked_order(order) is Order.FREE
-    no_target = closed or (is_free and x is None)
+    no_target = closed or (checked_order(order) is Order.FREE and x is None)
     points = _with_headings(_points(x, y, via, via_file, no_target), via_headings, no_target)
-    last = None if no_target else points[-1]
-    if last is not None and last.heading is not None:
+    names = [each.name for each in points]
+    scenario = arguments.scenario_of(
+        start=start,
+        radius=radius,
+        speed=speed,
+        order=order,
+        closed=closed,
+        **_stops(points, final_heading, no_target),
+    )
+    check_request(branch, time_limit, "--time-limit")
+    _check_files(plot, geojson)
+    answer, in_given_order = _answers(scenario, solver, branch, profile, time_limit)
+    _print(answer, names, in_given_order, as_json)
+    flown = answer
+    if shortest:
+        flown = shorter_answer(answer) or answer
+    complete = _write_files(flown, names, plot, geojson)
+    ended = complete and answer.outcome == Outcome.RETURNED
+    if not ended or (strict and answer.verdict != "optimal"):
+        raise typer.Exit(1)
+
+
+def _stops(points: list[NamedPoint], final_heading: str | None, no_target: bool) -> dict[str, Any]:
+    """The fields of a scenario that say where it passes and ends."""
+    via = points if no_target else points[:-1]
+    fields: dict[str, Any] = {
+        "via": [(each.x, each.y, _in_radians(each.heading)) for each in via],
+        "x": None,
+        "y": None,
+        "final_heading": final_heading,
+    }
+    if no_target:
+        return fields
+    last = points[-1]
+    if last.heading is not None:
         if final_heading is not None:
             message = "the last point has a heading, and --final-heading is given"
             raise arguments.CommandError(f"{message}; expected one of them")
-        final_heading = _in_radians(last.heading)
-    scenario = arguments.scenario_of(
-        x if last is None else last.x,
-        y if last is None else last.y,
-        start,
-        radius,
-        speed,
-        via=[
-            (each.x, each.y, _in_radians(each.heading))
-            for each in (points if no_target else points[:-1])
-        ],
-        final_heading=final_heading,
-        order=order,
-        closed=closed,
-    )
-    names = [each.name for each in points]
-    check_request(branch, time_limit, "--time-limit")
+        fields["final_heading"] = _in_radians(last.heading)
+    return fields | {"x": last.x, "y": last.y}
+
+
+def _check_files(plot: FilePath | None, geojson: FilePath | None) -> None:
+    """Refuse files that cannot be written, before a solve that takes long."""
+    from dubins_study.study.values import unwritable
+
     for option, file in (("--plot", plot), ("--geojson", geojson)):
-        if file is not None and (reason := unwritable(file)):  # before a solve that takes long
+        if file is not None and (reason := unwritable(file)):
             raise arguments.CommandError(f"{option}: cannot write {file}: {reason}")
     if geojson is not None and geojson.suffix.lower() not in (".json", ".geojson"):
         raise arguments.CommandError(f"--geojson: {geojson}: expected a file .json or .geojson")
@@ -123,13 +129,28 @@ def solve(
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)
-    searches = 2 if is_free else 1  # of a tour the given order is searched too
-    at_most = searches * time_limit + min(time_limit, SEARCH_S)
-    in_given_order = None
+
+
+def _answers(
+    scenario: Scenario, solver: str, branch: str, profile: str, limit: float
+) -> tuple[Answer, Answer | None]:
+    """The answer, and of a tour that of its points in their given order."""
+    from dubins_study.experiments.solve import solve as ask
+    from dubins_study.study.tolerances import SEARCH_S
+
+    compared_s = _COMPARED * limit if scenario.order is Order.FREE else 0.0
+    at_most = limit + min(limit, SEARCH_S) + compared_s
     with output.solvers_to_stderr(), output.steps(f"solving, at most {at_most:g} s"):
-        answer = ask(scenario, solver, branch, profile=profile, limit=time_limit, isolated=True)
-        if answer.order is not None:
-            in_given_order = ask(_route_of(scenario), limit=time_limit, isolated=True)
+        answer = ask(scenario, solver, branch, profile=profile, limit=limit, isolated=True)
+        if answer.order is None:
+            return answer, None
+        return answer, ask(_route_of(scenario), limit=compared_s, isolated=True)
+
+
+def _print(
+    answer: Answer, names: Sequence[str], in_given_order: Answer | None, as_json: bool
+) -> None:
+    """Print an answer; refuse the request of one that no solver was asked for."""
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
         text = answer_json if as_json else answer_text
@@ -137,19 +158,24 @@ def solve(
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)
-    flown = answer
-    if shortest:
-        flown = shorter_answer(answer) or answer
-    written = [file for file in (plot, geojson) if file is not None]
-    drivable = flown.length is not None and flown.path is not None
-    if drivable:
-        _draw(flown, plot)
-        _write_geojson(flown, geojson, names)
-    for file in () if drivable else written:
+
+
+def _write_files(
+    flown: Answer, names: Sequence[str], plot: FilePath | None, geojson: FilePath | None
+) -> bool:
+    """Draw and write a path where files are given; whether none is left out."""
+    if flown.length is not None and flown.path is not None:
+        if plot is not None:
+            from dubins_study.report.path_plot import plot_path
+
+            plot_path(flown, plot, names=names)
+        if geojson is not None:
+            _write_geojson(answer_geojson(flown, flown.path, names), geojson)
+        return True
+    files = [file for file in (plot, geojson) if file is not None]
+    for file in files:
         print(f"dubins-study: {file} is not written: there is no finite path", file=sys.stderr)
-    ended = answer.outcome == Outcome.RETURNED and (drivable or not written)
-    if not ended or (strict and answer.verdict != "optimal"):
-        raise typer.Exit(1)
+    return not files
 
 
 def _in_radians(heading: float | None) -> str | None:
@@ -211,19 +237,7 @@ def _route_of(scenario: Scenario) -> Scenario:
     return replace(scenario, **changed)
 
 
-def _draw(answer: Answer, file: FilePath | None) -> None:
-    """Draw an answer's path, if a file is given."""
-    if file is not None:
-        from dubins_study.report.path_plot import plot_path
-
-        plot_path(answer, file)
-
-
-def _write_geojson(answer: Answer, file: FilePath | None, names: Sequence[str]) -> None:
-    """Write an answer's path and its points, with their names, if a file is given."""
-    if file is None or answer.path is None:
-        return
-    features = answer_geojson(answer, answer.path, names)
+def _write_geojson(features: dict[str, Any], file: FilePath) -> None:
     try:
         file.write_text(json.dumps(features, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
@@ -272,7 +286,10 @@ def answer_json(
     fields["names"] = list(names)
     fields["final_heading"] = answer.scenario.final_heading
     fields["closed"] = answer.scenario.closed
-    fields["start_heading"] = answer.path.start.heading if answer.path is not None else None
+    fields["gap"] = _gap(answer)
+    fields["start_heading"] = None
+    if answer.path is not None:
+        fields["start_heading"] = math.remainder(answer.path.start.heading, math.tau)
     fields["given_order_length"] = None if in_given_order is None else in_given_order.length
     fields["given_order_proof"] = None if in_given_order is None else in_given_order.proof
     fields["segments"] = [
@@ -311,7 +328,7 @@ def answer_text(
         fields["presolve"] = "answered, and the engine was not asked"
     fields["proof"] = _proof(answer)
     if answer.length is not None:
-        fields["gap"] = _number(answer.gap)
+        fields["gap"] = _number(_gap(answer))
         fields["miss"] = _number(answer.miss)
     if answer.margin is not None:
         circle = f"{answer.margin:.3g} R from the nearer turning circle"
@@ -396,6 +413,12 @@ def _shorter(answer: Answer) -> str:
     if found is None or found.length is None:
         return ""
     return f"{found.length:.12g}, found by the check: --shortest takes it"
+
+
+def _gap(answer: Answer) -> float | None:
+    """The gap, none below 0 of a proved path: rounding may put it there."""
+    gap = answer.gap
+    return 0.0 if gap is not None and gap < 0 and answer.proof == "proved" else gap
 
 
 def _number(value: float | None) -> str:

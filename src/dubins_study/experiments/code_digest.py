@@ -30,9 +30,6 @@ _DIGEST_DIGITS = 12
 _PACKAGE = FilePath(__file__).parents[1]
 _ROOM_NAME = re.compile(rb"dubins_study\.((?:solvers|asking)\.\w+)")
 _JUDGE = "asking.attempt"  # the room that judges the answers of all solvers
-# Fields of a node that do nothing: the use that its place gives a name, and the prefix of u"text".
-_IDLE_FIELDS = ("ctx", "kind")
-_CHILD = "*"  # in the place of a node that follows
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 # Path of a file, as it enters the hash -> its syntax.
@@ -131,35 +128,16 @@ def _read(file: FilePath) -> bytes:
     except (SyntaxError, ValueError):  # a module that is not imported may be anything
         # git may check text files out with other line ends on another system
         return content.replace(b"\r\n", b"\n")
-    return _syntax(tree).encode("utf-8", "backslashreplace")
+    text = ast.unparse(_Bare().visit(tree))
+    return text.encode("utf-8", "backslashreplace")
 
 
-def _syntax(tree: ast.Module) -> str:
-    """The nodes of a tree, level by level, without docstrings and positions.
+class _Bare(ast.NodeTransformer):
+    """Removes statements of a constant alone, such as docstrings; imports whole names."""
 
-    Empty fields are left out, since newer versions of Python have more of them.
-    """
-    parts: list[str] = []
-    nodes: list[ast.AST] = [tree]
-    for node in nodes:  # which grows by the children
-        parts.append(type(node).__name__)
-        if isinstance(node, ast.ImportFrom):
-            parts += [f"{node.module}.{alias.name}" for alias in node.names]
-        for field in node._fields:
-            value = getattr(node, field, None)
-            if value is None or value == [] or field in _IDLE_FIELDS:
-                continue
-            parts.append(field)
-            children = value if isinstance(value, list) else [value]
-            for child in children:
-                if not isinstance(child, ast.AST):
-                    parts.append(repr(child))
-                elif not _is_idle(child):
-                    parts.append(_CHILD)
-                    nodes.append(child)
-    return " ".join(parts)
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> ast.Import:
+        whole = [ast.alias(f"{node.module}.{each.name}", each.asname) for each in node.names]
+        return ast.Import(whole)
 
-
-def _is_idle(node: ast.AST) -> bool:
-    """Whether a node is a statement of a constant alone, such as a docstring."""
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        return None if isinstance(node.value, ast.Constant) else node

@@ -12,14 +12,15 @@ from uuid import uuid4
 
 from threadpoolctl import threadpool_limits
 
-from dubins_study.experiments.executors.executor import Executor, unfinished
+from dubins_study.experiments.executors.executor import Executor, WorkUnit
 from dubins_study.experiments.executors.local import local_executor
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.isolation.process_state import THREADS
+from dubins_study.experiments.plan.cells import shuffled
 from dubins_study.experiments.plan.run_plan import Request, RunPlan, RunSettings, plan_run
 from dubins_study.experiments.plan.solver_description import describe_solver
-from dubins_study.experiments.provenance import machine, now, source, versions
+from dubins_study.experiments.provenance import machine, now, source, versions, versions_of
 from dubins_study.experiments.stages import not_asked, stages
 from dubins_study.experiments.store.folder import compact, done, locked, open_folder, prepare_folder
 from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
@@ -130,19 +131,20 @@ def _solve(
         executor=request.executor,
         **experiment.model_dump(include={"time_limit_s", "memory_limit_gib", "seed"}),
     )
+    keys = plan.keys
     done_keys = done(folder)
-    left = len(plan.keys - done_keys)
+    left = len(keys - done_keys)
     _LOG.info(
         "%s into %s: %d cells, %d of them to solve, with %s",
-        *(plan.experiment_file.name, folder, plan.rows, left, settings),
+        *(plan.experiment_file.name, folder, len(keys), left, settings),
     )
-    totals = Counter((solver, digest) for _, solver, *_, digest in plan.keys | done_keys)
+    totals = Counter((solver, digest) for _, solver, *_, digest in keys | done_keys)
     manifest, completes = count_cells(manifest, set(plan.solver_specs), totals)
-    if left < plan.rows:
+    if left < len(keys):
         for sentence in _other_limits(manifest, settings):
             _LOG.warning("dubins-study: %s: %s", folder, sentence)
-    writer = PartWriter(folder, settings.run_id, plan.rows, progress)
-    writer.skip(plan.rows - left)
+    writer = PartWriter(folder, settings.run_id, len(keys), progress)
+    writer.skip(keys & done_keys)
     recorded_as_finished = manifest.finished is not None or not completes
     if recorded_as_finished and not left:
         return
@@ -153,12 +155,11 @@ def _solve(
         **executor.run_entry,
     )
     with RunRecord(folder, manifest, entry, completes) as record:
-        writer.after_step = record.write_now_and_then
         try:
             with threadpool_limits(THREADS):  # of the check, which is made in this process
-                for limit, chains in stages(plan.chains, rising):
-                    limited = settings._replace(time_limit_s=limit)
-                    unit = unfinished(folder, chains, done_keys, limited)
+                for chains in stages(plan.chains, rising):
+                    unit = WorkUnit(settings, chains).remaining(done_keys)
+                    unit = unit._replace(chains=shuffled(unit.chains, settings.seed))
                     if rising:
                         writer.flush()  # the verdicts so far decide what is asked
                         unit, rows = not_asked(folder, unit)
@@ -168,6 +169,7 @@ def _solve(
                     with closing(executor.solve(unit, stop, record.probe)) as row_blocks:
                         for rows in row_blocks:
                             writer.add(rows)
+                            record.write_now_and_then()
                     stop.check()
         except RunError as error:
             raise RunError(f"{error}; the rows written so far are kept") from None
@@ -211,7 +213,9 @@ def _new_manifest(plan: RunPlan, command: str) -> Manifest:
         matrix=matrix() if experiment.matrix else [],
         solvers={
             spec: SolverEntry(
-                settings=solver.settings, code_digest=solver.code_digest, packages=solver.versions
+                settings=solver.settings,
+                code_digest=solver.code_digest,
+                packages=versions_of(solver.packages),
             )
             for spec, solver in solvers.items()
         },

@@ -1,4 +1,4 @@
-"""The stages of a run: cells of one time limit, and if the experiment is `rising`, of one size.
+"""The stages of a run: if the experiment is `rising`, the cells of one size.
 
 The size of a route is its number of legs. A solver that finds the shortest route of none with one
 number of legs is not asked the longer ones of the same label; their rows say so.
@@ -6,7 +6,6 @@ number of legs is not asked the longer ones of the same label; their rows say so
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path as FilePath
 
 from dubins_study.asking.reply import no_answer
@@ -23,14 +22,13 @@ from dubins_study.study.words import Outcome, Verdict
 _UNTOLD = (Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
 
 
-def stages(chains: list[Chain], rising: bool) -> Iterator[tuple[float, list[Chain]]]:
-    """The time limit (s) of each stage, and its chains; a warm sweep is where its first cell is."""
-    by_stage: dict[tuple[int, float], list[Chain]] = {}
+def stages(chains: list[Chain], rising: bool) -> list[list[Chain]]:
+    """The chains of each stage; a warm sweep is where its first cell is."""
+    by_size: dict[int, list[Chain]] = {}
     for chain in chains:
         size = chain[0].scenario.legs if rising else 0
-        by_stage.setdefault((size, chain[0].time_limit_s), []).append(chain)
-    for size, limit in sorted(by_stage):
-        yield limit, by_stage[size, limit]
+        by_size.setdefault(size, []).append(chain)
+    return [by_size[size] for size in sorted(by_size)]
 
 
 def not_asked(folder: FilePath, unit: WorkUnit) -> tuple[WorkUnit, list[Row]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
@@ -50,7 +50,11 @@ class Answered(Protocol):
 
 
 def plot_path(
-    drawn: Answered | Path, file: str | FilePath | None = None, *, ax: Axes | None = None
+    drawn: Answered | Path,
+    file: str | FilePath | None = None,
+    *,
+    ax: Axes | None = None,
+    names: Sequence[str] = (),
 ) -> Figure:
     """Draw a path with its turning circles, start and target.
 
@@ -62,6 +66,7 @@ def plot_path(
             end, and the turning radius is that of its sharpest arc.
         file: where to save the figure, with suffix .svg, .pdf or .png; None: do not save it.
         ax: axes to draw on; None: those of a new figure.
+        names: of the via points, then of the target; some may be empty, and some left out.
 
     Returns:
         The figure, that of the axes if they are given.
@@ -83,13 +88,13 @@ def plot_path(
         if ax is None:
             figure = new_figure(_WIDTH, _HEIGHT[1])
             axes = figure.add_subplot()
-            _plot(axes, named_paths, scenario)
+            _plot(axes, named_paths, scenario, names)
             aspect = axes.dataLim.height / axes.dataLim.width
             figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
             figure = cast("Figure", ax.get_figure(root=True))
-            _plot(ax, named_paths, scenario)
+            _plot(ax, named_paths, scenario, names)
         if place is not None:
             image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
@@ -99,11 +104,13 @@ def plot_path(
     return figure
 
 
-def _plot(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario) -> None:
+def _plot(
+    ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, names: Sequence[str]
+) -> None:
     """Draw the paths of a scenario: of one leg with a free final heading two, else one."""
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
-        plot_route(ax, path, scenario, name)
+        plot_route(ax, path, scenario, name, names)
         return
     texts = {
         labelled(name, short_word(path.word(1e-2), 24) or "–", path): path

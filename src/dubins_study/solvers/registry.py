@@ -198,7 +198,7 @@ def _kind(name: str) -> type[Solver]:
             raise SolverError(f"solver {name!r} is a file; expected {name}:Class")
         raise SolverError(
             f"no solver named {name!r}; {did_you_mean(name, known)}choose one of: "
-            f"{', '.join(known)}, or give file.py:Class"
+            f"{', '.join(known)}, or give file.py:Class; `dubins-study solvers` tells what each is"
         )
     try:
         kind = point.load()

@@ -333,7 +333,9 @@ def _refuse_target(
     for name, value in given.items():
         if value is not None:
             why = "a closed path ends as it starts" if closed else "the tour ends at any point"
-            raise ScenarioError(f"{name} is {short(value)}, but {why}; leave it out")
+            out = f"leave out {name} or closed" if closed else "leave it out"
+            message = f"{name} is {short(value)}, but {why}; {out} (in a table: an empty cell)"
+            raise ScenarioError(message)
     if not passes:
         this = "a closed path" if closed else "a tour without a target"
         raise ScenarioError(f"via is empty; expected points to pass, which {this} needs")

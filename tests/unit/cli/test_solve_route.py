@@ -153,7 +153,7 @@ def test_a_drawn_route():
         for line in legend.get_lines()
     }
     assert len(looks) == 3
-    assert [text.get_text() for text in ax.texts if text.get_text()] == ["1", "2"]
+    assert [text.get_text() for text in ax.texts if text.get_text()] == ["start", "1", "2"]
     assert sum(text.arrow_patch is not None for text in ax.texts) == 2
     assert {round(patch.radius, 12) for patch in ax.patches} == {1.0}
     # the lines are the path: they pass its poses
@@ -178,7 +178,7 @@ def test_a_drawn_route_with_a_free_final_heading():
     )
     assert plot_path(straight).axes[0].get_legend() is not None
     pose = solve(Scenario(target_x=3, target_y=0, final_heading=1.0))
-    assert len(plot_path(pose).axes[0].texts) == 2  # its arrows
+    assert len(plot_path(pose).axes[0].texts) == 3  # its arrows and its start
 
 
 def route_through(points):

@@ -3,13 +3,16 @@
 import json
 import math
 import shlex
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 import pytest
 
 from dubins_study import Scenario, plot_path, solve
+from dubins_study.cli.solve import answer_json, answer_text
 from dubins_study.errors import DubinsStudyError
+from dubins_study.experiments import solve as module
 from dubins_study.study.scenario_frame import solve_command
 from tests.unit.cli.conftest import asked, line_of
 
@@ -138,6 +141,41 @@ def test_headings_at_points_are_met(tmp_path):
     assert answer.path.at(answer.visits[0])[0, 2] % (2 * math.pi) == pytest.approx(math.pi / 2)
 
 
+def test_the_given_order_takes_a_tenth_of_the_limit(file, monkeypatch):
+    """It is only compared with: a tour of many points would take twice its limit."""
+    limits = []
+
+    def timed(scenario, *arguments, limit, **others):
+        limits.append((str(scenario.order), limit))
+        return solve(scenario, *arguments, limit=limit, **others)
+
+    monkeypatch.setattr(module, "solve", timed)
+    asked("solve", "--via-file", str(file), "--order", "free", "--time-limit", "20")
+
+    assert limits == [("free", 20.0), ("given", 2.0)]
+
+
+@pytest.mark.parametrize("turns", [-3, 1])
+def test_a_start_heading_is_shown_within_half_a_turn(file, turns):
+    heading = 1.0 + turns * math.tau
+
+    answer = json_of("--via-file", str(file), "--from", "0", "0", f"{heading}rad")
+
+    assert answer["start_heading"] == pytest.approx(1.0)
+
+
+def test_no_proved_path_has_a_gap_below_zero():
+    """Rounding may make it shorter than the proven bound by a few ulps."""
+    exact = solve(Scenario(target_x=9, target_y=1, via=[(3, 4)], order="free"))
+    answer = replace(exact, gap=-1e-16)
+    assert answer.proof == "proved"
+
+    assert line_of("gap", answer_text(answer)) == "0"
+    assert json.loads(answer_json(answer))["gap"] == 0.0
+    unproved = replace(answer, proof="extremal")
+    assert json.loads(answer_json(unproved))["gap"] == -1e-16
+
+
 REFUSED = {
     "3 4 --order free --closed": "X Y and --closed are given; a closed path ends at its start",
     "3 4 --order sideways --via 1 2": "order is 'sideways'; expected given or free",
@@ -197,3 +235,47 @@ def test_a_tour_is_drawn_with_its_points_in_the_order_of_visits():
     assert {int(text): tuple(xy) for text, xy in numbers.items()} == {
         place: tuple(points[i]) for place, i in enumerate(answer.order, 1)
     }
+
+
+def drawn_texts(scenario, names):
+    """The texts beside points, by their points; and what stands below the plot."""
+    answer = solve(scenario, limit=2)
+    [axes] = plot_path(answer, names=names).axes
+    beside = {tuple(text.xy): text.get_text() for text in axes.texts if text.get_text()}
+    return answer, beside, axes.get_xlabel().replace("\u00a0", " ")
+
+
+def test_names_stand_beside_few_points():
+    """Behind the numbers of visits; the last point of an open tour has both, a target its name."""
+    via = [(9, -6), (3, 7), (-5, 4)]
+    names = ["mill", "oak", ""]
+
+    answer, beside, below = drawn_texts(Scenario(via=via, order="free"), names)
+    numbered = {via[i]: f"{n} {names[i]}".strip() for n, i in enumerate(answer.order, 1)}
+    assert beside == {(0.0, 0.0): "start", **numbered}
+    assert below == "x"
+
+    to_home = Scenario(target_x=20, target_y=0, via=via, order="free")
+    _, beside, _ = drawn_texts(to_home, [*names, "home"])
+    assert beside[20.0, 0.0] == "home"
+
+
+def test_names_of_many_points_stand_below_the_plot():
+    via = [(5.0 * place, (-1.0) ** place) for place in range(1, 15)]
+    names = [f"field {place}" for place in range(14)]
+
+    answer, beside, below = drawn_texts(Scenario(via=via, order="free"), names)
+
+    assert set(beside.values()) <= {"start", *map(str, range(1, 15))}
+    expected = ", ".join(f"{n} {names[i]}" for n, i in enumerate(answer.order, 1))
+    assert " ".join(below.split()) == f"x {expected}"
+
+
+def test_texts_do_not_overlap():
+    """Of points that lie close some are left without a name, or without a text."""
+    via = [(4 + 0.1 * place, 3.0) for place in range(6)]
+    names = [f"point number {place}" for place in range(6)]
+
+    _, beside, _ = drawn_texts(Scenario(via=via, target_x=9, target_y=0), names)
+
+    assert 1 < len(beside) < 8

@@ -113,6 +113,7 @@ def test_canonical_specs(spec, profile, written):
     ("spec", "message"),
     [
         ("nope", "no solver named 'nope'; choose one of: analytic"),
+        ("nope", "or give file.py:Class; `dubins-study solvers` tells what each is"),
         ("slsqp[", "does not parse"),
         ("slsqp[ftol]", "'ftol' does not parse; expected setting=value"),
         ("slsqp[foo=1]", "has no setting 'foo'; it has: model, order"),

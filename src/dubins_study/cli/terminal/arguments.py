@@ -95,7 +95,7 @@ ViaHeadings = Annotated[
 ]
 _ORDER = (
     "of the via points: given, or free for the shortest of all orders; without X Y a free order "
-    "ends at whichever point comes last. The given order is solved too, to say what it costs"
+    "ends at whichever point comes last. The given order is solved too, in a tenth of the limit"
 )
 OrderOfVia = Annotated[str, typer.Option("--order", metavar="NAME", help=_ORDER)]
 Closed = Annotated[
@@ -115,7 +115,17 @@ Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 _SPEC = "name, name[setting=value] or file.py:Class"
 Spec = Annotated[str, typer.Option("--solver", metavar="SPEC", help=_SPEC)]
 Profile = Annotated[str, typer.Option(metavar="NAME", help="default, fast or accurate")]
-# what is printed
+_LIMIT = "seconds that the solve may take"
+TimeLimit = Annotated[float, typer.Option(metavar="SECONDS", parser=number, help=_LIMIT)]
+# what is printed and written
+_PLOT = "draw the path: .svg, .pdf or .png"
+Plot = Annotated[FilePath | None, typer.Option(metavar="FILE", help=_PLOT)]
+_GEOJSON = "write path and points as GeoJSON, in their x and y"
+Geojson = Annotated[FilePath | None, typer.Option(metavar="FILE", help=_GEOJSON)]
+_SHORTEST = "draw and write the check's path where it is shorter than the answer"
+Shortest = Annotated[bool, typer.Option("--shortest", help=_SHORTEST)]
+_STRICT = "exit code 1 unless the verdict is optimal"
+Strict = Annotated[bool, typer.Option("--strict", help=_STRICT)]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 

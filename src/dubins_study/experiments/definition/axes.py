@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import (
@@ -15,7 +15,6 @@ from pydantic import (
     Field,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
-    WithJsonSchema,
     WrapValidator,
     model_validator,
 )
@@ -24,19 +23,17 @@ from dubins_study.study.angle import parse_angle
 from dubins_study.study.scenario import FREE
 from dubins_study.study.values import number_of_text
 
-_NUMBER_SCHEMA = {"type": ["number", "string"]}  # a text is an angle, such as "120deg"
+_Written = float | str  # a text is an angle, such as "120deg"
 Number = Annotated[
     float,
-    BeforeValidator(lambda value: parse_angle(value) if isinstance(value, str) else value),
+    BeforeValidator(
+        lambda value: parse_angle(value) if isinstance(value, str) else value,
+        json_schema_input_type=_Written,
+    ),
     Field(allow_inf_nan=False, strict=True),
-    WithJsonSchema(_NUMBER_SCHEMA),
 ]
 # None is free.
-Heading = Annotated[
-    Number | None,
-    BeforeValidator(lambda value: None if value == FREE else value),
-    WithJsonSchema(_NUMBER_SCHEMA),
-]
+Heading = Annotated[Number | None, BeforeValidator(lambda value: None if value == FREE else value)]
 _AboveZero = Annotated[Number, Field(gt=0)]
 Count = Annotated[int, Field(ge=1, le=10**9, strict=True)]
 # Of the values of an axis, which are written out where it is read: no experiment has more cells.
@@ -68,19 +65,26 @@ class StrictModel(BaseModel):
     )
 
 
-class Spaced(StrictModel):
-    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
+class _Law(StrictModel):
+    """Values that are spread evenly (`linear`), or whose logarithms are (`log`)."""
 
-    linear: tuple[Number, Number, _AxisCount] | None = None
-    log: tuple[_AboveZero, _AboveZero, _AxisCount] | None = None
+    written: ClassVar[str]  # what follows the name of the law
 
     @model_validator(mode="after")
-    def _check_law(self) -> Spaced:
-        if (self.linear is None) == (self.log is None):
+    def _check_law(self) -> Self:
+        if len(self.model_fields_set) != 1:
             raise ValueError(
-                "expected { linear = [first, last, count] } or { log = [first, last, count] }"
+                f"expected {{ linear = {self.written} }} or {{ log = {self.written} }}"
             )
         return self
+
+
+class Spaced(_Law):
+    """`[first, last, count]`: evenly spaced values, or values whose logarithms are."""
+
+    written = "[first, last, count]"
+    linear: tuple[Number, Number, _AxisCount] | None = None
+    log: tuple[_AboveZero, _AboveZero, _AxisCount] | None = None
 
     def values(self) -> list[float]:
         """All values, the first and the last included."""
@@ -96,19 +100,14 @@ class Spaced(StrictModel):
         return values
 
 
-class Range(StrictModel):
+class Range(_Law):
     """Sampled values are spread uniformly (`linear`), or their logarithms are (`log`)."""
 
+    written = "[low, high]"
     linear: tuple[Number, Number] | None = None
     """Least and largest value."""
     log: tuple[_AboveZero, _AboveZero] | None = None
     """Least and largest value, both above 0."""
-
-    @model_validator(mode="after")
-    def _check_law(self) -> Range:
-        if (self.linear is None) == (self.log is None):
-            raise ValueError("expected { linear = [low, high] } or { log = [low, high] }")
-        return self
 
     def value_at(self, share: float) -> float:
         """The value at a share, from 0 to 1, of the way from the least to the largest."""
@@ -135,29 +134,24 @@ def _radii(written: Any) -> float:
     raise ValueError("expected a text such as '8R': a number of radii")
 
 
-def _one_or_several(item: dict[str, Any], *others: dict[str, Any]) -> WithJsonSchema:
-    """The schema of one item, of a list of them, or of something else."""
-    several = {"type": "array", "items": item, "minItems": 1}
-    return WithJsonSchema({"anyOf": [item, several, *others]})
-
-
-_Item = TypeVar("_Item")
-_Several = Annotated[list[_Item], Field(min_length=1), BeforeValidator(_written_out)]
-_NUMBERS_SCHEMA = {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}
-_SPACED_SCHEMA = {
-    "type": "object",
-    "properties": {"linear": _NUMBERS_SCHEMA, "log": _NUMBERS_SCHEMA},
-    "additionalProperties": False,
-}
-_AXIS_SCHEMA = _one_or_several(_NUMBER_SCHEMA, _SPACED_SCHEMA)
+_AXIS = BeforeValidator(_written_out, json_schema_input_type=_Written | list[_Written] | Spaced)
+_AT_LEAST_ONE = Field(min_length=1)
 # The values of one field, written as a number, a list of numbers, or evenly spaced numbers.
-Axis = Annotated[_Several[Number], _AXIS_SCHEMA]
-HeadingAxis = Annotated[_Several[Heading], _AXIS_SCHEMA]
+Axis = Annotated[list[Number], _AT_LEAST_ONE, _AXIS]
+HeadingAxis = Annotated[list[Heading], _AT_LEAST_ONE, _AXIS]
 # Numbers of legs, written as one or several.
-LegCounts = Annotated[_Several[LegCount], _one_or_several({"type": "integer", "minimum": 1})]
+LegCounts = Annotated[
+    list[LegCount],
+    _AT_LEAST_ONE,
+    BeforeValidator(_written_out, json_schema_input_type=LegCount | list[LegCount]),
+]
 _Radii = Annotated[float, BeforeValidator(_radii), Field(ge=1e-3, le=1e6)]
 # Lengths in radii, written as one or several texts.
-RadiiList = Annotated[_Several[_Radii], _one_or_several({"type": "string", "pattern": "R$"})]
+RadiiList = Annotated[
+    list[_Radii],
+    _AT_LEAST_ONE,
+    BeforeValidator(_written_out, json_schema_input_type=str | list[str]),
+]
 
 
 def _as_lists(value: Any) -> Any:
@@ -179,12 +173,11 @@ def _stop(written: Any, validate: ValidatorFunctionWrapHandler) -> tuple[float, 
     return (*point, parse_angle(several[2]))
 
 
-_POINTS_SCHEMA = {"type": "array", "items": {"type": "array", "items": _NUMBER_SCHEMA}}
+_WrittenPoints = list[list[_Written]]
 Points = tuple[tuple[float, ...], ...]
 _Stop = Annotated[tuple[_Coordinate, _Coordinate], WrapValidator(_stop)]
 # The via points of a scenario, or of several.
 ViaLists = Annotated[
     tuple[tuple[_Stop, ...], ...],
-    BeforeValidator(_as_lists),
-    _one_or_several(_POINTS_SCHEMA),
+    BeforeValidator(_as_lists, json_schema_input_type=_WrittenPoints | list[_WrittenPoints]),
 ]

@@ -197,8 +197,8 @@ class GuessLengths(StrictModel):
         return lengths
 
     @property
-    def axes(self) -> tuple[Axis, Axis, Axis]:
-        return self.z1, self.z2, self.z3
+    def axes(self) -> list[Axis]:
+        return [self.z1, self.z2, self.z3]
 
 
 _ZERO: Any = 0.0  # as a file writes it

@@ -16,7 +16,7 @@ from dubins_study.experiments.executors.executor import Executor, Probed, WorkUn
 from dubins_study.experiments.interruption import Interruption
 from dubins_study.experiments.isolation.pool import RunError
 from dubins_study.experiments.plan.cells import Chain
-from dubins_study.study.rows.parts import Row, row_key, row_path
+from dubins_study.study.rows.parts import Row, row_key
 
 _LOG = logging.getLogger(__name__)
 # Dask's loggers. They are silenced, because they repeat what the exceptions say.
@@ -84,9 +84,7 @@ class _Submission:
     def __init__(self, client: Any, unit: WorkUnit, probed: Probed):
         self._client, self._settings, self._probed = client, unit.settings, probed
         self._waiting: deque[Chain] = deque(unit.chains)
-        self._before = dict(unit.before)
         self._units: dict[Any, WorkUnit] = {}  # by Dask's future
-        self._sent = 0
         self._threads = 0
         self._warned = False
         # A machine's name -> its number, in the order of first probes; names are not recorded.
@@ -122,9 +120,8 @@ class _Submission:
                     raise RunError(reply.refusal)
                 if not (stopping or stop.requested):
                     # what the worker has not solved comes first again
-                    rest = unit.remaining({row_key(row): row_path(row) for row in rows})
+                    rest = unit.remaining({row_key(row) for row in rows})
                     self._waiting.extendleft(reversed(rest.chains))
-                    self._before |= rest.before
 
     def _count_threads(self) -> None:
         if self._client.status not in ("running", "connecting"):
@@ -145,14 +142,9 @@ class _Submission:
             while self._waiting and cells > 0:
                 chains.append(self._waiting.popleft())
                 cells -= len(chains[-1])
-            firsts = [chain[0].key for chain in chains]
-            before = {key: self._before.pop(key) for key in firsts if key in self._before}
-            unit = WorkUnit(self._settings, chains, before)
-            self._sent += 1
-            key = f"dubins-study-{self._settings.run_id}-{self._sent}"
-            future = self._client.submit(
-                function, pickle.dumps(unit), key=key, pure=False, retries=_RETRIES
-            )
+            unit = WorkUnit(self._settings, chains)
+            message = pickle.dumps(unit)
+            future = self._client.submit(function, message, pure=False, retries=_RETRIES)
             self._units[future] = unit
 
     def _reply(self, future: Any) -> UnitReply | None:

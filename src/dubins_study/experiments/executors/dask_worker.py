@@ -136,7 +136,7 @@ def solve_unit(message: bytes) -> UnitReply:
             for row_block in solve_chains(pool, unit, run.stop):
                 rows += row_block
                 if rows and monotonic() > end_s:
-                    pool.drop_waiting()
+                    pool.begin_no_more()
     except RunError as error:
         refusal = f"on the Dask worker on {machine}, {error}"
     probes_s, run.probes_s[:] = [*run.probes_s], []

@@ -53,7 +53,7 @@ def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
     """Yield the judged rows of all cells as they come; an empty list if none come for a while."""
-    for results in pool.solve(_first_jobs(unit), stop, unit.settings.time_limit_s):
+    for results in pool.solve(_first_jobs(unit), stop):
         rows = []
         for job, reply in results:
             step: _Step = job.tag
@@ -70,14 +70,15 @@ def _first_jobs(unit: WorkUnit) -> Iterator[Job]:
     """The jobs of the first cells of all chains."""
     # Our own solvers first, then plug-in by plug-in, so that workers are rarely replaced.
     for chain in sorted(unit.chains, key=lambda chain: worker_group(chain[0].solver)):
-        yield from _next_job(iter(chain), unit.before.get(chain[0].key))
+        yield from _next_job(iter(chain), None)
 
 
 def _next_job(cells: Iterator[Cell], path: Path | None) -> Iterator[Job]:
     """The job of the next cell of a chain, if any; `path` is the last that arrived before it."""
     for cell in itertools.islice(cells, 1):
         guess = path if cell.initial_guess == "warm" else given_guess(cell)
-        yield Job(cell.solver, cell.profile, cell.question(guess), _Step(cell, cells, path))
+        step = _Step(cell, cells, path)
+        yield Job(cell.solver, cell.profile, cell.question(guess), cell.time_limit_s, step)
 
 
 def check_code(cell: Cell, reply: Reply, executor: str) -> None:
@@ -106,7 +107,7 @@ def row_of(cell: Cell, question: Question, settings: RunSettings, reply: Reply) 
         "machine": host(),
         "threads": THREADS,
         "jobs": settings.jobs,
-        "limit_s": settings.time_limit_s,
+        "limit_s": cell.time_limit_s,
         "floor_s": reply.floor_s,
         "memory_mib": reply.memory_mib,
         "executor": settings.executor,
@@ -120,11 +121,11 @@ def ask_isolated(
     solver: str, profile: str, questions: Iterable[Question], limit: float
 ) -> Iterator[Answer]:
     """Yield the judged answers to questions, in their order, as a run would have them."""
-    jobs = (Job(solver, profile, question) for question in questions)
+    jobs = (Job(solver, profile, question, limit) for question in questions)
     allowed = tolerances(profile, limit)
     method = describe_solver(solver, profile).method
     # A warm-up loads the libraries, which are no part of the limit; a plug-in may hang in one.
     with WorkerPool(1, warm_up=ours(solver)) as pool:
-        for results in pool.solve(jobs, Interruption(), limit):
+        for results in pool.solve(jobs, Interruption()):
             for job, reply in results:  # in their order, as there is one worker
                 yield judged(solver, job.question, reply, allowed, method)

@@ -65,6 +65,7 @@ class Job(NamedTuple):
     solver: str
     profile: str
     question: Question
+    time_limit_s: float
     tag: Any = None
 
     @property
@@ -155,25 +156,22 @@ class WorkerPool:
         """Put jobs at the front of the queue, in their order; allowed while `solve` runs."""
         self._first.extendleft(reversed(list(jobs)))
 
-    def drop_waiting(self) -> None:
-        """Forget the jobs that no worker has; allowed while `solve` runs."""
-        self._first.clear()
+    def begin_no_more(self) -> None:
+        """Read no further jobs; allowed while `solve` runs. Those that follow others are solved."""
         self._later = iter(())
 
-    def solve(
-        self, jobs: Iterable[Job], stop: Interruption, time_limit_s: float
-    ) -> Iterator[Results]:
+    def solve(self, jobs: Iterable[Job], stop: Interruption) -> Iterator[Results]:
         """Yield the replies to all jobs as they come, and an empty list if none come for a while.
 
         Jobs are read when a worker is free. After an interruption the current solves are finished.
         """
-        self.drop_waiting()
-        self._time_limit_s = time_limit_s
+        self._first.clear()
         self._later = iter(jobs)
         yielded_s = monotonic()
         while True:
             if stop.requested:
-                self.drop_waiting()
+                self._first.clear()
+                self.begin_no_more()
             results = self._feed()
             if not (results or any(worker.pending for worker in self._workers)):
                 return
@@ -259,18 +257,18 @@ class WorkerPool:
     def _give(self, worker: _Worker, job: Job) -> None:
         """Give a worker a job, and before it the tasks that make the job's solver ready."""
         key = job.solver_key
+        limit_s = job.time_limit_s
         if key not in worker.loaded:
             worker.loaded.add(key)
             worker.put(["load", *key], _LOADING, job)
         for route in _LEG_ROUTE if job.question.scenario.via else _LEG_ROUTE[:1]:
             if self._warm_up and (key, route) not in worker.warmed | self._without_warm_up:
                 worker.warmed.add((key, route))
-                message = [_WARM_UP, *key, route, self._time_limit_s, self._probed is not None]
+                message = [_WARM_UP, *key, route, limit_s, self._probed is not None]
                 activity = f"warming up on a {'route' if route else 'leg'}"
-                limit_s = self._time_limit_s + _WARM_UP_S
-                worker.put(message, Allowance(limit_s, activity=activity), job)
-        message = [_SOLVE, *key, encode_question(job.question), self._time_limit_s]
-        worker.put(message, Allowance(self._time_limit_s, GRACE_S), job)
+                worker.put(message, Allowance(limit_s + _WARM_UP_S, activity=activity), job)
+        message = [_SOLVE, *key, encode_question(job.question), limit_s]
+        worker.put(message, Allowance(limit_s, GRACE_S), job)
 
     def _answered(self, worker: _Worker, answer: Answered) -> Results:
         """The job that was answered with its reply, if the task was to solve one."""

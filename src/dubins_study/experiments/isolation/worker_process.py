@@ -243,13 +243,16 @@ def _used_bytes(pid: int, limit: float, *, with_children: bool) -> int:
         family = [process, *process.children(recursive=True)] if with_children else [process]
     except psutil.Error:
         return 0
-    used = shared = 0
+    used = 0
     for member in family:
         with suppress(psutil.Error):
             used += member.memory_info().rss
-    # Above the limit, memory that several share is counted only once (Linux), which is slower.
-    for member in family if used > limit and with_children else ():
+    if used <= limit or len(family) == 1:
+        return used
+    # Memory that several share is counted only once (Linux), which is slower.
+    used = 0
+    for member in family:
         with suppress(psutil.Error):
             memory = member.memory_full_info()
-            shared += getattr(memory, "pss", memory.rss)
-    return shared or used
+            used += getattr(memory, "pss", memory.rss)
+    return used

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,23 +54,16 @@ class BlockPlan(NamedTuple):
         guesses = sum(map(self.guess_count, self.solvers))
         return block_size(self.block) * len(self.branches) * self.repeats * guesses
 
+    def guess_axes(self, solver: SolverDescription) -> Sequence[Sequence[Any]]:
+        """The values whose combinations are a solver's guesses: `cold`, `warm`, or z1, z2, z3."""
+        lengths = self.block.guess_lengths
+        if lengths is not None:
+            return lengths.axes if solver.warm else [[]]
+        return [[guess for guess in self.initial_guesses if solver.warm or guess == "cold"]]
+
     def guess_count(self, solver: SolverDescription) -> int:
         """Number of initial guesses from which a solver is asked each question."""
-        lengths = self.block.guess_lengths
-        if lengths is None:
-            return sum(solver.warm or guess == "cold" for guess in self.initial_guesses)
-        return solver.warm * math.prod(map(len, lengths.axes))
-
-    def guesses(self, solver: SolverDescription) -> Iterator[str]:
-        """The values of the column `initial_guess`: `cold`, `warm`, or z1, z2 and z3 (radii)."""
-        lengths = self.block.guess_lengths
-        if lengths is None:
-            yield from (g for g in self.initial_guesses if g == "cold" or solver.warm)
-            return
-        if not solver.warm:
-            return
-        for point in itertools.product(*lengths.axes):
-            yield " ".join(repr(length) for length in point)
+        return math.prod(map(len, self.guess_axes(solver)))
 
 
 def block_plans(
@@ -191,8 +184,8 @@ def _block_chains(plan: BlockPlan, profile: str) -> Iterator[Chain]:
                 raise ExperimentError(f"{plan.key}, scenario {place}: {error}") from None
     ids = [scenario_id(scenario) for scenario in block_scenarios]
     for solver in solvers:
-        guesses = list(plan.guesses(solver))
-        for branch, repeat, guess in itertools.product(plan.branches, range(plan.repeats), guesses):
+        guesses = [" ".join(map(str, each)) for each in product(*plan.guess_axes(solver))]
+        for branch, repeat, guess in product(plan.branches, range(plan.repeats), guesses):
             digest, known = solver.code_digest, (solver.method, plan.time_limit_s)
             cells = (
                 Cell(id_, solver.spec, profile, branch, guess, repeat, digest, scenario, *known)

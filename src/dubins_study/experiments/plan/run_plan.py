@@ -143,11 +143,6 @@ class RunPlan(NamedTuple):
         return {cell.key for chain in self.chains for cell in chain}
 
     @property
-    def rows(self) -> int:
-        """How many rows there will be."""
-        return sum(map(len, self.chains))
-
-    @property
     def solver_specs(self) -> list[str]:
         """The canonical specs of all solvers, each once."""
         return list(dict.fromkeys(cell.solver for chain in self.chains for cell in chain))
@@ -219,16 +214,15 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
     ]
     if not any(settings):
         return [ListedBlock(listed=listed)]
-    ids = [scenario_id(scenario) for scenario in listed]
     blocks = []
-    left = set(ids)  # of scenarios that no block asks about
+    asked: set[Scenario] = set()
     for number, block in enumerate(experiment.scenarios):
-        own = {scenario_id(each) for each in scenarios(block, f"scenarios.{number}")}
-        among = [scenario for scenario, id_ in zip(listed, ids, strict=True) if id_ in own]
+        own = set(scenarios(block, f"scenarios.{number}"))
+        among = [scenario for scenario in listed if scenario in own]
         if among:
             blocks.append(ListedBlock(listed=among, **settings[number]))
-        left -= own
-    rest = [scenario for scenario, id_ in zip(listed, ids, strict=True) if id_ in left]
+        asked |= own
+    rest = [scenario for scenario in listed if scenario not in asked]
     if rest:
         blocks.append(ListedBlock(listed=rest))
         _LOG.warning(

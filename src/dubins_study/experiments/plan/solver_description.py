@@ -26,7 +26,6 @@ from dubins_study.experiments.isolation.worker_process import (
     Ended,
     WorkerProcess,
 )
-from dubins_study.experiments.provenance import versions_of
 from dubins_study.solvers.protocol import Method
 from dubins_study.solvers.registry import (
     SolverError,
@@ -55,11 +54,6 @@ class SolverDescription(NamedTuple):
     runs: str | None  # the program on PATH that it starts
     keeps_limit: bool  # its own class promises `Solver.keeps_limit`
     whole_frames: bool  # it answers whole frames at once
-
-    @property
-    def versions(self) -> dict[str, str]:
-        """The versions of `packages`."""
-        return versions_of(self.packages)
 
 
 @cache

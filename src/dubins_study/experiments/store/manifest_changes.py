@@ -98,7 +98,6 @@ class RunRecord:
             if len(self._probes) > _MAX_PROBES:
                 self._probe_stride *= 2
                 del self._probes[::2]
-        self.write_now_and_then()
 
     def write_now_and_then(self) -> None:
         """Write the run's duration, if the last update is a few seconds ago."""

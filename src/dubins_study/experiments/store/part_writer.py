@@ -13,8 +13,8 @@ from time import monotonic
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dubins_study.study.rows.parts import PARTS, ResultsError, Row, reason, rows_table
-from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY
+from dubins_study.study.rows.parts import PARTS, ResultsError, Row, reason, row_key, rows_table
+from dubins_study.study.rows.schema import RUN_ID, VERSION, VERSION_KEY, Key
 
 # The end of the names of temporary files, which a killed run may leave.
 TEMPORARY = ".dubins-study.tmp"
@@ -84,19 +84,21 @@ class PartWriter:
     def __init__(self, folder: FilePath, run_id: str, total: int, progress: Progress | None):
         self._folder, self._run_id, self._total, self._progress = folder, run_id, total, progress
         self._rows: list[Row] = []
+        self._skipped: set[Key] = set()
         self._parts = self._cells_done = 0
         self._flushed = monotonic()
-        self.after_step: Callable[[], None] | None = None
 
-    def skip(self, cells: int) -> None:
-        """Count cells as done whose rows the folder holds already."""
-        self._cells_done += cells
+    def skip(self, cells: set[Key]) -> None:
+        """Count cells as done whose rows the folder holds; those of a sweep are solved again."""
+        self._skipped = cells
+        self._cells_done += len(cells)
         self._report()
 
     def add(self, rows: list[Row]) -> None:
         """Collect rows, and write all collected rows if it is time."""
-        self._rows += rows
-        self._cells_done += len(rows)
+        new = [row for row in rows if row_key(row) not in self._skipped]
+        self._rows += new
+        self._cells_done += len(new)
         if monotonic() - self._flushed > _FLUSH_INTERVAL_S:
             self.flush()
         self._report()
@@ -111,7 +113,5 @@ class PartWriter:
         self._flushed = monotonic()
 
     def _report(self) -> None:
-        if self.after_step is not None:
-            self.after_step()
         if self._progress is not None:
             self._progress(self._cells_done, self._total)

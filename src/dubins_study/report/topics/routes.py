@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -276,6 +277,8 @@ def size_axes(ax: Axes, sizes: pd.Series[int], times: pd.Series[float]) -> None:
 _SMALL_TURN = 0.1  # rad; the circle of an arc up to it is not drawn
 _MOST_CIRCLES = 100  # legs; the circles of more would hide the path
 _MOST_NUMBERS = 60
+_MOST_NAMED = 12  # points with their names beside them; of more the names are below the plot
+_NAME_CHARS, _LINE_CHARS = 24, 80  # of a name, and of a line of names
 _DIGIT = 4.8  # pt; the width of a digit of a number
 _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
 _THINNEST_LINE, _SMALLEST_DOT = 0.5, 0.2  # shares of the full size
@@ -307,39 +310,83 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
 
 
-def _number(ax: Axes, points: FloatArray, unit: float) -> None:
-    """Number the points between the first and the last: all of few, every tenth of many, ...
+def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
+    """The text beside the start and each stop, in the order of visits.
 
-    A number stands outside the bend; one that would overlap another or an end is left out.
-    `unit` is the size of a length unit (pt).
+    Via points have numbers, of many every tenth; the target has none. Of few points names follow.
+    """
+    last = len(order)
+    step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
+    texts = ["start"]
+    for number, stop in enumerate(order, 1):
+        text = str(number) if stop < len(scenario.via) and number % step == 0 else ""
+        if last <= _MOST_NAMED and stop < len(names):
+            text = f"{text} {names[stop][:_NAME_CHARS]}".strip()
+        texts.append(text)
+    return texts
+
+
+def _write(ax: Axes, points: FloatArray, texts: Sequence[str], unit: float) -> None:
+    """Write texts beside points, outside the bend of the path.
+
+    A text that would overlap an earlier one stands inside the bend, or without its name, or is left
+    out. `unit` is the size of a length unit (pt).
     """
     last = len(points) - 1
-    step = 10 ** max(math.ceil(math.log10(last / _MOST_NUMBERS)), 0)
-    size = _DIGIT * len(str(last)) + 2, 9.0  # of a number, pt
-    places = unit * points[[0, -1]]
-    for number in range(step, last, step):
-        before, point, after = points[number - 1 : number + 2]
-        outside = _unit(point - before) - _unit(after - point)
-        sharp = np.hypot(*outside)
-        lift = 8 * (outside / sharp if sharp > 1e-3 else _unit(after - before)[::-1] * (-1, 1))
-        place = unit * point + lift
-        if not (np.abs(places - place) < size).all(axis=1).any():
-            places = np.vstack((places, place))
-            where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-            ax.annotate(str(number), point, tuple(lift), fontsize=7.5, zorder=6, **where)
+    taken = points if last <= _MOST_NAMED else points[[0, -1]]
+    places = unit * taken  # of dots and texts, pt
+    sizes = np.full(places.shape, 2.0)  # half of their widths and heights
+    for number, text in enumerate(texts):
+        point = points[number]
+        outside = np.zeros(2)
+        if number:
+            outside += _unit(point - points[number - 1])
+        if number < last:
+            outside -= _unit(points[number + 1] - point)
+        if np.hypot(*outside) < 1e-3:  # beside a straight
+            outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
+        short_text = text.partition(" ")[0]
+        gap = 4.0 if 0 < number < last else 6.0  # beside the ring of the target
+        for tried, side in ((text, 1), (text, -1), (short_text, 1)):
+            direction = side * _unit(outside)
+            size = np.array((_DIGIT * len(tried) / 2, 4.5))
+            lift = direction * (gap + np.abs(direction) @ size)
+            place = unit * point + lift
+            if tried and not (np.abs(places - place) < sizes + size).all(axis=1).any():
+                places = np.vstack((places, place))
+                sizes = np.vstack((sizes, size))
+                where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
+                ax.annotate(tried, point, tuple(lift), fontsize=7.5, zorder=6, **where)
+                break
 
 
-def _as_passed(path: Path, scenario: Scenario) -> FloatArray:
-    """The points of a scenario in the order in which a path passes them, shape (legs + 1, 2)."""
-    points = scenario.points
+def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
+    """The numbers of visits with their names, in lines, where names beside points would overlap."""
+    named = [
+        f"{number} {names[stop][:_NAME_CHARS]}"
+        for number, stop in enumerate(order, 1)
+        if stop < len(names) and names[stop]
+    ]
+    if not _MOST_NAMED < len(order) <= _MOST_NUMBERS:
+        return ""
+    whole = [text.replace(" ", "\u00a0") for text in named]  # are not broken
+    return textwrap.fill(", ".join(whole), _LINE_CHARS)
+
+
+def _as_passed(path: Path, scenario: Scenario) -> list[int]:
+    """The places of the stops of a scenario in the order in which a path passes them."""
+    via: Sequence[int] = range(len(scenario.via))
     if scenario.order is Order.FREE:
-        found = visits_in_any_order(scenario, path, ARRIVES * scenario.radius)
-        points[1 : len(scenario.via) + 1] = points[1:][list(found.order)]
-    return points
+        via = visits_in_any_order(scenario, path, ARRIVES * scenario.radius).order
+    return [*via, *range(len(via), scenario.legs)]
 
 
-def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
+def plot_route(
+    ax: Axes, path: Path, scenario: Scenario, name: str, names: Sequence[str] = ()
+) -> None:
     """A path by its turns, with the via points and both poses of a scenario.
+
+    `names` are those of the stops, in the order of the scenario.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
@@ -371,11 +418,14 @@ def plot_route(ax: Axes, path: Path, scenario: Scenario, name: str) -> None:
             kinds[letter] = ax.plot(*runs.T, zorder=3, label=kind, **drawn)[0]
     via = scenario.points[1 : len(scenario.via) + 1]
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
-    points = _as_passed(path, scenario)
-    _number(ax, points, unit)
+    order = _as_passed(path, scenario)
+    points = np.vstack((scenario.points[:1], scenario.points[1:][order]))
+    _write(ax, points, _texts(scenario, order, names), unit)
     target = (float(points[-1, 0]), float(points[-1, 1]))
     final = None if scenario.target is None else scenario.stops[-1].heading
     plot_start_and_target(ax, path.start, target, final)
+    if lines := _legend_of_names(order, names):
+        ax.set_xlabel(f"x\n\n{lines}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
     title = f"{name}: length {digits(6)(path.length)}"

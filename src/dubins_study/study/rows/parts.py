@@ -17,7 +17,6 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import KEY, VERSION, VERSION_KEY, Key, arrow_schema, names
 from dubins_study.study.scenario import Pose
 from dubins_study.study.scenario_frame import is_missing
@@ -56,13 +55,6 @@ def row_key(row: Mapping[str, Any]) -> Key:
     """The values of the key columns."""
     key: Any = tuple(row[name] for name in names(KEY))
     return key  # type: ignore[no-any-return]
-
-
-def row_path(row: Mapping[str, Any]) -> Path | None:
-    """The path of a row, if it arrived."""
-    if row["gap"] is None:
-        return None
-    return Path(start_of(row), row["curvatures"], row["lengths"])
 
 
 def start_of(row: Mapping[str, Any]) -> Pose:
