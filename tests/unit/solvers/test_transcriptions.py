@@ -4,7 +4,6 @@ The equations of multiple shooting beside an ODE integrator, and its engines.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,9 +16,9 @@ from dubins_study.asking.attempt import attempt
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.solve import solve
 from dubins_study.solvers.arcs import Elements
-from dubins_study.solvers.engines import ENGINES, NLP_ENGINES
+from dubins_study.solvers.engines import ENGINES, NLP_ENGINES, Engine
 from dubins_study.solvers.optimal_control.multiple_shooting import MultipleShooting, expressions
-from dubins_study.solvers.optimal_control.transcription import Transcribed
+from dubins_study.solvers.optimal_control.transcription import Template, Transcribed
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import load
 from dubins_study.solvers.runs import EngineResult
@@ -158,26 +157,22 @@ def test_a_miss_is_no_solution_and_infeasible_only_if_all_runs_say_so(claims, br
     model = solver.build(Question(PLACE, branch))
     answers = iter(claims * 20)
 
-    class Straight:
-        shares = None
+    def straight(guess, rates, until):
+        native = EngineResult(np.zeros(1), next(answers), None, 1, 1, "", "")
+        return Transcribed(Elements(np.zeros(3), np.zeros(3)), native)
 
-        def solve(self, guess, rates, course, until):
-            native = EngineResult(np.zeros(1), next(answers), None, 1, 1, "", "")
-            return Transcribed(Elements(np.zeros(3), np.zeros(3)), native)
-
-    solution = solver.solve(model._replace(template=Straight()), 10.0)
+    solution = solver.solve(model._replace(template=Template(None, straight)), 10.0)
 
     assert solution.claim is expected
     assert (solution.path is None) == (expected is Claim.INFEASIBLE)
 
 
-def test_numbers_that_are_not_finite_are_a_failure():
+def test_numbers_that_are_not_finite_are_a_failure(monkeypatch):
     """An engine that returns NaN leaves no path."""
+    monkeypatch.setattr(Engine, "load", lambda engine: lambda *settings: _broken)
     solver = MultipleShooting()
-    model = solver.build(Question(PLACE))
-    model = model._replace(template=replace(model.template, engine=_broken))
 
-    solution = solver.solve(model, 10.0)
+    solution = solver.solve(solver.build(Question(PLACE)), 10.0)
 
     assert solution.claim is Claim.FAILED
     assert solution.path is None
