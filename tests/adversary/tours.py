@@ -61,8 +61,11 @@ def tour_of(scenario: Scenario) -> ShortestRoute:
     return shortest_route(scenario, math.inf, BOXES)
 
 
-def by_all_orders(scenario: Scenario) -> Shortest:
-    """Each order searched as a route, with the best length so far as its cutoff."""
+def by_all_orders(scenario: Scenario, length: float) -> Shortest:
+    """Each order searched as a route, only for what is no longer than `length` and the best so far.
+
+    If no order is that short, the lower end is above `length`.
+    """
     low, best, order = math.inf, math.inf, ()
     start = np.array([scenario.x, scenario.y])
     for tried in permutations(range(len(scenario.via))):
@@ -76,7 +79,7 @@ def by_all_orders(scenario: Scenario) -> Shortest:
             closed=scenario.closed and scenario.heading is None,
             boxes=BOXES,
             tolerance=CLOSE,
-            cutoff=best * (1.0 + CLOSE),
+            cutoff=min(best, length / scenario.radius) * (1.0 + CLOSE),
         )
         low = min(low, found.low)
         if found.length < best:

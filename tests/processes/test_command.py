@@ -259,25 +259,26 @@ class Odd(Solver):
 """
 
 
+CONTROLS = {"nan": ("math.nan", "1.0"), "turn": ("math.inf", "1.0"), "long": ("0.0", "math.inf")}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("curvature", "length"),
-    [("math.nan", "1.0"), ("math.inf", "1.0"), ("0.0", "math.inf")],
-)
-def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path, curvature, length):
+def test_controls_that_are_not_finite_cost_their_own_row_alone(tmp_path):
     """The answer is printed, nothing is drawn, and the folder of a run can be read."""
-    (tmp_path / "odd.py").write_text(ODD.format(curvature=curvature, length=length))
-    spec = f"{tmp_path}/odd.py:Odd"
+    specs = []
+    for name, (curvature, length) in CONTROLS.items():
+        (tmp_path / f"{name}.py").write_text(ODD.format(curvature=curvature, length=length))
+        specs.append(f"{tmp_path}/{name}.py:Odd")
+        drawing = ("--plot", str(tmp_path / "z.svg"))
 
-    done = finished(
-        "solve", "3", "4", "--solver", spec, "--json", "--plot", str(tmp_path / "z.svg")
-    )
-    assert done.returncode == 1
-    assert json.loads(done.stdout)["verdict"] == "misses"
-    assert json.loads(done.stdout)["segments"] == []
-    assert "is not written: there is no finite path" in done.stderr
+        done = finished("solve", "3", "4", "--solver", specs[-1], "--json", *drawing)
 
-    chosen = ("--solver", "analytic", "--solver", spec)
+        assert done.returncode == 1
+        assert json.loads(done.stdout)["verdict"] == "misses"
+        assert json.loads(done.stdout)["segments"] == []
+        assert "is not written: there is no finite path" in done.stderr
+
+    chosen = [word for spec in ("analytic", *specs) for word in ("--solver", spec)]
     output(finished("run", quick_experiment(tmp_path, 2), *chosen, "--out", tmp_path / "out"))
     output(finished("report", tmp_path / "out"))
 

@@ -32,9 +32,11 @@ DENYING = {
     **dict.fromkeys(("collocation", "multiple-shooting", "route-nlp"), _BOTH),
     "turn-rates": {"routes"},
 }
-# Seconds a question. HiGHS looks at its clock between steps, of which the program of 72 headings at
-# both ends of a leg has some of a few seconds; the solver does not promise to keep its limit.
-TIME_LIMITS = {"heading-milp": 20.0}
+# Seconds a question, for solvers that end by themselves, but on a busy machine not within 5 s.
+# Killed there, they deny nothing: `turn-rates` denies after 2 s of processor time. HiGHS looks at
+# its clock between steps, of which the program of 72 headings at both ends of a leg has some of a
+# few seconds; the solver does not promise to keep its limit.
+TIME_LIMITS = dict.fromkeys((*DENYING, "heading-milp"), 60.0)
 DENIAL = "it claims infeasible, that no path exists; there is one, "
 
 

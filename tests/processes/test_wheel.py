@@ -1,5 +1,6 @@
 """What is installed, and used beside a user's modules of the names `study`, `solvers`, ..."""
 
+import os
 import subprocess
 import sys
 import sysconfig
@@ -47,8 +48,9 @@ NAMES = ("study.py", "report.py", "solvers/__init__.py", "experiments/__init__.p
 
 
 def called(*arguments: object, cwd: Path = ROOT) -> str:
-    """Standard output of a command that must succeed."""
-    done = subprocess.run([*map(str, arguments)], capture_output=True, text=True, cwd=cwd)
+    """Standard output of a command that must succeed, without the caller's PYTHONPATH."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run([*map(str, arguments)], capture_output=True, text=True, cwd=cwd, env=kept)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

@@ -1,9 +1,11 @@
 """solve_frame: one judged row a scenario, the same columns whatever the solver."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
 
+import numba
 import numpy as np
 import pandas as pd
 import pyarrow as pa
@@ -16,7 +18,7 @@ from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.check.extremal import Extremal
-from dubins_study.study.closed_form.kernel_compile import SMALL
+from dubins_study.study.closed_form import kernel_compile
 from dubins_study.study.judging import verdict_frame
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.rows.schema import ANSWER, SCENARIO, names
@@ -101,13 +103,20 @@ def test_poses_are_answered_in_compiled_loops(monkeypatch):
 
 
 @pytest.mark.parametrize("dropped", [[], ["final_heading"]])
-def test_rows_shared_out_among_threads_are_those_of_small_frames(dropped):
-    frame = random_poses(SMALL + 1000, seed=5).drop(columns=dropped)
-    rows = solve_frame(frame, certified=True).drop(columns=[*TIMES])
-    parts = [
-        solve_frame(part, certified=True) for part in (frame[: SMALL // 2], frame[SMALL // 2 :])
-    ]
+def test_rows_shared_out_among_threads_are_those_of_small_frames(dropped, monkeypatch):
+    frame = random_poses(3000, seed=5).drop(columns=dropped)
+    parts = [solve_frame(part, certified=True) for part in (frame[:1500], frame[1500:])]
+    monkeypatch.setattr(kernel_compile, "SMALL", 2000)
+    monkeypatch.setattr(kernel_compile, "PIECE", 64)
+    monkeypatch.setitem(vars(numba.config), "NUMBA_NUM_THREADS", 3)
+    pools = []
+    monkeypatch.setattr(
+        kernel_compile, "ThreadPoolExecutor", lambda n: pools.append(n) or ThreadPoolExecutor(n)
+    )
 
+    rows = solve_frame(frame, certified=True).drop(columns=[*TIMES])
+
+    assert set(pools) == {3}
     pd.testing.assert_frame_equal(rows, pd.concat(parts)[[*rows]], check_exact=True)
 
 

@@ -136,7 +136,8 @@ def _random_tour(seed):
     return Scenario(0, 0, random.uniform(0, 6), via=via, order="free", **kind)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.many(6)
+@pytest.mark.parametrize("seed", range(12))
 def test_bounds_are_bounds_of_the_question(seed):
     """Below the proven optimum, and no bound that says nothing."""
     scenario = _random_tour(seed)

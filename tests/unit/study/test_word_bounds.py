@@ -345,6 +345,7 @@ FAMILIES = {
 
 
 @cache
+@cache
 def drawn(word, n):
     """Boxes of all sizes about paths of the word, at its edges and elsewhere, and their lengths."""
     rng = np.random.default_rng(n + word)
