@@ -1,16 +1,15 @@
 """Dense tracks have sane routes, whatever the limit, and limits that hold."""
 
-from dataclasses import dataclass, field
-from itertools import product
 from time import process_time
 
 import pytest
 
-from dubins_study import Scenario, Solution
-from dubins_study.asking.attempt import attempt
+from dubins_study import Scenario
+from dubins_study.asking.attempt import judged
+from dubins_study.asking.reply import ask
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question
-from dubins_study.study.route.search import search
+from dubins_study.study.route.search import compile_loops, search
 from dubins_study.study.tolerances import tolerances
 from tests.adversary import dense
 
@@ -19,30 +18,23 @@ ROUNDING = 1e-9  # relative, of two programs that add thousands of lengths
 LATE_S = 0.3  # what solving may take beyond its limit
 
 
-@dataclass(frozen=True)
-class Watched(Analytic):
-    """The search, and the processor time of each solve (s): others take the wall clock, not it."""
-
-    spent: list[float] = field(default_factory=list)
-
-    def solve(self, model: Question, limit: float) -> Solution:
-        began = process_time()
-        solution = super().solve(model, limit)
-        self.spent.append(process_time() - began)
-        return solution
-
-
-def asked(seed: int, limit: float) -> None:
-    """A track with a limit: a sane path, an honest interval, in time."""
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [1.0, 3.0])
+@pytest.mark.parametrize("seed", range(12))
+def test_dense_tracks_have_sane_routes(seed, limit):
+    """Of 50 to 5 000 points, with a limit: a sane path, an honest interval, in time."""
     _, points, first = dense.drawn(seed)
     bisecting, program = dense.lengths(points, first)
     (x, y), *via, (target_x, target_y) = points.tolist()
     scenario = Scenario(x, y, first, target_x, target_y, via=[tuple(point) for point in via])
+    question = Question(scenario)
+    compile_loops()
 
-    solver = Watched()
-    answer = attempt(solver, Question(scenario), limit, tolerances("default", limit))
+    began = process_time()  # a busy machine takes the wall clock, not the processor
+    reply = ask(Analytic(), question, limit)
+    spent = process_time() - began
+    answer = judged("analytic", question, reply, tolerances("default", limit))
 
-    [spent] = solver.spent
     assert spent <= limit + LATE_S
     if spent > 0.5 * answer.solve_s:  # a busy machine may give too little of the limit
         assert answer.length <= SANE * min(bisecting, program)
@@ -50,20 +42,6 @@ def asked(seed: int, limit: float) -> None:
     assert answer.reference_low <= answer.length * (1.0 + ROUNDING)
     assert answer.verdict in ("optimal", "undecided")
     assert not answer.false_bound
-
-
-@pytest.mark.parametrize("seed", [5, 7, 15])  # one of each kind, of some hundred points at most
-def test_a_dense_track_has_a_sane_route(seed):
-    asked(seed, 0.5)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("seed", "limit"), [*product(range(12), (1.0, 2.0)), *((seed, 5.0) for seed in (0, 4, 8))]
-)
-def test_dense_tracks_have_sane_routes(seed, limit):
-    """Of 50 to 5 000 points."""
-    asked(seed, limit)
 
 
 @pytest.mark.many(1)

@@ -41,6 +41,7 @@ def checked_by_all_orders(seed: int, points: int) -> None:
 
 
 @pytest.mark.smoke
+@pytest.mark.many(12)
 @pytest.mark.parametrize("seed", range(SMALL))
 def test_few_points_are_those_of_the_best_order(seed: int) -> None:
     """Of every kind of ends, in three densities."""

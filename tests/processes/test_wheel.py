@@ -49,8 +49,9 @@ NAMES = ("study.py", "report.py", "solvers/__init__.py", "experiments/__init__.p
 
 def called(*arguments: object, cwd: Path = ROOT) -> str:
     """Standard output of a command that must succeed, without the caller's PYTHONPATH."""
-    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run([*map(str, arguments)], capture_output=True, text=True, cwd=cwd, env=kept)
+    environment = os.environ | {"PYTHONPATH": ""}
+    line = [*map(str, arguments)]
+    done = subprocess.run(line, capture_output=True, text=True, cwd=cwd, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

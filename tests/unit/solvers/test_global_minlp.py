@@ -4,7 +4,7 @@ import math
 import os
 import time
 from functools import partial
-from itertools import permutations, product
+from itertools import permutations
 from unittest.mock import Mock
 
 import numpy as np
@@ -321,28 +321,19 @@ def shortest_of_all_orders(scenario):
     return min(search(each, scenario.heading, last, tolerance=1e-9).low for each in points)
 
 
-# points and kind of tour -> seconds; those of 30 s are proven in less than half of them, and no
-# longer limit proves the others
-TOUR_LIMITS = {
-    **dict.fromkeys(product((2, 3), TOURS), 5.0),
-    **dict.fromkeys([(2, "the end at any"), (2, "a target"), (2, "closed")], 30.0),
-}
-SLOW_TOURS = [(2, "closed"), *((3, kind) for kind in TOURS)]
+# points and kinds of tours that are proven in less than 15 s; others are not in a minute
+CLOSING = {(2, "the end at any"), (2, "a target"), (2, "closed")}
 
 
 @pytest.mark.many(2)
-@pytest.mark.parametrize(
-    ("count", "kind"),
-    [
-        pytest.param(*asked, marks=[pytest.mark.slow] if asked in SLOW_TOURS else [])
-        for asked in TOUR_LIMITS
-    ],
-)
+@pytest.mark.parametrize("kind", TOURS)
+@pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_points_in_any_order_are_proven(kind, count):
     """Beside the search in every order; out of time a bound is left, which holds."""
     scenario = tour(1, count, **TOURS[kind])
     solver = Disjunctive(gap=1e-3, feastol=1e-6, emphasis="default")
-    answer = attempt(solver, Question(scenario), TOUR_LIMITS[count, kind])
+    limit = 30.0 if (count, kind) in CLOSING else 5.0
+    answer = attempt(solver, Question(scenario), limit)
     least = shortest_of_all_orders(scenario)
 
     assert 0 < answer.lower_bound <= least

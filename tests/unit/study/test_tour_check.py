@@ -186,6 +186,7 @@ CHEATED = {
 }
 
 
+@pytest.mark.many(3)
 @pytest.mark.parametrize("name", CHEATED)
 def test_who_misses_points_by_less_than_is_allowed_gains_nothing(name):
     """The best tours of points moved by up to 1e-6 R arrive, and by no more than that shorter.
