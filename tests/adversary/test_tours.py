@@ -22,7 +22,7 @@ from tests.adversary.tours import (
 
 # square root of the square's area a point: 1.5 and 3 radii are dense, where orders are hard to tell
 DENSE = (1.0, 1.5, 3.0)
-SETS, SMALL = 60, 24
+SETS, SMALL = 200, 24
 
 
 def checked_by_all_orders(seed: int, points: int) -> None:
@@ -52,7 +52,7 @@ def test_few_points_are_those_of_the_best_order(seed: int) -> None:
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("part", range(20))
 def test_dense_points_are_those_of_the_best_order(part: int) -> None:
-    """60 sets of 3 to 6 points."""
+    """200 sets of 3 to 6 points."""
     for seed in range(SMALL + part, SMALL + SETS, 20):
         checked_by_all_orders(seed, 6 if seed % 30 == 0 else 3 + seed % 3)
 
