@@ -35,7 +35,7 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_400,
+    "study": 85_200,
     "solvers": 74_600,
     "asking": 5_600,
     "experiments": 35_000,

@@ -50,7 +50,7 @@ from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
-from dubins_study.study.check.verdict import visits_in_any_order
+from dubins_study.study.check.verdict import visits_of
 from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES
@@ -333,7 +333,7 @@ def _as_passed(path: Path, scenario: Scenario) -> FloatArray:
     """The points of a scenario in the order in which a path passes them, shape (legs + 1, 2)."""
     points = scenario.points
     if scenario.order is Order.FREE:
-        found = visits_in_any_order(scenario, path, ARRIVES * scenario.radius)
+        found = visits_of(scenario, path, ARRIVES * scenario.radius)
         points[1 : len(scenario.via) + 1] = points[1:][list(found.order)]
     return points
 
