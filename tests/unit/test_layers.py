@@ -35,7 +35,7 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_600,
+    "study": 85_300,
     "solvers": 72_800,
     "asking": 5_460,
     "experiments": 34_400,

@@ -51,7 +51,7 @@ from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
 from dubins_study.study.arrays import BoolArray, FloatArray
-from dubins_study.study.check.verdict import visits_in_any_order
+from dubins_study.study.check.verdict import visits_of
 from dubins_study.study.path import RIPPLE, Path, outline
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import ARRIVES
@@ -377,7 +377,7 @@ def _as_passed(path: Path, scenario: Scenario) -> list[int]:
     """The places of the stops of a scenario in the order in which a path passes them."""
     via: Sequence[int] = range(len(scenario.via))
     if scenario.order is Order.FREE:
-        via = visits_in_any_order(scenario, path, ARRIVES * scenario.radius).order
+        via = visits_of(scenario, path, ARRIVES * scenario.radius).order
     return [*via, *range(len(via), scenario.legs)]
 
 

@@ -78,17 +78,31 @@ def enclose(scenario: Scenario, branch: str = "best") -> Enclosure:
         return _outwards(*word(X, -Y if branch in ("RS", "LR") else Y), scenario.radius)
 
 
+class _Way(NamedTuple):
+    """The way from a start to an end, in radii and in the start's frame, and its data's size."""
+
+    x: arb
+    y: arb
+    X: arb
+    Y: arb
+    extent: arb
+
+
+def _way(start: Pose, x: float, y: float, radius: float) -> _Way:
+    R = arb(radius)
+    dx, dy = (arb(x) - arb(start.x)) / R, (arb(y) - arb(start.y)) / R
+    sine, cosine = arb(start.heading).sin_cos()
+    extent = sum((abs(arb(value)) for value in (start.x, start.y, x, y)), arb(0)) / R
+    return _Way(dx, dy, dx * cosine + dy * sine, dy * cosine - dx * sine, extent)
+
+
 def _targets(scenario: Scenario) -> tuple[arb, arb]:
     """X and Y of the scenario's targets, as balls of radius delta."""
     assert scenario.target is not None
-    x, y, target_x, target_y = map(arb, (scenario.x, scenario.y, *scenario.target))
-    dx, dy, R = target_x - x, target_y - y, arb(scenario.radius)
-    sin, cos = arb(scenario.start.heading).sin_cos()
-    X, Y = (dx * cos + dy * sin) / R, (dy * cos - dx * sin) / R
-    extent = (abs(x) + abs(y) + abs(target_x) + abs(target_y)) / R
-    delta = PER_EXTENT * extent + PER_DISTANCE * (abs(X) + abs(Y))
+    way = _way(scenario.start, *scenario.target, scenario.radius)
+    delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.X) + abs(way.Y))
     blur = delta.union(-delta)
-    return X + blur, Y + blur
+    return way.X + blur, way.Y + blur
 
 
 def _outwards(parts: Iterable[arb], absent: bool, radius: float) -> Enclosure:
@@ -327,18 +341,15 @@ def enclose_pose(start: Pose, end: Pose, radius: float, branch: str = "best") ->
 
 
 def _ends(start: Pose, end: Pose, radius: float) -> _Ends:
-    R = arb(radius)
-    sine, cosine = arb(start.heading).sin_cos()
-    x, y = (arb(end.x) - arb(start.x)) / R, (arb(end.y) - arb(start.y)) / R
-    extent = (abs(arb(start.x)) + abs(arb(start.y)) + abs(arb(end.x)) + abs(arb(end.y))) / R
-    delta = PER_EXTENT * extent + PER_DISTANCE * (abs(x) + abs(y)) + PER_HEADINGS
+    way = _way(start, end.x, end.y, radius)
+    delta = PER_EXTENT * way.extent + PER_DISTANCE * (abs(way.x) + abs(way.y)) + PER_HEADINGS
     blur = delta.union(-delta)
     # whole turns are told from the doubles' angle: of a heading of 1e20 they take many more digits
     with ctx.workprec(_BITS + max(0, math.frexp(end.heading - start.heading)[1])):
         turn = arb(end.heading) - arb(start.heading)
         turn -= 2 * arb.pi() * (turn / (2 * arb.pi())).mid().floor()
     turn += blur
-    return _Ends(x * cosine + y * sine + blur, y * cosine - x * sine + blur, turn, *turn.sin_cos())
+    return _Ends(way.X + blur, way.Y + blur, turn, *turn.sin_cos())
 
 
 def _cells(ends: _Ends) -> Iterator[_Signs]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from itertools import groupby
 from operator import itemgetter
@@ -110,35 +110,23 @@ class Seen(NamedTuple):
     arrives: bool
 
 
-# where a path meets the via points of a scenario, from how near it must come (length unit)
-FindVisits = Callable[[Scenario, Path, float], Visits]
+def visits_of(scenario: Scenario, path: Path, allowed: float) -> Visits:
+    """The earliest visit of each via point; where their order is given, after the one before.
 
-
-def visits_in_order(scenario: Scenario, path: Path, allowed: float) -> Visits:
-    """The earliest visit of each via point after the one before."""
+    Args:
+        allowed: how near the path has to come (length unit).
+    """
     via = scenario.stops[: len(scenario.via)]
-    return visits(path, via, scenario.radius, allowed)
+    return visits(path, via, scenario.radius, allowed, any_order=scenario.order is Order.FREE)
 
 
-def visits_in_any_order(scenario: Scenario, path: Path, allowed: float) -> Visits:
-    """The earliest visit of each via point."""
-    via = scenario.stops[: len(scenario.via)]
-    return visits(path, via, scenario.radius, allowed, any_order=True)
-
-
-def seen_of(
-    scenario: Scenario,
-    path: Path,
-    branch: str,
-    tolerances: Tolerances,
-    find_visits: FindVisits = visits_in_order,
-) -> Seen:
+def seen_of(scenario: Scenario, path: Path, branch: str, tolerances: Tolerances) -> Seen:
     """What a path that can be driven does at the points of a scenario."""
     radius, extent, length, end = scenario.radius, scenario.extent, path.length, path.end
     pieces = zip(path.curvatures.tolist(), path.lengths.tolist(), strict=True)
     excess = curvature_excess([k * radius for k, s in pieces if s > 0], branch)
     allowed = allowed_miss(tolerances.miss, radius, extent, length)
-    seen = find_visits(scenario, path, allowed)
+    seen = visits_of(scenario, path, allowed)
     miss, turned = seen.miss, seen.turned
     if scenario.target is not None:
         x, y = scenario.target

@@ -236,7 +236,7 @@ def judge_convex(
     is not optimal, and a residual or the gap of both objectives is beyond the tolerance as well.
     """
     low, high, verdict = None, None, Verdict.NONE
-    shares: dict[str, Any] = {"region": None, "margin": None}
+    shares: dict[str, Any] = {}
     if name in DIGESTS:
         low, high = reference(name)
         problem = read(name)

@@ -62,10 +62,7 @@ def certify(
     costates, cut = Costates()
     if path is not None:
         costates, cut = kind.costates(scenario, path, judged, tolerances.until)
-    if kind.enclosure is None:
-        interval = kind.reference(scenario, branch, tolerances).enclosure
-    else:
-        interval = kind.enclosure(scenario, branch)
+    interval = kind.reference(scenario, branch, tolerances).enclosure
     scale = max(interval.low, radius)
     allowed = tolerances.gap * scale
     false_bound = bound > interval.highest(arriving) + _BOUND_TOLERANCE * scale

@@ -33,7 +33,7 @@ def judge(
         if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
             verdict = Verdict.NONE_EXISTS
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)
-    seen = seen_of(scenario, path, branch, tolerances, kind.visits)
+    seen = seen_of(scenario, path, branch, tolerances)
     length = path.length
     ends = seen.visits.at[: scenario.legs - 1]  # of legs; that of the last is the path's
     word = kind.words_of(path, ends, scenario.radius)
@@ -72,8 +72,7 @@ def miss_reason(
     if not scenario.starts(path.start):
         return "the path starts elsewhere"
     radius = scenario.radius
-    find_visits = kind_of(scenario, branch).visits
-    seen = seen_of(scenario, path, branch, tolerances, find_visits)
+    seen = seen_of(scenario, path, branch, tolerances)
     if seen.excess > tolerances.curvature:
         return f"the curvature is {seen.excess:.3g} / R beyond what the branch allows"
     if seen.miss > allowed_miss(tolerances.miss, radius, scenario.extent, path.length):

@@ -89,8 +89,6 @@ class FrameJudgement(NamedTuple):
         """What the certificate of a row begins with: its verdict, length and gap."""
         length, gap = float(self.length[row]), float(self.gap[row])
         return Judgement(
-            region=None,
-            margin=None,
             verdict=VERDICTS[self.verdict[row]],
             false_claim=bool(self.false_claim[row]),
             length=None if math.isnan(length) else length,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.check.enclosure import Enclosure
 from dubins_study.study.check.extremal import Extremal
-from dubins_study.study.check.verdict import FindVisits, Seen, visits_in_order
+from dubins_study.study.check.verdict import Seen
 from dubins_study.study.path import Path
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.scenario import OPTIONAL, Scenario
@@ -99,11 +99,9 @@ class Kind(Asked):
     Args:
         exact: the shortest path of a branch, found within about a limit (s).
         prepare: makes `exact` ready, which may take seconds once.
-        exists: whether a branch has a path.
+        exists: whether a branch has a path; of most kinds the best is the only one.
         reference: what an answer of a branch is compared with.
-        enclosure: that of the reference, where it takes less; None: the reference's.
-        visits: where a path meets the via points.
-        known: columns of a judgement that only scenario and branch decide.
+        known: columns of a judgement that only scenario and branch decide, if there are any.
         words_of: the word of a path, of its legs where it has several; from the path, the arc
             lengths of its via points, and the radius.
         verdict: of a path that arrives.
@@ -119,11 +117,9 @@ class Kind(Asked):
 
     exact: Callable[[Scenario, str, float], Exact]
     prepare: Callable[[], None] = lambda: None
-    exists: Callable[[Scenario, str], bool]
+    exists: Callable[[Scenario, str], bool] = lambda scenario, branch: True
     reference: Callable[[Scenario, str, Tolerances], Reference]
-    enclosure: Callable[[Scenario, str], Enclosure] | None = None
-    visits: FindVisits = visits_in_order
-    known: Callable[[Scenario, str], dict[str, Any]]
+    known: Callable[[Scenario, str], dict[str, Any]] = lambda scenario, branch: {}
     words_of: Callable[[Path, Sequence[float], float], str]
     verdict: Callable[[Scenario, Arrived, Tolerances], Found]
     costates: Callable[[Scenario, Path, Judgement, float], Costates]

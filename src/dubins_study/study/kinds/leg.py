@@ -38,10 +38,15 @@ def _exists(scenario: Scenario, branch: str) -> bool:
 
 
 def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
-    return Reference(enclose(scenario, branch), shortest_path(scenario, branch), ())
+    return _to_any_heading(scenario, branch)
 
 
 @lru_cache(maxsize=16384)  # many cells of a run ask the same question
+def _to_any_heading(scenario: Scenario, branch: str) -> Reference:
+    return Reference(enclose(scenario, branch), shortest_path(scenario, branch), ())
+
+
+@lru_cache(maxsize=16384)
 def _optimum(scenario: Scenario, branch: str) -> tuple[Shortest | None, dict[str, Any]]:
     """A question's shortest path, and the columns that only the question decides."""
     target = local(scenario)
@@ -145,7 +150,6 @@ LEG = Kind(
     exact=_exact,
     exists=_exists,
     reference=_reference,
-    enclosure=enclose,
     known=_known,
     words_of=_word_of,
     verdict=_verdict,

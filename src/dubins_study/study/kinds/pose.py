@@ -74,7 +74,6 @@ POSE = Kind(
     exact=_exact,
     exists=_exists,
     reference=_reference,
-    known=visiting.known,
     words_of=words_of,
     verdict=partial(visiting.verdict, reference_of=_reference, compared=_nearest),
     costates=_costates,

@@ -36,10 +36,6 @@ def _exact(scenario: Scenario, branch: str, limit: float) -> Exact:
     return Exact(found.path, found.low, found.high)
 
 
-def _exists(scenario: Scenario, branch: str) -> bool:
-    return True
-
-
 def _reference(scenario: Scenario, branch: str, tolerances: Tolerances) -> Reference:
     """The proven interval around the shortest length.
 
@@ -99,9 +95,7 @@ ROUTE = Kind(
     },
     exact=_exact,
     prepare=_prepare,
-    exists=_exists,
     reference=_reference,
-    known=visiting.known,
     words_of=words_of,
     verdict=partial(visiting.verdict, reference_of=_reference, compared=_interval),
     costates=_costates,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from dubins_study.study.check.enclosure import Enclosure, Part
 from dubins_study.study.check.verdict import ROUNDED, is_wrong_basin, visited, words_of
@@ -15,11 +14,6 @@ from dubins_study.study.words import Verdict
 # By how much the optimal length may change per shift of the target, at least: it does by 1 where
 # the path ends straight, and more near a turning circle, where that changes within the shift.
 _STEEP = 10.0
-
-
-def known(scenario: Scenario, branch: str) -> dict[str, Any]:
-    """No region and no margin: they are of a leg to a free heading."""
-    return {"region": None, "margin": None}
 
 
 def verdict(

@@ -46,6 +46,14 @@ def box_bound(box: Box) -> tuple[float, int]:
     return best, word
 
 
+@separate
+def _box(leg: FloatArray, first: Ends, last: Ends, i: int, j: int, live: int) -> Box:
+    """The box of the interval i at a leg's start and j at its end."""
+    c1, h1, slope1 = first
+    c2, h2, slope2 = last
+    return Box(leg[0], leg[1], c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j], live // 2)
+
+
 @compiled
 def bound_leg(
     leg: FloatArray,
@@ -63,14 +71,12 @@ def bound_leg(
         live: 0 for pairs that are left out, else 1 and twice `Box.apart`.
         live, bounds, words: shape (intervals at the start, intervals at the end); two are written.
     """
-    c1, h1, slope1 = first
-    c2, h2, slope2 = last
-    for i in range(c1.size):
-        for j in range(c2.size):
+    for i in range(live.shape[0]):
+        for j in range(live.shape[1]):
             bounds[i, j], words[i, j] = math.inf, NO_WORD
             if live[i, j]:
-                ends = c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j]
-                bounds[i, j], words[i, j] = box_bound(Box(leg[0], leg[1], *ends, live[i, j] // 2))
+                box = _box(leg, first, last, i, j, live[i, j])
+                bounds[i, j], words[i, j] = box_bound(box)
 
 
 @separate
@@ -223,13 +229,11 @@ def add_gains(
         halves: with half the interval, the lower and the upper one, shape (2, n).
         both: with half of both intervals, the least of four, between 0 and 1; shape (n,).
     """
-    c1, h1, slope1 = first
-    c2, h2, slope2 = last
     for m in range(mates.size):
         if wanted[m]:
             i, j = (mates[m], m) if at_end else (m, mates[m])
-            ends = c1[i], h1[i], slope1[i], c2[j], h2[j], slope2[j]
-            box, least = Box(leg[0], leg[1], *ends, live[i, j] // 2), math.inf
+            box = _box(leg, first, last, i, j, live[i, j])
+            least = math.inf
             for k, side in enumerate((-0.5, 0.5)):
                 half = _part_bound(box, 0.0 if at_end else side, side if at_end else 0.0)
                 halves[k, m] += half - costs[i, j]

@@ -140,13 +140,11 @@ class Judgement:
 
     region: str | None = column(
         "outside, left disc, right disc or circle, of one leg with a free final heading",
-        default=MISSING,
         plotted=True,
     )
     margin: float | None = column(
         "distance from the target to the nearer turning circle, of such a leg",
         "radius",
-        default=MISSING,
         plotted=True,
     )
     word: str | None = column("letters of the returned path", plotted=True)
