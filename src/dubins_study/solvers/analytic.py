@@ -66,7 +66,7 @@ class Analytic(Solver):
     def solve_frame(self, frame: pd.DataFrame, branch: str) -> FrameSolution:
         import numpy as np  # these only here: a single question needs none of them
 
-        from dubins_study.study.closed_form.kernel import NO_PATH, RATES, curvatures, shortest_rows
+        from dubins_study.study.closed_form.kernel import NO_PATH, RATES, shortest_rows
         from dubins_study.study.closed_form.pose_kernel import SIDES, PoseArrays, pose_rows
         from dubins_study.study.path import CLAIMS, Paths
         from dubins_study.study.scenario_frame import with_final_headings
@@ -79,10 +79,12 @@ class Analytic(Solver):
             rates = RATES
             rows = shortest_rows(*columns[:-1], branch=branch)
         length = rows.segments
-        curvature = np.empty_like(length)
-        curvatures(rates, rows.word, frame["radius"].to_numpy(np.float64), curvature)
-        paths = Paths(curvature, length)
         absent = rows.word == NO_PATH
+        # a word has no rate where it has no letter
+        some = np.nan_to_num(rates.T[: len(length)], nan=0.0)
+        curvature = np.take(some, np.where(absent, 0, rows.word), axis=1)
+        curvature /= frame["radius"].to_numpy(np.float64)
+        paths = Paths(curvature, length)
         if not absent.any():
             return FrameSolution(Claim.OPTIMAL, paths, rows.length, rows.length.copy())
         claim = np.where(absent, CLAIMS.index(Claim.INFEASIBLE), CLAIMS.index(Claim.OPTIMAL))

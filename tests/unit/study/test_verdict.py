@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from dubins_study.solvers.analytic import Analytic
 from dubins_study.study.body_coordinates import Local, local
 from dubins_study.study.check.verdict import curvature_excess
-from dubins_study.study.closed_form.kernel import RATES, curvatures, shortest_rows
 from dubins_study.study.closed_form.kernel_math import LARGEST_ANGLE
 from dubins_study.study.closed_form.shortest import (
     as_path,
@@ -28,7 +27,7 @@ from dubins_study.study.closed_form.shortest import (
 from dubins_study.study.judging.judge import judge
 from dubins_study.study.judging.verdict_frame import LEG_WORDS, NO_WORD, VERDICTS, judge_frame
 from dubins_study.study.path import CLAIMS, Path, Paths
-from dubins_study.study.scenario import NUMBERS, Scenario
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.scenario_frame import check_frame
 from dubins_study.study.scenario_frame import scenarios as scenarios_of
 from dubins_study.study.tolerances import Tolerances
@@ -272,10 +271,8 @@ def test_the_closed_form_is_judged_optimal_without_the_scalar_check(monkeypatch)
         "dubins_study.study.judging.verdict_frame.judge",
         lambda *args: calls.append(1) or judge(*args),
     )
-    rows = shortest_rows(*(HARD[name].to_numpy() for name in NUMBERS[:6]))
-    k = np.empty((2, N))
-    curvatures(RATES, rows.word, HARD["radius"].to_numpy(), k)
-    found = judge_frame(HARD, Paths(k, rows.segments), Claim.OPTIMAL)
+    paths = Analytic().solve_frame(HARD, "best").paths
+    found = judge_frame(HARD, paths, Claim.OPTIMAL)
 
     assert (found.verdict == VERDICTS.index(Verdict.OPTIMAL)).all()
     assert not found.false_claim.any()

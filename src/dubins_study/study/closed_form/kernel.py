@@ -291,23 +291,6 @@ RATES[1:, :2] = [(TURN[word[0]], TURN[word[-1]]) for word in WORDS[1:]]
 
 
 @compiled
-def curvatures(rates: FloatArray, word: CodeArray, radius: FloatArray, out: FloatArray) -> None:
-    """Curvatures (1 / length unit) of the segments of words, 0 of a segment that has no rate.
-
-    Args:
-        rates: of the segments of each word, NaN where it has none.
-        word: of n paths, a row of `rates`, or `NO_PATH`; shape (n,).
-        radius: shape (n,), length unit.
-        out: shape (m, n) for words of m segments.
-    """
-    for i in range(word.size):
-        code = word[i] if word[i] < len(rates) else 0
-        for arc in range(out.shape[0]):
-            rate = rates[code, arc]
-            out[arc, i] = 0.0 if math.isnan(rate) else rate / radius[i]
-
-
-@compiled
 def flatten(
     curvature: FloatArray,
     length: FloatArray,
