@@ -54,8 +54,8 @@ def solve(
             second after the limit, or above 4 GiB; that, a crash and a hang are then outcomes, as
             in a run. With False it is asked in this process, and this returns when the solver
             does. With None a worker is used unless the solver promises to keep its limit
-            (`Solver.keeps_limit`): all solvers of this package do with ordinary settings, a
-            plug-in does not unless it says so. `analytic` is always asked in this process. A
+            (`Solver.keeps_limit`): most of this package do, those of tours by engines do not, and
+            a plug-in does not unless it says so. `analytic` is always asked in this process. A
             worker takes less than 0.1 s to start, the first one 0.3 s, and each loads the solver's
             libraries anew: 0.3 to 0.6 s, and a second for cvxpy.
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import textwrap
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
@@ -24,6 +27,7 @@ from dubins_study.study.words import Verdict, short_word
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_LOG = logging.getLogger(__name__)
 _WIDTH = 5.5  # inches
 _HEIGHT = (3.0, 8.0)
 _LEGEND_CHARS = 60
@@ -84,7 +88,7 @@ def plot_path(
     named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}
-    with drawing():
+    with drawing(), _one_warning_of_letters():
         if ax is None:
             figure = new_figure(_WIDTH, _HEIGHT[1])
             axes = figure.add_subplot()
@@ -102,6 +106,19 @@ def plot_path(
             except OSError as error:
                 raise PlotError(f"cannot write {place}: {error.strerror}") from None
     return figure
+
+
+@contextmanager
+def _one_warning_of_letters() -> Iterator[None]:
+    """Say once that the font lacks letters of a name, where matplotlib says it of each of them."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    others = [each for each in caught if "missing from font" not in str(each.message)]
+    for each in others:
+        warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+    if len(others) < len(caught):
+        _LOG.warning("dubins-study: the plot's font lacks letters of a name; boxes stand for them")
 
 
 def _plot(

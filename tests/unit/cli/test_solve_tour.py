@@ -3,6 +3,7 @@
 import json
 import math
 import shlex
+import warnings
 from dataclasses import replace
 from itertools import permutations
 
@@ -279,3 +280,15 @@ def test_texts_do_not_overlap():
     _, beside, _ = drawn_texts(Scenario(via=via, target_x=9, target_y=0), names)
 
     assert 1 < len(beside) < 8
+
+
+def test_letters_that_the_font_lacks_are_named_once(caplog, tmp_path):
+    """Matplotlib warns of each letter, with its own file and line."""
+    answer = solve(Scenario(via=[(1, 5), (6, 3)], order="free"))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plot_path(answer, tmp_path / "tour.png", names=["北京", "上海"])
+
+    [record] = caplog.records
+    assert "font lacks letters" in record.getMessage()
