@@ -35,14 +35,14 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_300,
-    "solvers": 72_800,
+    "study": 85_900,
+    "solvers": 73_500,
     "asking": 5_460,
-    "experiments": 34_400,
+    "experiments": 34_450,
     "conformance": 11_800,
-    "report": 72_800,
+    "report": 73_000,
     "cli": 12_400,
-    "package": 294_800,
+    "package": 296_000,
     "tests": 263_500,
 }
 
