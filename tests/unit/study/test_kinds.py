@@ -85,7 +85,6 @@ _SOLVER = "solvers import no kind, which knows the answer"
 _FIELD = "it writes or reads the field itself"
 WHO_ASKS = {
     "solvers/protocol.py:columns": _SOLVER,
-    "solvers/course.py:_target": _SOLVER,
     "solvers/export.py:export": _SOLVER,
     "solvers/tour/places.py:empty_path": _SOLVER,
     "asking/attempt.py:__repr__": _FIELD,

@@ -61,6 +61,8 @@ _LOOKS = (
     Mark("", colour=GREEN, marker="^"),
     Mark("", colour=INK, marker="D"),
 )
+# how the engines' words for an optimum of their program end, in small letters
+_OPTIMAL = ("optimal", "glp_opt", "glp_emipgap")
 _FLOOR = 1e-6  # a smaller gap is drawn there: as long as the proved tour
 
 
@@ -72,7 +74,7 @@ def with_points(rows: pd.DataFrame) -> pd.DataFrame:
     it, relative to it; NaN without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
-    solved = rows["native_status"].fillna("").str.lower().str.endswith("optimal")
+    solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
     proved = rows["claim"].eq(Claim.OPTIMAL) & rows["verdict"].eq("optimal")
     ended = proved.where(rows["solver"].eq(EXACT), solved & rows["formulation"].isin(_PROVING))
     high = rows["reference_high"]

@@ -87,7 +87,7 @@ class TourMilp(EngineSolver):
         settings = Settings(self.gap, FEASIBILITY, seed=seed)
         result = solved(self, program, settings, limit)
         bound = result.bound
-        nodes = result.nodes or 0
+        nodes = [result.nodes]
         while self.model == CUTS and result.claim is Claim.OPTIMAL and result.x is not None:
             subtours = cycles(graph, result.x)
             left = limit - (perf_counter() - began)
@@ -96,6 +96,8 @@ class TourMilp(EngineSolver):
             program = with_cuts(program, graph, subtours)
             result = solved(self, program, settings, left)
             bound = max(bound, result.bound)
-            nodes += result.nodes or 0
-        found = found_by(graph, result._replace(bound=bound, nodes=nodes))
+            nodes.append(result.nodes)
+        told = [number for number in nodes if number is not None]
+        total = sum(told) if told else None
+        found = found_by(graph, result._replace(bound=bound, nodes=total))
         return answered(graph, found, perf_counter() - began, self.polish)
