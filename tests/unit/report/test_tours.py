@@ -15,6 +15,7 @@ from dubins_study.report.topics.tours import (
     tours_section,
     with_points,
 )
+from dubins_study.solvers.statuses import STATUSES
 from dubins_study.study.kinds.shortest import shortest_route
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
@@ -97,6 +98,15 @@ def test_what_closes_by_hand(load_rows):
     assert cells.loc[(BOUNDS, DENSE, 3), ["successes", "trials"]].tolist() == [1, 2]
     assert cells.loc[(BOUNDS, DENSE, 3), "gap"] == 0.3  # the other attempt has none: infinite
     assert cells.loc[("tour-order", DENSE, 3), ["successes", "trials"]].tolist() == [0, 0]
+
+
+def test_every_engine_closes_in_its_own_words():
+    """Those that the table of statuses calls an optimum, and no others."""
+    for engine in ("highs", "scip", "glpk", "cbc", "cp-sat"):
+        for meaning, statuses in STATUSES[engine].items():
+            for status in statuses:
+                frame = pd.DataFrame([row("a", GRID, native_status=status)]).assign(late=False)
+                assert with_points(frame)["closes"].tolist() == [meaning == "optimal"], status
 
 
 def test_points_do_not_count_the_start():

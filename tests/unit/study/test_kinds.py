@@ -85,7 +85,9 @@ _SOLVER = "solvers import no kind, which knows the answer"
 _FIELD = "it writes or reads the field itself"
 WHO_ASKS = {
     "solvers/protocol.py:columns": _SOLVER,
+    "solvers/course.py:body_course": _SOLVER,
     "solvers/export.py:export": _SOLVER,
+    "solvers/legs.py:route_of": _SOLVER,
     "solvers/tour/places.py:empty_path": _SOLVER,
     "asking/attempt.py:__repr__": _FIELD,
     "conformance/answers.py:_advice": "the two discs are of one free leg",

@@ -13,8 +13,8 @@ from dubins_study.solvers.analytic import Analytic
 from dubins_study.solvers.protocol import Question, Solution
 from dubins_study.study.judging.certify import certify
 from dubins_study.study.judging.judge import judge, miss_reason
+from dubins_study.study.kinds import shortest
 from dubins_study.study.path import Path
-from dubins_study.study.route import shortest
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose, Scenario
 from dubins_study.study.tolerances import Tolerances

@@ -62,7 +62,7 @@ _LOOKS = (
     Mark("", colour=INK, marker="D"),
 )
 # how the engines' words for an optimum of their program end, in small letters
-_OPTIMAL = ("optimal", "glp_opt", "glp_emipgap")
+_OPTIMAL = ("optimal", "gaplimit", "glp_opt", "glp_emipgap")
 _FLOOR = 1e-6  # a smaller gap is drawn there: as long as the proved tour
 
 

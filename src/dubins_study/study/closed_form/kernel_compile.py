@@ -71,7 +71,7 @@ event.register("numba:compile", _Announcement())  # type: ignore[no-untyped-call
 _STUDY = Path(__file__).parents[1]
 _FILES = sorted(
     file
-    for folder in ("", "closed_form", "route", "check", "judging")
+    for folder in ("", "closed_form", "route", "tour", "check", "judging")
     for file in (_STUDY / folder).glob("*.py")
 )
 _SOURCES = hashlib.sha256(b"".join(file.read_bytes() for file in _FILES)).hexdigest()[:12]
