@@ -20,6 +20,7 @@ from dubins_study.study.kinds.table import (
     branches_of,
     kind_of,
     pathless_kind_of,
+    prepare,
     reference_of,
 )
 from dubins_study.study.path import Path
@@ -166,8 +167,7 @@ def attempt(
     spec: str | None = None,
 ) -> Answer:
     """Put a question to a solver, time it, and judge whatever comes back, an exception among it."""
-    if pathless_kind_of(question.branch) is None:  # before any clock starts
-        kind_of(question.scenario, question.branch).prepare()
+    prepare(question.scenario, question.branch)
     began = monotonic()
     reply = with_possible_times(ask(solver, question, limit), monotonic() - began)
     return judged(spec or solver.name, question, reply, allowed, stated_method(solver))
@@ -184,8 +184,8 @@ def judged(
     solution = reply.solution
     scenario, branch, path = question.scenario, question.branch, solution.path
     pathless = pathless_kind_of(branch)
-    if path is not None and pathless is None:
-        kind_of(scenario, branch).prepare()
+    if path is not None:
+        prepare(scenario, branch)
     allowed = allowed.begun()
     if pathless is not None:
         tolerance = method.tolerance or allowed.gap

@@ -19,7 +19,7 @@ from dubins_study.experiments.plan.solver_description import describe_solver
 from dubins_study.experiments.provenance import host, now
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import ours
-from dubins_study.study.kinds.table import kind_of, pathless_kind_of
+from dubins_study.study.kinds.table import prepare
 from dubins_study.study.path import Path
 from dubins_study.study.rows.parts import Row
 from dubins_study.study.rows.schema import KEY, names
@@ -54,7 +54,8 @@ def solve_chains(
     pool: WorkerPool, unit: WorkUnit, stop: Interruption
 ) -> Generator[list[Row], None, None]:
     """Yield the judged rows of all cells as they come; an empty list if none come for a while."""
-    _prepare_kinds(unit)
+    for chain in unit.chains:  # what is compiled; in a worker the limit would end that
+        prepare(chain[0].scenario, chain[0].branch)
     for results in pool.solve(_first_jobs(unit), stop):
         rows = []
         for job, reply in results:
@@ -66,15 +67,6 @@ def solve_chains(
             path = reply.solution.path if arrived else step.earlier_path
             pool.put_first(_next_job(step.following, path))
         yield rows
-
-
-def _prepare_kinds(unit: WorkUnit) -> None:
-    """Compile what the kinds of the questions need: in a worker its limit would end that."""
-    asked = [chain[0] for chain in unit.chains]
-    paths = [cell for cell in asked if pathless_kind_of(cell.branch) is None]
-    kinds = {kind.name: kind for kind in (kind_of(cell.scenario, cell.branch) for cell in paths)}
-    for kind in kinds.values():
-        kind.prepare()
 
 
 def _first_jobs(unit: WorkUnit) -> Iterator[Job]:

@@ -50,6 +50,12 @@ def pathless_kind_of(branch: str) -> Pathless | None:
     return next((kind for kind in PATHLESS if branch in kind.branches), None)
 
 
+def prepare(scenario: Scenario, branch: str) -> None:
+    """Make ready what the answer to a question needs, before its clock starts."""
+    if pathless_kind_of(branch) is None:
+        kind_of(scenario, branch).prepare()
+
+
 def branches_of(scenario: Scenario) -> tuple[str, ...]:
     """The branches that a scenario can be asked for."""
     kinds = [kind for kind in EVERY_KIND if kind.matches(scenario)]
