@@ -36,13 +36,12 @@ def evolved(stops: Stops) -> float:
     n = len(stops.points)
     random.seed(_SEED)  # DEAP takes no generator of ours
 
-    class Fitness(base.Fitness):  # type: ignore[misc]
-        weights = (-1.0,)
+    fitness = type("Fitness", (base.Fitness,), {"weights": (-1.0,)})
 
     class Order(list[int]):
         def __init__(self, points: Sequence[int]) -> None:
             super().__init__(points)
-            self.fitness = Fitness()
+            self.fitness = fitness()
 
     box = base.Toolbox()
     box.register("evaluate", lambda order: (length_on_grid(order, costs),))

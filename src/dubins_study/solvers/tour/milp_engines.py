@@ -138,7 +138,7 @@ def _glpk(program: LinearProgram, settings: Settings, seconds: float) -> ProvenR
     asked.presolve = glpk.GLP_ON  # without it the relaxation must have been solved before
     asked.tol_int = settings.feastol
     asked.mip_gap = settings.gap
-    asked.tm_lim = max(int(1000 * seconds), 1)
+    asked.tm_lim = min(max(int(1000 * seconds), 1), _MOST_MS)
     ended = glpk.glp_intopt(problem, asked)
     status = _GLPK_ENDS.get(ended, str(ended))
     if ended == 0:
@@ -171,6 +171,7 @@ def _between(glpk: Any, low: float, high: float) -> tuple[int, float, float]:
     return glpk.GLP_DB, low, high
 
 
+_MOST_MS = 2**31 - 1  # which GLPK takes for no limit
 # `glpk.h`: what `glp_intopt` returns, and where that is 0, `glp_mip_status`
 _GLPK_ENDS = {
     0x09: "GLP_ETMLIM",
