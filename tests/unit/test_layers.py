@@ -35,15 +35,16 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 85_900,
+    "study": 87_000,
     "solvers": 73_500,
     "asking": 5_460,
     "experiments": 34_450,
     "conformance": 11_800,
     "report": 73_000,
-    "cli": 12_400,
-    "package": 296_000,
-    "tests": 263_500,
+    "missions": 7_000,
+    "cli": 13_500,
+    "package": 303_500,
+    "tests": 272_000,
 }
 
 _LEAVES = (
@@ -127,12 +128,16 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("report.elements", "report.page"),
     ),
     "report": ("study.*", "report.*"),
+    "missions": ("study.*", "asking"),
     "cli.terminal": ("study.*",),
     "cli": (
         *("cli.terminal", "", "study.*", "solvers.*", "asking", "experiments.*", "report.*"),
-        "conformance",
+        *("conformance", "missions"),
     ),
-    "": ("cli", "study.*", "solvers.*", "asking", "experiments.*", "conformance", "report.*"),
+    "": (
+        *("cli", "study.*", "solvers.*", "asking", "experiments.*", "conformance", "report.*"),
+        "missions",
+    ),
 }
 # a topic may use another topic's numbers, as long as no circle comes of it
 _TOPIC = (*MAY_IMPORT["report.topics"], "report.topics.*")

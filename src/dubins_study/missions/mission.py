@@ -1,0 +1,70 @@
+"""A mission: points to pass, with their names, as a file or a caller gives them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.tangent_plane import TangentPlane
+
+
+class MissionPoint(NamedTuple):
+    """A point of a mission; what a file does not say is None, or an empty name."""
+
+    x: float  # m to the east where the mission lies on Earth, else any unit of length
+    y: float  # to the north
+    heading: float | None = None  # rad, counterclockwise from +x; None is free
+    name: str = ""
+    altitude: float | None = None  # m, as the file has it
+    speed: float | None = None  # m/s, as the file has it
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Points to pass, in their order.
+
+    Args:
+        points: via points, then the target where there is one.
+        home: where the path starts; None if at the first of the points.
+        plane: what x and y are metres on; None if the points do not lie on Earth.
+        source: the format's name, such as `GPX`; empty if it came from no file.
+        notes: sentences about what was passed over or understood.
+    """
+
+    points: tuple[MissionPoint, ...]
+    home: MissionPoint | None = None
+    plane: TangentPlane | None = None
+    source: str = ""
+    notes: tuple[str, ...] = ()
+
+    def started(self) -> Mission:
+        """The mission with a home: its first point where it has none."""
+        if self.home is not None:
+            return self
+        return replace(self, home=self.points[0], points=self.points[1:])
+
+    def scenario(self, *, to_last: bool = True, **fields: Any) -> Scenario:
+        """The scenario from home past the points.
+
+        Args:
+            to_last: whether the last point is the target; else all points are via points, of a
+                closed path or one that may end at any of them.
+            fields: the other fields of a scenario, such as the radius.
+        """
+        mission = self.started()
+        home = mission.home
+        assert home is not None
+        via = mission.points
+        if to_last:
+            via, last = mission.points[:-1], mission.points[-1]
+            fields = {"final_heading": last.heading} | fields
+            fields |= {"target_x": last.x, "target_y": last.y}
+        return Scenario(
+            home.x,
+            home.y,
+            home.heading,
+            via=[(point.x, point.y, point.heading) for point in via],
+            _radians=True,
+            **fields,
+        )

@@ -1,0 +1,80 @@
+"""The tangent plane of a point on Earth: longitude and latitude as metres east and north."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dubins_study.study.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True)
+class TangentPlane:
+    """The azimuthal equidistant projection of the ellipsoid WGS 84 around one point.
+
+    A point keeps its distance and its direction from the middle; across, lengths are too long by
+    about r**2 / (6 a**2) at the distance r, with a = 6378 km (Snyder 1987, Map Projections: A
+    Working Manual, section 25). Geodesics are those of GeographicLib (Karney 2013).
+
+    Args:
+        latitude, longitude: of the middle, degrees; latitude between -90 and 90, both excluded.
+    """
+
+    latitude: float
+    longitude: float
+
+    def to_plane(self, degrees: ArrayLike) -> FloatArray:
+        """Metres east and north of the middle, of longitudes and latitudes; shape (n, 2)."""
+        east_north = []
+        for longitude, latitude in np.asarray(degrees, dtype=float).reshape(-1, 2).tolist():
+            line = _geodesic().Inverse(self.latitude, self.longitude, latitude, longitude)
+            azimuth = math.radians(line["azi1"])
+            east_north.append((line["s12"] * math.sin(azimuth), line["s12"] * math.cos(azimuth)))
+        return np.array(east_north).reshape(-1, 2)
+
+    def to_earth(self, points: ArrayLike) -> FloatArray:
+        """Longitudes and latitudes (degrees) of metres east and north, shape (n, 2)."""
+        return np.array([line[:2] for line in self._direct(points)]).reshape(-1, 2)
+
+    def convergence(self, points: ArrayLike) -> FloatArray:
+        """How far the plane's +y lies clockwise of true north at each point (rad), shape (n,)."""
+        return np.array([line[2] for line in self._direct(points)])
+
+    def distortion(self, points: ArrayLike) -> float:
+        """The largest relative error of a length near any of the points."""
+        away = np.hypot(*np.asarray(points, dtype=float).reshape(-1, 2).T)
+        angle = float(away.max(initial=0.0)) / _geodesic().a
+        return angle / math.sin(angle) - 1 if 0 < angle < math.pi else 0.0
+
+    def _direct(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
+        """Longitude, latitude (degrees) and convergence (rad) at each point."""
+        for x, y in np.asarray(points, dtype=float).reshape(-1, 2).tolist():
+            azimuth = math.degrees(math.atan2(x, y))
+            line = _geodesic().Direct(self.latitude, self.longitude, azimuth, math.hypot(x, y))
+            # along the geodesic the plane's direction stays, the true one turns from azi1 to azi2
+            turned = math.radians(line["azi2"] - line["azi1"])
+            yield line["lon2"], line["lat2"], math.remainder(turned, math.tau)
+
+
+def middle_of(degrees: ArrayLike) -> TangentPlane:
+    """The tangent plane at the middle of the box around longitudes and latitudes, shape (n, 2).
+
+    Points on both sides of the meridian of 180 degrees have a middle between them.
+    """
+    longitude, latitude = np.asarray(degrees, dtype=float).reshape(-1, 2).T
+    turned = longitude[0] + (longitude - longitude[0] + 180) % 360 - 180
+    east = 0.5 * (turned.min() + turned.max())
+    return TangentPlane(0.5 * (latitude.min() + latitude.max()), math.remainder(east, 360))
+
+
+def _geodesic() -> Any:
+    from geographiclib.geodesic import Geodesic  # only of what lies on Earth
+
+    return Geodesic.WGS84
