@@ -67,9 +67,10 @@ test-all: $(READY)  ## run all tests
 N ?= 100000
 ROUTES ?= 2000
 SEED ?= 0
-adversary: $(READY)  ## attack the package with N hard cases and ROUTES routes; exit 1 if one is wrong
+adversary: $(READY)  ## attack the package with N hard cases and ROUTES routes, and with dense tours; exit 1 if one is wrong
 	$(BIN)/python -m dubins_study.asking.compile_loops
 	$(BIN)/python -m tests.adversary.campaign $(N) $(ROUTES) --seed $(SEED) --workers $(JOBS)
+	WHOLE=1 $(PYTEST) --slow tests/adversary
 
 rooms: $(READY)  ## print each room with its promise, what it imports and its size beside its budget
 	$(BIN)/python -m tests.unit.test_layers

@@ -8,6 +8,7 @@ import pytest
 
 from dubins_study.study.kinds.shortest import ShortestRoute
 from dubins_study.study.scenario import Scenario
+from tests.adversary import WHOLE
 from tests.adversary.tours import (
     CLOSE,
     KINDS,
@@ -22,7 +23,7 @@ from tests.adversary.tours import (
 
 # square root of the square's area a point: 1.5 and 3 radii are dense, where orders are hard to tell
 DENSE = (1.0, 1.5, 3.0)
-SETS, SMALL = 200, 24
+SETS, SMALL, PARTS = 200, 24, 20
 
 
 def checked_by_all_orders(seed: int, points: int) -> None:
@@ -50,10 +51,10 @@ def test_few_points_are_those_of_the_best_order(seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-@pytest.mark.parametrize("part", range(20))
+@pytest.mark.parametrize("part", range(PARTS if WHOLE else 6))
 def test_dense_points_are_those_of_the_best_order(part: int) -> None:
-    """200 sets of 3 to 6 points."""
-    for seed in range(SMALL + part, SMALL + SETS, 20):
+    """Sets of 3 to 6 points: 200 in the whole attack."""
+    for seed in range(SMALL + part, SMALL + SETS, PARTS):
         checked_by_all_orders(seed, 6 if seed % 30 == 0 else 3 + seed % 3)
 
 
