@@ -10,6 +10,8 @@ from live_run import interpreted, output
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from dubins_study.cli.terminal.missing import refuse_missing
+
 PAGE = Path(__file__).parents[2] / "docs" / "flights.md"
 POINTS = "x,y,name\n0,50,a\n40,80,b\n90,20,c\n-30,60,d\n"
 ROUTE = "solve 10 5 --via 4 1 --via 6 -2 --final-heading 90deg"
@@ -119,3 +121,9 @@ def test_a_route_needs_each_of_the_list(package, tmp_path):
 
     reason = f"the package {package} is not installed; pip install {package}"
     assert (code, message) == (2, f"dubins-study: {reason}\n")
+
+
+def test_a_module_of_no_package_that_is_used_is_a_bug():
+    """A slip in an import of this package's own is raised, and keeps its traceback."""
+    with pytest.raises(ModuleNotFoundError, match="no such room"):
+        refuse_missing(ModuleNotFoundError("no such room", name="dubins_study.nonsense"))
