@@ -160,6 +160,7 @@ PAGES = {
     str(page.relative_to(ROOT)): blocks(page)
     for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md")))
 }
+_MISSIONS = "until the command reads mission files"
 # Page and the beginning of a block that is parsed, but not run -> why.
 NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
@@ -171,6 +172,12 @@ NOT_RUN = {
         "dubins-study run benchmark-route",
     ): "tests/unit/experiments/test_scenario_file.py plans a sample of this suite",
     ("docs/tutorial.md", "pip install ."): "installs; tests/processes/test_wheel.py does the same",
+    (
+        "docs/flights.md",
+        "pip install --no-deps",
+    ): "installs; tests/processes/test_planner_packages.py tries the list",
+    ("docs/flights.md", "dubins-study solve mission.plan"): _MISSIONS,
+    ("docs/flights.md", "from dubins_study import read_mission"): _MISSIONS,
     ("docs/scaling.md", "dask ssh "): "needs several hosts",
     ("docs/scaling.md", "from distributed import SSHCluster"): "needs several hosts",
     ("docs/scaling.md", "from dask_jobqueue import"): "needs a SLURM cluster",
@@ -184,7 +191,7 @@ NOT_RUN = {
 # Pages whose blocks take more than some five seconds in all; `--slow` runs them.
 SLOW = (
     *("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md"),
-    *("docs/reference/api.md", "README.md"),
+    *("docs/reference/api.md", "docs/recipes.md", "README.md"),
 )
 
 

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
+from dubins_study.cli.terminal.missing import refuse_missing
 from dubins_study.errors import DubinsStudyError
 
 try:
@@ -37,6 +38,8 @@ try:
     from dubins_study.experiments.interruption import Interruption
 except KeyboardInterrupt:  # these imports take long enough to be interrupted
     sys.exit(130)
+except ModuleNotFoundError as absent:
+    refuse_missing(absent)
 
 PROGRAM = "dubins-study"
 _HELP = """Optimisation solvers judged on the shortest Dubins path to a point.
@@ -211,6 +214,8 @@ def main() -> None:
             print(message, file=sys.stderr)
             sys.exit(2)
         _refuse(f"{message.rstrip('.')}; see {context.command_path if context else PROGRAM} --help")
+    except ModuleNotFoundError as error:
+        refuse_missing(error)
     except DubinsStudyError as error:  # any other exception is a bug and shows its traceback
         _refuse(str(error))
 

@@ -38,6 +38,7 @@ _GEOJSON = (
     *("reference_low", "reference_high"),
 )
 
+_DRAWN_BY = ("matplotlib", "pandas", "pyarrow")  # packages that a drawing needs
 _MOST_SEGMENTS = 4  # of a path of many pieces, in the text
 _MOST_POINTS = 24  # of an order
 _SAME = 1e-8  # relative; two searches to 1e-9 each
@@ -126,6 +127,11 @@ def _check_files(plot: FilePath | None, geojson: FilePath | None) -> None:
     if geojson is not None and geojson.suffix.lower() not in (".json", ".geojson"):
         raise arguments.CommandError(f"--geojson: {geojson}: expected a file .json or .geojson")
     if plot is not None:
+        from dubins_study.solvers.setting_checks import missing_package
+
+        if reason := missing_package(*_DRAWN_BY):
+            needed = " ".join(_DRAWN_BY)
+            raise arguments.CommandError(f"--plot: {reason}; pip install {needed}")
         from dubins_study.report.path_plot import check_format
 
         check_format(plot)

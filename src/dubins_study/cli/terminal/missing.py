@@ -1,0 +1,25 @@
+"""What a command says where a package is not installed."""
+
+from __future__ import annotations
+
+import re
+import sys
+from importlib.metadata import requires
+from typing import NoReturn
+
+_PACKAGES = {"flint": "python-flint"}  # module -> package, where their names differ
+
+
+def refuse_missing(error: ModuleNotFoundError) -> NoReturn:
+    """End with exit code 2 and the missing package's name, if it is one that dubins-study uses.
+
+    Raises:
+        ModuleNotFoundError: the error, of any other module: that is a bug.
+    """
+    package = _PACKAGES.get(error.name or "", error.name)
+    used = {re.split(r"[^\w-]", each)[0] for each in requires("dubins-study") or ()}
+    if package not in used:
+        raise error
+    reason = f"the package {package} is not installed; pip install {package}"
+    print(f"dubins-study: {reason}", file=sys.stderr)
+    sys.exit(2)
