@@ -28,8 +28,9 @@ def export(
 ) -> None:
     """Write a model of one scenario for other people's solvers."""
     from dubins_study.solvers.export import export as export_model
+    from dubins_study.study.scenario import Scenario
 
-    scenario = arguments.scenario_of(x, y, start, radius)
+    scenario = Scenario(*arguments.start_pose(start), x, y, radius)
     text = export_model(scenario, model, file_format, order)
     if out is None:
         print(text, end="")

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import typer
 
 from dubins_study.errors import DubinsStudyError
-
-if TYPE_CHECKING:
-    from dubins_study.study.scenario import Scenario
 
 
 class CommandError(DubinsStudyError, ValueError):
@@ -26,6 +23,16 @@ def number(text: str | float) -> float:
         return number_of_text(str(text))
     except ValueError:
         raise typer.BadParameter(f"{text!r:.60}; expected a number") from None
+
+
+def number_or_file(text: str) -> float | FilePath:
+    """The number that a word is, else the file."""
+    try:
+        return number(text)
+    except typer.BadParameter:
+        if FilePath(text).exists():
+            return FilePath(text)
+        raise typer.BadParameter(f"{text!r:.60}; expected a number, or a mission file") from None
 
 
 class Point(NamedTuple):
@@ -66,8 +73,10 @@ def stop_heading(words: Sequence[str] | StopHeading) -> StopHeading:
 TargetX = Annotated[float, typer.Argument(metavar="X", parser=number, help="target position")]
 TargetY = Annotated[float, typer.Argument(metavar="Y", parser=number, help="target position")]
 _OR_LAST = "target position; default: the last point of --via-file, none with --order free"
-MaybeX = Annotated[
-    float | None, typer.Argument(metavar="X", parser=number, help=_OR_LAST, show_default=False)
+_OR_FILE = f"{_OR_LAST}. Alone it is a mission file: CSV, GPX, KML, GeoJSON, .plan, .waypoints"
+TargetOrFile = Annotated[
+    str | None,
+    typer.Argument(metavar="X", parser=number_or_file, help=_OR_FILE, show_default=False),
 ]
 MaybeY = Annotated[
     float | None, typer.Argument(metavar="Y", parser=number, help=_OR_LAST, show_default=False)
@@ -79,6 +88,19 @@ _FROM = (
 StartPose = Annotated[
     tuple[str, str, str],
     typer.Option("--from", metavar="X Y HEADING", help=_FROM),
+]
+_FROM_OR_HOME = f"{_FROM}; of a mission file the default is its home, or its first point"
+StartOrHome = Annotated[
+    tuple[str, str, str] | None,
+    typer.Option("--from", metavar="X Y HEADING", help=_FROM_OR_HOME, show_default=False),
+]
+_COLUMNS = "what the columns of a CSV file are, e.g. lon,lat,-,name; - is passed over"
+Columns = Annotated[str | None, typer.Option(metavar="NAMES", help=_COLUMNS)]
+Compass = Annotated[
+    bool, typer.Option("--compass", help="headings run clockwise from north, in degrees")
+]
+DropRepeats = Annotated[
+    bool, typer.Option("--drop-repeats", help="leave out points equal to the one before")
 ]
 _VIA = "point to pass on the way; repeat it for several, in order"
 Via = Annotated[list[Point], typer.Option("--via", metavar="X Y", parser=point, help=_VIA)]
@@ -108,7 +130,18 @@ FinalHeading = Annotated[
 Radius = Annotated[
     float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
-Speed = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help="constant speed")]
+_RADIUS = "minimum turning radius; of a mission on Earth in m. Default: 1, or that of --bank"
+RadiusOrBank = Annotated[
+    float | None,
+    typer.Option("--radius", metavar="NUMBER", parser=number, help=_RADIUS, show_default=False),
+]
+_SPEED = "constant speed, m/s of a mission on Earth. Default: 1"
+SpeedOrNone = Annotated[
+    float | None,
+    typer.Option("--speed", metavar="NUMBER", parser=number, help=_SPEED, show_default=False),
+]
+_BANK = "bank angle of a turn, e.g. 30deg: with --speed in m/s it gives the radius in m"
+Bank = Annotated[str | None, typer.Option(metavar="ANGLE", help=_BANK)]
 _BRANCH = "best, LS, RS, LR or RL; with a final heading best, LSL, RSR, LSR, RSL, RLR or LRL"
 Branch = Annotated[str, typer.Option(metavar="NAME", help=_BRANCH)]
 # who answers
@@ -122,6 +155,12 @@ _PLOT = "draw the path: .svg, .pdf or .png"
 Plot = Annotated[FilePath | None, typer.Option(metavar="FILE", help=_PLOT)]
 _GEOJSON = "write path and points as GeoJSON, in their x and y"
 Geojson = Annotated[FilePath | None, typer.Option(metavar="FILE", help=_GEOJSON)]
+_OUT = "write the flight: .geojson, .gpx, .kml, .plan, .waypoints or .csv; repeat it for several"
+Out = Annotated[list[FilePath], typer.Option("--out", metavar="FILE", help=_OUT)]
+_STEP = "distance from waypoint to waypoint of --out; default: a quarter of the radius"
+Step = Annotated[float | None, typer.Option(metavar="NUMBER", parser=number, help=_STEP)]
+_ALTITUDE = "m above home of waypoints whose points have none, in .plan and .waypoints"
+Altitude = Annotated[float, typer.Option(metavar="NUMBER", parser=number, help=_ALTITUDE)]
 _SHORTEST = "draw and write the check's path where it is shorter than the answer"
 Shortest = Annotated[bool, typer.Option("--shortest", help=_SHORTEST)]
 _STRICT = "exit code 1 unless the verdict is optimal"
@@ -129,23 +168,10 @@ Strict = Annotated[bool, typer.Option("--strict", help=_STRICT)]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 
-def scenario_of(
-    x: float | None,
-    y: float | None,
-    start: tuple[str, str, str],
-    radius: float,
-    speed: float = 1.0,
-    **rest: Any,
-) -> Scenario:
-    """A scenario from the words of the command line; every refusal names the field.
-
-    `rest` has the other fields of a scenario.
-    """
-    from dubins_study.study.scenario import Scenario
-
+def start_pose(start: tuple[str, str, str]) -> tuple[float, float, str]:
+    """The words of `--from`: two numbers, and the heading as it is written."""
     try:
-        pose = number(start[0]), number(start[1]), start[2]
+        return number(start[0]), number(start[1]), start[2]
     except typer.BadParameter:
         expected = "expected two numbers and a heading"
         raise CommandError(f"--from is {' '.join(start)!r:.60}; {expected}") from None
-    return Scenario(*pose, x, y, radius, speed, **rest)

@@ -1,0 +1,204 @@
+"""An answer as text for the terminal, or as one JSON object."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from dubins_study.cli.terminal import output
+from dubins_study.cli.terminal.output import plain
+from dubins_study.study.words import Outcome, short_word
+
+if TYPE_CHECKING:
+    from dubins_study.asking.attempt import Answer
+
+# Fields of an answer in the JSON object, which also has the question's, `given_order_length`,
+# `segments` and `tied_words`.
+_JSON = (
+    *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
+    *("presolved", "miss", "region", "margin", "reference", "reference_word"),
+    *("curvature_excess", "claimed_length", "lower_bound", "false_claim", "wrong_basin", "proof"),
+    *("reference_low", "reference_high", "pmp_residual", "cut_margin", "false_bound"),
+    *("native_status", "message", "build_s", "solve_s", "wall_s", "visits", "order"),
+)
+
+_MOST_SEGMENTS = 4  # of a path of many pieces, in the text
+_MOST_POINTS = 24  # of an order
+_SAME = 1e-8  # relative; two searches to 1e-9 each
+
+
+def answer_json(
+    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+) -> str:
+    """One object: the answer, its segments, and the question."""
+    pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
+    fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
+    fields["via"] = [list(point) for point in answer.scenario.via]
+    fields["names"] = list(names)
+    fields["final_heading"] = answer.scenario.final_heading
+    fields["closed"] = answer.scenario.closed
+    fields["gap"] = _gap(answer)
+    fields["start_heading"] = None
+    if answer.path is not None:
+        fields["start_heading"] = math.remainder(answer.path.start.heading, math.tau)
+    fields["given_order_length"] = None if in_given_order is None else in_given_order.length
+    fields["given_order_proof"] = None if in_given_order is None else in_given_order.proof
+    fields["segments"] = [
+        {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
+    ]
+    fields["tied_words"] = list(answer.tied_words)
+    return json.dumps(fields, indent=2, allow_nan=False)
+
+
+def _letter(curvature: float) -> str:
+    return "L" if curvature > 0 else "R" if curvature < 0 else "S"
+
+
+def answer_text(
+    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+) -> str:
+    """The answer as a few lines for the terminal.
+
+    Args:
+        names: of the via points, some of which may be empty.
+        in_given_order: the answer to a tour's points in the order in which they are given.
+    """
+    fields: dict[str, str] = {}
+    if answer.length is not None:
+        fields["order"] = _order(answer, names)
+        fields["word"] = _word(answer)
+        fields["length"] = f"{answer.length:.12g}"
+        fields["given order"] = _given_order(answer, in_given_order)
+        fields["travel time"] = f"{answer.travel_time:.12g}"
+        fields["segments"] = _segments(answer)
+        fields["optimum"] = _optimum(answer)
+        fields["shorter"] = _shorter(answer)
+    fields["verdict"] = _verdict(answer)
+    fields["claim"] = f"{answer.claim}  ({answer.solver})"
+    if answer.presolved and answer.verdict == "none exists":
+        fields["presolve"] = "answered, and the engine was not asked"
+    fields["proof"] = _proof(answer)
+    if answer.length is not None:
+        fields["gap"] = _number(_gap(answer))
+        fields["miss"] = _number(answer.miss)
+    if answer.margin is not None:
+        circle = f"{answer.margin:.3g} R from the nearer turning circle"
+        fields["region"] = f"{answer.region}, {circle}"
+    if answer.solve_s is not None:
+        built = f"after {_milliseconds(answer.build_s or 0.0)} to build"
+        fields["solve time"] = f"{_milliseconds(answer.solve_s)}, {built}"
+    elif answer.wall_s is not None:  # it was not solved
+        fields["ended after"] = _milliseconds(answer.wall_s)
+    if answer.false_claim:
+        fields["false claim:"] = "the claim is stronger than the verdict"
+    if answer.false_bound:
+        fields["false bound:"] = "the solver's lower bound lies above the shortest length"
+    if answer.outcome != Outcome.RETURNED:
+        fields["outcome"] = answer.outcome
+    fields["message"] = answer.message
+    return output.listing(fields)
+
+
+def _order(answer: Answer, names: Sequence[str]) -> str:
+    """The via points of a tour in the order in which the path passes them: names, or numbers."""
+    order = answer.order or []
+    texts = [plain(names[place]) if place < len(names) else "" for place in order]
+    shown = []
+    for text, place in zip(texts, order, strict=True):
+        number = str(place + 1)
+        alone = text if texts.count(text) == 1 else f"{text} ({number})"
+        shown.append(alone if text else number)
+    more = len(shown) - _MOST_POINTS
+    rest = f", and {more} more: --json lists them" if more > 0 else ""
+    return ", ".join(shown[:_MOST_POINTS]) + rest
+
+
+def _given_order(answer: Answer, route: Answer | None) -> str:
+    """What a tour's points would have cost in the order in which they are given."""
+    if route is None or route.length is None or not answer.length:
+        return ""
+    if abs(route.length - answer.length) <= _SAME * answer.length:
+        return "as short"
+    more = 100 * (route.length / answer.length - 1)
+    than = "longer" if more > 0 else "shorter"
+    proved = "" if route.proof == "proved" else ", not proved to be the shortest"
+    return f"{route.length:.12g}, {abs(more):.3g} % {than}{proved}"
+
+
+def _word(answer: Answer) -> str:
+    """The word of the path, and the words that are as short."""
+    none = "none" if answer.gap is None else "none: the target is the start"
+    ties = [word for word in answer.tied_words if word != answer.reference_word]
+    tied = f"  (tied with {', '.join(ties)})" if ties else ""
+    return f"{short_word(answer.word or none)}{tied}"
+
+
+def _proof(answer: Answer) -> str:
+    """What is proved of the answer, and what there was no time to check."""
+    from dubins_study.study.kinds.table import kind_of
+
+    unchecked = answer.gap is not None and answer.pmp_residual is None
+    if unchecked and kind_of(answer.scenario, answer.branch).searched:
+        return f"{answer.proof}; Pontryagin's conditions were not checked"
+    return str(answer.proof)
+
+
+def _optimum(answer: Answer) -> str:
+    """The proven interval around the shortest length of a route, or of a leg to a pose."""
+    from dubins_study.study.kinds.table import kind_of
+
+    low, high = answer.reference_low, answer.reference_high
+    by_interval = kind_of(answer.scenario, answer.branch).by_interval
+    if low is None or high is None or not by_interval:
+        return ""
+    width = (high - low) / max(high, answer.scenario.radius)
+    # as Python writes them: rounded further, they would be no bounds
+    return f"in [{low!r}, {high!r}], relative width {width:.2g}"
+
+
+def _shorter(answer: Answer) -> str:
+    """The length of the check's path where it is shorter than the answer."""
+    from dubins_study.asking.attempt import shorter_answer
+
+    found = shorter_answer(answer)
+    if found is None or found.length is None:
+        return ""
+    return f"{found.length:.12g}, found by the check: --shortest takes it"
+
+
+def _gap(answer: Answer) -> float | None:
+    """The gap, none below 0 of a proved path: rounding may put it there."""
+    gap = answer.gap
+    return 0.0 if gap is not None and gap < 0 and answer.proof == "proved" else gap
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
+
+
+def _segments(answer: Answer) -> str:
+    """Turn and length of each piece of the path, an arc with its angle; the first few of many."""
+    pieces = list(zip(answer.curvatures or (), answer.lengths or (), strict=True))
+    if not pieces:
+        return "none"
+    texts = [
+        f"{_letter(k)} {length:.6g}" + (f" ({abs(math.degrees(k * length)):.4g} deg)" if k else "")
+        for k, length in pieces[:_MOST_SEGMENTS]
+    ]
+    more = len(pieces) - len(texts)
+    return ", ".join(texts) + (f", and {more} more: --json lists them" if more else "")
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
+
+
+def _verdict(answer: Answer) -> str:
+    """The verdict, and of a path that misses, why."""
+    if answer.verdict != "misses" or answer.path is None:
+        return str(answer.verdict)
+    from dubins_study.study.judging.judge import miss_reason
+
+    return f"{answer.verdict}: {miss_reason(answer.scenario, answer.path, answer.branch)}"

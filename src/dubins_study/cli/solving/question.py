@@ -1,0 +1,184 @@
+"""The words of `dubins-study solve` as a mission and its scenario."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dubins_study.cli.terminal.arguments import CommandError, Point, StopHeading, start_pose
+
+if TYPE_CHECKING:
+    from dubins_study.missions.mission import Mission, MissionPoint
+    from dubins_study.study.scenario import Scenario
+
+
+class Words(NamedTuple):
+    """What the command line says of the question."""
+
+    target: float | FilePath | None  # x, or a mission file
+    y: float | None
+    start: tuple[str, str, str] | None
+    via: Sequence[Point]
+    via_file: FilePath | None
+    via_headings: Sequence[StopHeading]
+    order: str
+    closed: bool
+    final_heading: str | None
+    radius: float | None
+    speed: float | None
+    bank: str | None
+    columns: str | None
+    compass: bool
+    drop_repeats: bool
+
+    @property
+    def to_last(self) -> bool:
+        """Whether the last point is the target."""
+        from dubins_study.study.words import Order
+
+        ends_anywhere = self.order == Order.FREE and not isinstance(self.target, float)
+        return not self.closed and not ends_anywhere
+
+
+class Asked(NamedTuple):
+    """A mission with a home, and what is asked of it."""
+
+    mission: Mission
+    scenario: Scenario
+
+    @property
+    def names(self) -> list[str]:
+        """A name for each stop, in the question's order; some may be empty."""
+        return [point.name for point in self.mission.points]
+
+
+def question_of(words: Words) -> Asked:
+    """The question of a command line; every refusal names the option."""
+    from dubins_study.study.scenario import checked_order
+
+    checked_order(words.order)
+    mission = _with_headings(_mission(words), words)
+    fields: dict[str, Any] = {}
+    if words.final_heading is not None:
+        if words.to_last and mission.points[-1].heading is not None:
+            message = "the last point has a heading, and --final-heading is given"
+            raise CommandError(f"{message}; expected one of them")
+        fields["final_heading"] = _heading(words.final_heading, words.compass)
+    speed = 1.0 if words.speed is None else words.speed
+    scenario = mission.scenario(
+        to_last=words.to_last,
+        radius=_radius(words, mission),
+        speed=speed,
+        order=words.order,
+        closed=words.closed,
+        **fields,
+    )
+    return Asked(mission, scenario)
+
+
+def _mission(words: Words) -> Mission:
+    """The points that the words give, and where they start."""
+    from dubins_study.missions.mission import Mission
+
+    if isinstance(words.target, FilePath):
+        mission = _file_mission(words.target, words)
+        if words.start is None:
+            return mission.started()
+    else:
+        mission = Mission(tuple(_points(words)))
+    return replace(mission, home=_start(words.start or ("0", "0", "0"), mission, words.compass))
+
+
+def _file_mission(file: FilePath, words: Words) -> Mission:
+    from dubins_study.missions.read import read_mission
+
+    if words.y is not None or words.via or words.via_file:
+        message = f"{file} is a mission file, and Y, --via or --via-file is given"
+        raise CommandError(f"{message}; expected the file alone")
+    columns = None if words.columns is None else words.columns.split(",")
+    return read_mission(
+        file, columns=columns, compass=words.compass, drop_repeats=words.drop_repeats
+    )
+
+
+def _points(words: Words) -> list[MissionPoint]:
+    """Via points and, unless there is none, the target, of which `--via-file` may have all."""
+    from dubins_study.missions.mission import MissionPoint
+    from dubins_study.missions.read import read_mission
+
+    x, y = words.target, words.y
+    if words.via and words.via_file is not None:
+        raise CommandError("--via and --via-file are given; expected one of them")
+    if y is not None and words.closed:
+        raise CommandError("X Y and --closed are given; a closed path ends at its start")
+    missing = x is None and words.via_file is None and words.to_last
+    if missing or (x is not None and y is None):
+        # of `--from 0 0 1 2` the third number is the heading
+        message = "the target is missing, or a single number; expected X Y, or --via-file"
+        raise CommandError(f"{message}; --from takes X Y HEADING")
+    points = [MissionPoint(*each) for each in words.via]
+    if words.via_file is not None:
+        points += read_mission(words.via_file).points
+    if isinstance(x, float) and y is not None:
+        points.append(MissionPoint(x, y))
+    return points
+
+
+def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> MissionPoint:
+    """The start pose; of a mission on Earth it is longitude, latitude and heading."""
+    from dubins_study.missions.mission import MissionPoint
+
+    x, y, heading = start_pose(pose)
+    if mission.plane is not None:
+        x, y = mission.plane.to_plane([x, y])[0].tolist()
+    return MissionPoint(x, y, _heading(heading, compass))
+
+
+def _with_headings(mission: Mission, words: Words) -> Mission:
+    """The mission with the headings that are given at some of the via points."""
+    points = list(mission.points)
+    count = len(points) - words.to_last
+    for place, text in words.via_headings:
+        if not 1 <= place <= count:
+            expected = f"expected one from 1 to {count}" if count else "there is no via point"
+            raise CommandError(f"--via-heading: place {place}; {expected}")
+        if points[place - 1].heading is not None:
+            message = f"via point {place} has two headings; expected one"
+            raise CommandError(f"--via-heading: {message}")
+        points[place - 1] = points[place - 1]._replace(heading=_heading(text, words.compass))
+    return replace(mission, points=tuple(points))
+
+
+def _heading(text: str, compass: bool) -> float | None:
+    """A heading (rad, counterclockwise from +x) of a word; None if it is free."""
+    from dubins_study.study.angle import parse_angle
+    from dubins_study.study.scenario import FREE
+
+    if text == FREE:
+        return None
+    return 0.5 * math.pi - parse_angle(text) if compass else parse_angle(text)
+
+
+def _radius(words: Words, mission: Mission) -> float:
+    """The turning radius: as given, or that of a bank at the speed."""
+    from dubins_study.missions.flight import bank_radius, too_tight
+    from dubins_study.study.angle import parse_angle
+    from dubins_study.study.values import note
+
+    if words.bank is None:
+        if words.radius is None and mission.plane is not None:
+            message = "the radius is missing: the points lie on Earth"
+            raise CommandError(f"{message}; expected --radius in m, or --speed and --bank")
+        return 1.0 if words.radius is None else words.radius
+    if words.speed is None:
+        raise CommandError("--bank is given without --speed; expected both, such as 20 and 30deg")
+    bank = parse_angle(words.bank)
+    if words.radius is None:
+        return bank_radius(words.speed, bank)
+    warning = too_tight(words.radius, words.speed, bank)
+    if warning:
+        note(warning)
+    return words.radius
