@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from operator import attrgetter
 from time import monotonic
 from typing import Any
@@ -48,6 +48,10 @@ from dubins_study.study.words import (
 )
 
 _REPR_CHARS = 96  # of a line of an answer's repr
+_PLANNER_NAMES = (
+    *("certificate", "claim", "length", "order", "path", "proof", "reference_high"),
+    *("reference_low", "scenario", "travel_time", "verdict", "visits", "word"),
+)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -88,6 +92,30 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
             f"message {plain(self.message)}",
         )
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
+
+    def __str__(self) -> str:
+        """What a planner reads first, in a few lines."""
+        by = f"verdict {self.verdict}, claim {self.claim} by {self.solver}"
+        if self.length is None or self.travel_time is None:
+            return f"no path\n{by}"
+        lines = [
+            f"length {self.length:.12g}, travel time {self.travel_time:.12g}",
+            f"proof {self.proof}: shortest in [{self.reference_low}, {self.reference_high}]",
+            f"word {short_word(self.word or '', 48)}",
+            by,
+        ]
+        if self.order is not None:
+            lines.insert(1, f"order of the via points, from 0: {self.order}")
+        return "\n".join(lines)
+
+    def __dir__(self) -> list[str]:
+        """The names that a planner needs; all other fields can be read too."""
+        return list(_PLANNER_NAMES)
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proved of the answer, and by which numbers."""
+        return Certificate(**{each.name: getattr(self, each.name) for each in fields(Certificate)})
 
     @property
     def order(self) -> list[int] | None:

@@ -9,14 +9,13 @@ import typer
 
 from dubins_study.cli.solving.answer_text import answer_json, answer_text
 from dubins_study.cli.solving.files import Files
-from dubins_study.cli.solving.question import Words, question_of
+from dubins_study.cli.solving.question import Asked, Words, question_of
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
 from dubins_study.study.words import Order, Outcome
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
-    from dubins_study.missions.flight import Flight
     from dubins_study.study.scenario import Scenario
 
 # Share of the limit for a tour's points in their given order: a good path of thousands takes a
@@ -74,17 +73,18 @@ def solve(
         compass=compass,
         drop_repeats=drop_repeats,
     )
-    mission, scenario = question_of(words)
+    question = question_of(words)
+    for note in question.mission.notes:
+        output.note(note)
     check_request(branch, time_limit, "--time-limit")
     files = Files(plot, geojson, out, step, altitude)
-    files.check(mission)
-    answer, in_given_order = _answers(scenario, solver, branch, profile, time_limit)
+    files.check(question.mission)
+    answer, in_given_order = _answers(question.scenario, solver, branch, profile, time_limit)
+    _print(answer, question, in_given_order, as_json)
     flown = answer
     if shortest:
         flown = shorter_answer(answer) or answer
-    flight = flight_of(flown, mission)
-    _print(answer, flight, in_given_order, as_json)
-    complete = files.write(flown, flight)
+    complete = files.write(flight_of(flown, question.mission), question.names)
     ended = complete and answer.outcome == Outcome.RETURNED
     if not ended or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -106,14 +106,15 @@ def _answers(
         return answer, ask(_route_of(scenario), limit=compared_s, isolated=True)
 
 
-def _print(
-    answer: Answer, flight: Flight | None, in_given_order: Answer | None, as_json: bool
-) -> None:
+def _print(answer: Answer, question: Asked, in_given_order: Answer | None, as_json: bool) -> None:
     """Print an answer; refuse the request of one that no solver was asked for."""
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
         text = answer_json if as_json else answer_text
-        print(text(answer, flight, in_given_order), flush=True)
+        from dubins_study.missions.flight import flight_of
+
+        flight = flight_of(answer, question.mission)
+        print(text(answer, question.names, in_given_order, flight), flush=True)
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)

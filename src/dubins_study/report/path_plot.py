@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import textwrap
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from dubins_study.errors import DubinsStudyError
-from dubins_study.report.elements.style import drawing, figure_bytes, fix_layout, new_figure
+from dubins_study.report.elements.style import INK, drawing, figure_bytes, fix_layout, new_figure
 from dubins_study.report.topics.paper_figures import labelled, plot_paths
 from dubins_study.report.topics.routes import plot_route
 from dubins_study.study.kinds.table import kind_of
@@ -22,7 +23,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT
 from dubins_study.study.values import short, unwritable
-from dubins_study.study.words import Verdict, short_word
+from dubins_study.study.words import Proof, Verdict, short_word
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,6 +60,7 @@ def plot_path(
     *,
     ax: Axes | None = None,
     names: Sequence[str] = (),
+    on_earth: bool = False,
 ) -> Figure:
     """Draw a path with its turning circles, start and target.
 
@@ -71,6 +73,7 @@ def plot_path(
         file: where to save the figure, with suffix .svg, .pdf or .png; None: do not save it.
         ax: axes to draw on; None: those of a new figure.
         names: of the via points, then of the target; some may be empty, and some left out.
+        on_earth: whether x and y are metres east and north; then an arrow points north.
 
     Returns:
         The figure, that of the axes if they are given.
@@ -93,12 +96,16 @@ def plot_path(
             figure = new_figure(_WIDTH, _HEIGHT[1])
             axes = figure.add_subplot()
             _plot(axes, named_paths, scenario, names)
+            if on_earth:
+                _map_marks(axes)
             aspect = axes.dataLim.height / axes.dataLim.width
             figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
             figure = cast("Figure", ax.get_figure(root=True))
             _plot(ax, named_paths, scenario, names)
+            if on_earth:
+                _map_marks(ax)
         if place is not None:
             image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
@@ -134,6 +141,27 @@ def _plot(
         for name, path in named_paths.items()
     }
     plot_paths(ax, texts, scenario)
+
+
+def _map_marks(ax: Axes) -> None:
+    """Metres at the axes, a scale, and an arrow to the north above it."""
+    from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
+
+    ax.set(xlabel=ax.get_xlabel().replace("x", "x, m to the east", 1), ylabel="y, m to the north")
+    length = 10 ** math.floor(math.log10(0.3 * float(np.ptp(ax.get_xlim()))))
+    bar = AnchoredSizeBar(
+        ax.transData, length, f"{length:g} m", "lower right", frameon=False, label_top=True
+    )
+    ax.add_artist(bar)
+    arrow = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate(
+        "N",
+        xy=(0.97, 0.24),
+        xytext=(0.97, 0.14),
+        xycoords="axes fraction",
+        ha="center",
+        arrowprops=arrow,
+    )
 
 
 def check_format(file: str | FilePath) -> FilePath:
@@ -176,4 +204,5 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
         raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")
     if drawn.path is None:
         raise PlotError(f"there is no path to draw: {drawn.solver} returned none")
-    return drawn.solver, drawn.path, drawn.scenario
+    proved = ", proved" if getattr(drawn, "proof", None) == Proof.PROVED else ""
+    return f"{drawn.solver}{proved}", drawn.path, drawn.scenario

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, pairwise
 from operator import mul
 from typing import TYPE_CHECKING, Any, overload
 
@@ -27,6 +27,7 @@ CLAIMS = tuple(Claim)
 RIPPLE = 1e-3
 _FEW = 7  # lengths that numpy adds in the same order as a loop does, and slower
 _LOOPED = 24  # arcs up to which a loop is quicker than whole arrays
+_MEETS = 1e-6  # radii, and rad, between the end of a path and the start of the next
 _MOST_POINTS = 10_000_000  # of a path that is sampled by a step or handed on
 _MOST_PARTS = 100_000  # in all turns of a path that is drawn
 Piece = tuple[int, float, float]  # side (1 left, 0, -1 right), rad, length unit
@@ -71,6 +72,34 @@ class Path:
 
     __hash__ = None  # type: ignore[assignment]  # arrays cannot be hashed, nor should a path be
 
+    @classmethod
+    def join(cls, paths: Iterable[Path]) -> Path:
+        """One path of several, each of which begins where the one before ends.
+
+        Raises:
+            ValueError: without paths, or if two do not meet to within 1e-6 of the tightest radius
+                there, or 1e-6 rad but for full turns.
+        """
+        parts = list(paths)
+        if not parts:
+            raise ValueError("there is no path to join; expected one or more")
+        for place, (before, after) in enumerate(pairwise(parts), 1):
+            away = math.dist(before.end[:2], after.start[:2])
+            turned = abs(math.remainder(after.start.heading - before.end.heading, math.tau))
+            bends = np.abs(np.concatenate((before.curvatures, after.curvatures)))
+            if not (away * bends.max(initial=0.0) <= _MEETS and turned <= _MEETS):
+                apart = f"{away:.3g} away, turned by {turned:.3g} rad"
+                raise ValueError(f"path {place + 1} begins {apart}, from the end of path {place}")
+        return cls(
+            parts[0].start,
+            np.concatenate([path.curvatures for path in parts]),
+            np.concatenate([path.lengths for path in parts]),
+        )
+
+    def __add__(self, other: Path) -> Path:
+        """This path, then one that begins where it ends; see `join`."""
+        return Path.join((self, other))
+
     @cached_property
     def length(self) -> float:
         """The sum of the arcs' lengths (length unit)."""
@@ -103,6 +132,20 @@ class Path:
             return np.tile(np.array(self.start), (d.size, 1))
         arc = self._arc_at(d)
         return _advance(self.poses[arc], self.curvatures[arc], d - self._ends[arc])
+
+    def at_time(self, time: ArrayLike, speed: float = 1.0) -> FloatArray:
+        """Poses at given times from the start, shape (m, 3).
+
+        Args:
+            time: shape (m,), or one number; time unit, clipped to that of the whole path.
+            speed: length units per time unit.
+        """
+        return self.at(np.asarray(time, dtype=np.float64) * real_number(speed))
+
+    def curvature_at(self, distance: ArrayLike) -> FloatArray:
+        """Curvatures at given distances along the path, shape (m,); of two arcs the later one's."""
+        d = np.atleast_1d(np.asarray(distance, dtype=np.float64))
+        return self.curvatures[self._arc_at(d)] if self.lengths.size else np.zeros(d.size)
 
     @property
     def _ends(self) -> FloatArray:
@@ -153,7 +196,7 @@ class Path:
         # a last step of rounding alone is no step
         steps = max(math.ceil(total / size * (1 - 1e-12)), 1) if total > 0 else 0
         s = np.append(size * np.arange(steps), total)
-        curvature = self.curvatures[self._arc_at(s)] if self.lengths.size else np.zeros(1)
+        curvature = self.curvature_at(s)
         x, y, heading = self.at(s).T
         return pd.DataFrame({"s": s, "x": x, "y": y, "heading": heading, "curvature": curvature})
 

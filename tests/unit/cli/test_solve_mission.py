@@ -1,6 +1,7 @@
 """`dubins-study solve FILE`: from a mission file to a flight."""
 
 import csv
+import itertools
 import json
 import math
 from pathlib import Path
@@ -61,7 +62,7 @@ PLACES = dict(
 
 def _length(places):
     """Metres along longitudes and latitudes, by geodesics."""
-    legs = zip(places, places[1:], strict=False)
+    legs = itertools.pairwise(places)
     return sum(Geodesic.WGS84.Inverse(a[1], a[0], b[1], b[0])["s12"] for a, b in legs)
 
 
@@ -80,9 +81,7 @@ def test_a_plan_becomes_a_proved_closed_tour_in_every_format(tmp_path):
         # chords over arcs of 60 m that are 5 m long are shorter by 0.03 %
         assert _length(places) == pytest.approx(answer["length"], rel=1e-3), ending
         for longitude, latitude in points:
-            away = [
-                Geodesic.WGS84.Inverse(latitude, longitude, y, x)["s12"] for x, y, *_ in places
-            ]
+            away = [Geodesic.WGS84.Inverse(latitude, longitude, y, x)["s12"] for x, y, *_ in places]
             assert min(away) < (0.01 if ending != "geojson" else 0.2), ending
 
 
@@ -90,7 +89,9 @@ def test_the_table_of_stops_tells_when_and_where_to(tmp_path):
     """Times are lengths by speed; a heading of 0 rad is 90 degrees of a compass."""
     file = tmp_path / "points.csv"
     file.write_text("x,y,name\n0,0,base\n100,0,east\n200,0,far\n")
-    answer = json.loads(asked("solve", str(file), "--radius", "10", "--speed", "5", "--json").stdout)
+    answer = json.loads(
+        asked("solve", str(file), "--radius", "10", "--speed", "5", "--json").stdout
+    )
     text = asked("solve", str(file), "--radius", "10", "--speed", "5").stdout
 
     stops = answer["stops"]
@@ -144,7 +145,9 @@ def test_a_start_on_earth_is_longitude_and_latitude(tmp_path):
     file = tmp_path / "points.csv"
     file.write_text("lon,lat\n10.3,52.0\n")
     answer = json.loads(
-        asked("solve", str(file), "--from", "10.3", "51.99", "free", "--radius", "5", "--json").stdout
+        asked(
+            "solve", str(file), "--from", "10.3", "51.99", "free", "--radius", "5", "--json"
+        ).stdout
     )
 
     assert answer["length"] == pytest.approx(

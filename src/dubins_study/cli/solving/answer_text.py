@@ -13,6 +13,7 @@ from dubins_study.study.words import Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
+    from dubins_study.missions.flight import Flight
 
 # Fields of an answer in the JSON object, which also has the question's, `given_order_length`,
 # `segments` and `tied_words`.
@@ -30,9 +31,12 @@ _SAME = 1e-8  # relative; two searches to 1e-9 each
 
 
 def answer_json(
-    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+    answer: Answer,
+    names: Sequence[str] = (),
+    in_given_order: Answer | None = None,
+    flight: Flight | None = None,
 ) -> str:
-    """One object: the answer, its segments, and the question."""
+    """One object: the answer, its segments, its stops, and the question."""
     pieces = zip(answer.curvatures or (), answer.lengths or (), strict=True)
     fields: dict[str, Any] = {name: getattr(answer, name) for name in _JSON}
     fields["via"] = [list(point) for point in answer.scenario.via]
@@ -48,6 +52,8 @@ def answer_json(
     fields["segments"] = [
         {"turn": _letter(k), "length": length, "curvature": k} for k, length in pieces
     ]
+    stops = [] if flight is None else flight.stops
+    fields["stops"] = [stop._asdict() for stop in stops]
     fields["tied_words"] = list(answer.tied_words)
     return json.dumps(fields, indent=2, allow_nan=False)
 
@@ -57,13 +63,17 @@ def _letter(curvature: float) -> str:
 
 
 def answer_text(
-    answer: Answer, names: Sequence[str] = (), in_given_order: Answer | None = None
+    answer: Answer,
+    names: Sequence[str] = (),
+    in_given_order: Answer | None = None,
+    flight: Flight | None = None,
 ) -> str:
-    """The answer as a few lines for the terminal.
+    """The answer as a few lines for the terminal, and a table of its stops where it has several.
 
     Args:
         names: of the via points, some of which may be empty.
         in_given_order: the answer to a tour's points in the order in which they are given.
+        flight: the answer's path beside the points that it passes.
     """
     fields: dict[str, str] = {}
     if answer.length is not None:
@@ -98,7 +108,30 @@ def answer_text(
     if answer.outcome != Outcome.RETURNED:
         fields["outcome"] = answer.outcome
     fields["message"] = answer.message
-    return output.listing(fields)
+    text = output.listing(fields)
+    if flight is None or len(flight.stops) < 2:
+        return text
+    return f"{text}\n\n{_stops(flight)}"
+
+
+def _stops(flight: Flight) -> str:
+    """The first of the stops, in the order in which they are passed."""
+    stops = flight.stops
+    head = ("stop", "name", "time", "length", "heading, deg", "compass, deg")
+    rows = [
+        (
+            str(stop.place),
+            plain(stop.stop),
+            f"{stop.time:.1f}",
+            f"{stop.length:.6g}",
+            f"{math.degrees(stop.heading):.1f}",
+            f"{stop.compass:.1f}",
+        )
+        for stop in stops[:_MOST_POINTS]
+    ]
+    more = len(stops) - len(rows)
+    rest = f"\nand {more} more: --json lists them" if more > 0 else ""
+    return output.table(head, rows) + rest
 
 
 def _order(answer: Answer, names: Sequence[str]) -> str:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, NamedTuple
 
+from dubins_study.cli.terminal import output
 from dubins_study.cli.terminal.arguments import CommandError
 
+_DRAWN_BY = ("matplotlib", "pandas", "pyarrow")  # packages that a drawing needs
+
 if TYPE_CHECKING:
-    from dubins_study.asking.attempt import Answer
     from dubins_study.missions.flight import Flight
     from dubins_study.missions.mission import Mission
 
@@ -32,7 +34,7 @@ class Files(NamedTuple):
 
     def check(self, mission: Mission) -> None:
         """Refuse files that cannot be written, before a solve that takes long."""
-        from dubins_study.missions.write import check_flight_file
+        from dubins_study.missions.write import format_of
         from dubins_study.study.values import unwritable
 
         for option, file in self._named:
@@ -42,33 +44,54 @@ class Files(NamedTuple):
         if self.geojson is not None and self.geojson.suffix.lower() not in (".json", ".geojson"):
             raise CommandError(f"--geojson: {self.geojson}: expected a file .json or .geojson")
         for file in self.out:
-            check_flight_file(file, mission)
+            format_of(file, mission)
         if self.plot is not None:
+            from dubins_study.solvers.setting_checks import missing_package
+
+            reason = missing_package(*_DRAWN_BY)
+            if reason:
+                raise CommandError(f"--plot: {reason}; pip install {' '.join(_DRAWN_BY)}")
             from dubins_study.report.path_plot import check_format
 
             check_format(self.plot)
 
-    def write(self, flown: Answer, flight: Flight | None) -> bool:
+    def write(self, flight: Flight | None, names: Sequence[str]) -> bool:
         """Draw and write a path where files are given; whether none is left out."""
+        lacks: dict[str, list[str]] = {}
+        left_out = False
+        for option, file in self._named:
+            reason = _unwritten(option, flight)
+            if flight is None or reason:
+                output.note(f"{file} is not written: {reason}")
+                left_out = True
+                continue
+            lack = self._write(option, file, flight, names)
+            if lack:
+                lacks.setdefault(lack, []).append(str(file))
+        for lack, files in lacks.items():
+            output.note(f"{', '.join(files)}: {lack}")
+        return not left_out
+
+    def _write(self, option: str, file: FilePath, flight: Flight, names: Sequence[str]) -> str:
+        """Write one file; return what its format cannot say."""
         from dubins_study.missions.write import write_flight
 
-        if flight is None:
-            for _, file in self._named:
-                message = f"{file} is not written: there is no finite path"
-                print(f"dubins-study: {message}", file=sys.stderr)
-            return not self._named
-        if self.plot is not None:
+        if option == "--plot":
             from dubins_study.report.path_plot import plot_path
 
-            plot_path(flown, self.plot, names=flight.names, plane=flight.plane)
-        for option, file in self._named:
-            if option == "--plot":
-                continue
-            try:
-                note = write_flight(flight, file, step=self.step, altitude=self.altitude)
-            except OSError as error:
-                message = f"{option}: cannot write {file}: {error.strerror}"
-                raise CommandError(message) from None
-            if note:
-                print(f"dubins-study: {note}", file=sys.stderr)
-        return True
+            plot_path(flight.answer, file, names=names, on_earth=flight.mission.plane is not None)
+            return ""
+        try:
+            return write_flight(flight, file, step=self.step, altitude=self.altitude)
+        except OSError as error:
+            message = f"{option}: cannot write {file}: {error.strerror}"
+            raise CommandError(message) from None
+
+
+def _unwritten(option: str, flight: Flight | None) -> str:
+    """Why a file is not written; empty if it is."""
+    if flight is None:
+        return "there is no finite path"
+    if option == "--out" and not flight.arrives:
+        return "the path does not arrive"
+    return ""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dubins_study.cli.terminal import output
 from dubins_study.cli.terminal.arguments import CommandError, Point, StopHeading, start_pose
 
 if TYPE_CHECKING:
@@ -166,7 +167,6 @@ def _radius(words: Words, mission: Mission) -> float:
     """The turning radius: as given, or that of a bank at the speed."""
     from dubins_study.missions.flight import bank_radius, too_tight
     from dubins_study.study.angle import parse_angle
-    from dubins_study.study.values import note
 
     if words.bank is None:
         if words.radius is None and mission.plane is not None:
@@ -180,5 +180,5 @@ def _radius(words: Words, mission: Mission) -> float:
         return bank_radius(words.speed, bank)
     warning = too_tight(words.radius, words.speed, bank)
     if warning:
-        note(warning)
+        output.note(warning)
     return words.radius

@@ -60,6 +60,11 @@ class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
         return text if text.startswith("dubins-study:") else f"dubins-study: {text}"
 
 
+def note(message: str) -> None:
+    """A line on stderr about what a command understood or left out."""
+    print(f"dubins-study: {plain(message)}", file=sys.stderr)
+
+
 def plain(text: str) -> str:
     """The text on one line, its control characters written out."""
     from dubins_study.study.values import plain as written_out  # numpy, which no help waits for

@@ -429,6 +429,8 @@ def plot_route(
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
     title = f"{name}: length {digits(6)(path.length)}"
+    if scenario.speed != 1:
+        title = f"{title}, time {digits(4)(path.length / scenario.speed)}"
     ax.legend(
         handles=[kinds[letter] for letter in _TURNS if letter in kinds],
         loc="lower left",

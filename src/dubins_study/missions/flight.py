@@ -1,0 +1,196 @@
+"""A flight: when an answer's path is where, with the names of a mission's points."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dubins_study.asking.attempt import Answer
+from dubins_study.errors import DubinsStudyError
+from dubins_study.missions.mission import Mission
+from dubins_study.study.path import Path
+from dubins_study.study.values import short
+
+_GRAVITY = 9.80665  # m/s**2, the standard one
+_MOST_WAYPOINTS = 1_000_000
+
+
+class FlightError(DubinsStudyError, ValueError):
+    """A flight that cannot be made or written; says why."""
+
+
+class Waypoint(NamedTuple):
+    """Where the vehicle is at one time. `stop` is empty between the mission's points."""
+
+    time: float  # s
+    length: float  # m along the path, or in the points' unit
+    x: float
+    y: float
+    lon: float | None  # degrees; None if the mission does not lie on Earth
+    lat: float | None
+    heading: float  # rad, counterclockwise from +x, between -pi and pi
+    compass: float  # degrees, clockwise from true north, from 0 to 360
+    curvature: float  # positive to the left
+    altitude: float | None  # m; between two points that have one it rises evenly
+    place: int | None = None  # of a stop: its number in the question, from 1
+    stop: str = ""  # its name, else its number
+
+
+@dataclass(frozen=True)
+class Flight:
+    """An answer's path beside the mission that it flies.
+
+    Args:
+        answer: with a path that arrives.
+        path: of the answer.
+        mission: whose points are the answer's stops, in the question's order.
+    """
+
+    answer: Answer
+    path: Path
+    mission: Mission
+
+    @property
+    def arrives(self) -> bool:
+        """Whether the path is known to pass all points."""
+        return self.answer.gap is not None
+
+    @property
+    def stops(self) -> list[Waypoint]:
+        """The mission's points in the order in which they are passed; none if some are missed."""
+        return self._at([length for length, _ in self._passed], self._passed)
+
+    def waypoints(self, step: float) -> list[Waypoint]:
+        """The start, a point at every `step` along the path, and one at each stop.
+
+        Raises:
+            FlightError: if the step is no positive number, or makes a million points and more.
+        """
+        total = self.path.length
+        if not (step > 0 and total / step < _MOST_WAYPOINTS):
+            expected = f"expected a length above 0, for less than {_MOST_WAYPOINTS} points"
+            raise FlightError(f"step is {short(step)}; {expected}")
+        passed = [length for length, _ in self._passed]
+        at_stops = np.array([*passed, total])
+        # a point this near to a stop would be the same point twice
+        apart = [
+            length
+            for length in np.arange(0.0, total, step).tolist()
+            if np.abs(at_stops - length).min() > 1e-6 * step
+        ]
+        end = [] if total in passed else [total]
+        return self._at(sorted(passed + apart + end), self._passed)
+
+    @cached_property
+    def _passed(self) -> list[tuple[float, int]]:
+        """Each stop's length along the path and its place in the question, from 0."""
+        scenario = self.answer.scenario
+        visits = self.answer.visits or []
+        if len(visits) < len(scenario.via) or not self.arrives:
+            return []
+        passed = list(zip(visits, self.answer.order or range(len(visits)), strict=True))
+        if scenario.target is not None:
+            passed.append((self.path.length, len(scenario.via)))
+        return passed
+
+    def _at(self, lengths: Sequence[float], passed: Sequence[tuple[float, int]]) -> list[Waypoint]:
+        """The waypoints at rising lengths along the path, with the stops that are passed there."""
+        x, y, heading = self.path.at(lengths).T
+        compass = 0.5 * math.pi - heading
+        degrees: Sequence[Sequence[float | None]] = [(None, None)] * len(lengths)
+        if self.mission.plane is not None:
+            points = np.column_stack((x, y))
+            compass = compass + self.mission.plane.convergence(points)
+            degrees = self.mission.plane.to_earth(points).tolist()
+        curvatures = self.path.curvature_at(lengths)
+        altitudes = self._altitudes(lengths)
+        waiting = deque(passed)
+        waypoints = []
+        for i, length in enumerate(lengths):
+            place = waiting.popleft()[1] if waiting and waiting[0][0] == length else None
+            waypoint = Waypoint(
+                time=length / self.answer.scenario.speed,
+                length=length,
+                x=float(x[i]),
+                y=float(y[i]),
+                lon=degrees[i][0],
+                lat=degrees[i][1],
+                heading=math.remainder(heading[i], math.tau),
+                compass=math.degrees(compass[i]) % 360.0,
+                curvature=float(curvatures[i]),
+                altitude=altitudes[i],
+                place=None if place is None else place + 1,
+                stop="" if place is None else self.given_name(place + 1) or str(place + 1),
+            )
+            waypoints.append(waypoint)
+        return waypoints
+
+    @property
+    def title(self) -> str:
+        """Length, time and proof in one line."""
+        answer = self.answer
+        unit = "" if self.mission.plane is None else " m"
+        return f"{answer.length:.6g}{unit}, {answer.travel_time:.6g} s, proof: {answer.proof}"
+
+    def given_name(self, place: int) -> str:
+        """The name of a stop, by its number in the question from 1; empty without one."""
+        points = self.mission.points
+        home = self.mission.home
+        closing = home.name if home else ""  # a closed path ends at home
+        return points[place - 1].name if place <= len(points) else closing
+
+    def _altitudes(self, lengths: Sequence[float]) -> list[float | None]:
+        """The altitude at lengths along the path, between the stops that have one."""
+        points = dict(enumerate(self.mission.points))
+        known = [
+            (length, points[place].altitude)
+            for length, place in self._passed
+            if place in points and points[place].altitude is not None
+        ]
+        if not known:
+            return [None] * len(lengths)
+        at, altitudes = zip(*known, strict=True)
+        risen: list[float | None] = np.interp(lengths, at, altitudes).tolist()
+        return risen
+
+
+def flight_of(answer: Answer, mission: Mission) -> Flight | None:
+    """The flight of an answer; None if it has no finite path."""
+    if answer.path is None or answer.length is None:
+        return None
+    return Flight(answer, answer.path, mission)
+
+
+def bank_radius(speed: float, bank: float) -> float:
+    """The radius of a level turn, v**2 / (g tan bank) (m).
+
+    Args:
+        speed: m/s, above 0.
+        bank: rad, above 0 and below a quarter turn.
+
+    Raises:
+        FlightError: of a speed or a bank outside.
+    """
+    if not 0 < speed < math.inf:
+        raise FlightError(f"speed is {short(speed)}; expected m/s above 0")
+    if not 0 < bank < 0.5 * math.pi:
+        degrees = f"{math.degrees(bank):.4g}deg"
+        raise FlightError(f"bank is {degrees}; expected an angle between 0 and 90deg")
+    return speed**2 / (_GRAVITY * math.tan(bank))
+
+
+def too_tight(radius: float, speed: float, bank: float) -> str | None:
+    """A warning of a radius that the bank does not allow at the speed."""
+    least = bank_radius(speed, bank)
+    if radius >= least:
+        return None
+    return (
+        f"the radius {radius:g} m is below {least:.4g} m, which a bank of "
+        f"{math.degrees(bank):.4g}deg allows at {speed:g} m/s"
+    )

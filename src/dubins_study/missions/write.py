@@ -1,0 +1,224 @@
+"""Flights as files for ground stations, maps and tables."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path as FilePath
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from dubins_study.missions.flight import Flight, FlightError, Waypoint
+from dubins_study.missions.mission import Mission
+
+_KML = "http://www.opengis.net/kml/2.2"
+# Properties of the path in GeoJSON, beside those of `Path.to_geojson`: of the answer.
+_PROPERTIES = (
+    *("word", "travel_time", "solver", "claim", "verdict", "proof", "gap", "miss"),
+    *("reference_low", "reference_high"),
+)
+_COLUMNS = (
+    *("time", "length", "x", "y", "lon", "lat", "heading", "compass", "curvature", "altitude"),
+    "stop",
+)
+
+
+def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    """The path with its arcs as chords, then the points in the question's order."""
+    answer, plane = flight.answer, flight.mission.plane
+    scenario = answer.scenario
+    properties = {name: getattr(answer, name) for name in _PROPERTIES}
+    origin = None if plane is None else (plane.latitude, plane.longitude)
+    path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **properties)
+    passed = {stop.place: stop for stop in flight.stops}
+    visits = {stop.place: visit for visit, stop in enumerate(flight.stops, 1)}
+    places = scenario.points[1:]
+    if plane is not None:
+        places = plane.to_earth(places)
+    features = [path]
+    for place, coordinates in enumerate(places.tolist(), 1):
+        is_via = place <= len(scenario.via)
+        stop = passed.get(place)
+        shown = {
+            "kind": "via" if is_via else "target",
+            "index": place,
+            "name": flight.given_name(place) or None,
+            "heading_rad": stop.heading if stop else None,
+            "time": stop.time if stop else None,
+        }
+        if answer.order is not None:
+            shown["visit"] = visits.get(place) if is_via else None
+        geometry = {"type": "Point", "coordinates": coordinates}
+        features.append({"type": "Feature", "geometry": geometry, "properties": shown})
+    collection = {"type": "FeatureCollection", "features": features}
+    return json.dumps(collection, allow_nan=False) + "\n"
+
+
+def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    text = io.StringIO()
+    rows = csv.DictWriter(text, _COLUMNS, extrasaction="ignore", lineterminator="\n")
+    rows.writeheader()
+    rows.writerows(point._asdict() for point in waypoints)
+    return text.getvalue()
+
+
+def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    """A waypoint for each stop, and the path as a track."""
+    from gpxpy.gpx import GPX, GPXTrack, GPXTrackPoint, GPXTrackSegment, GPXWaypoint
+
+    gpx = GPX()
+    gpx.creator = "dubins-study"
+    for stop in flight.stops:
+        description = f"after {stop.time:.1f} s, heading {stop.compass:.1f} degrees"
+        mark = GPXWaypoint(stop.lat, stop.lon, stop.altitude, name=stop.stop)
+        mark.description = description
+        gpx.waypoints.append(mark)
+    points = [GPXTrackPoint(point.lat, point.lon, point.altitude) for point in waypoints]
+    gpx.tracks.append(GPXTrack(name=flight.title))
+    gpx.tracks[0].segments.append(GPXTrackSegment(points))
+    return str(gpx.to_xml(version="1.1")) + "\n"
+
+
+def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    """A placemark for each stop, and one for the path."""
+
+    def under(parent: ElementTree.Element, name: str, text: str = "") -> ElementTree.Element:
+        element = ElementTree.SubElement(parent, name)
+        element.text = text
+        return element
+
+    root = ElementTree.Element("kml", xmlns=_KML)
+    document = under(root, "Document")
+    under(document, "name", flight.title)
+    placemark = under(document, "Placemark")
+    under(placemark, "name", "path")
+    line = under(placemark, "LineString")
+    under(line, "tessellate", "1")
+    under(line, "coordinates", " ".join(map(_on_map, waypoints)))
+    for stop in flight.stops:
+        placemark = under(document, "Placemark")
+        under(placemark, "name", stop.stop)
+        under(placemark, "description", f"after {stop.time:.1f} s")
+        under(under(placemark, "Point"), "coordinates", _on_map(stop))
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, "unicode", xml_declaration=True) + "\n"
+
+
+def _on_map(point: Waypoint) -> str:
+    altitude = "" if point.altitude is None else f",{point.altitude}"
+    return f"{point.lon!r},{point.lat!r}{altitude}"
+
+
+_WAYPOINT, _RELATIVE = 16, 3  # MAVLink: the command, and the frame of altitudes above home
+
+
+def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    """A mission of waypoints in the documented shape of QGroundControl's plan files."""
+    items = []
+    for number, point in enumerate(waypoints, 1):
+        item = {
+            "type": "SimpleItem",
+            "doJumpId": number,
+            "command": _WAYPOINT,
+            "frame": _RELATIVE,
+            "autoContinue": True,
+            "params": [0, 0, 0, None, point.lat, point.lon, point.altitude],
+        }
+        if point.stop:
+            item["stop"] = point.stop  # a key that QGroundControl passes over
+        items.append(item)
+    home = waypoints[0]
+    mission = {
+        "version": 2,
+        "firmwareType": 0,
+        "vehicleType": 1,  # fixed wing
+        "cruiseSpeed": flight.answer.scenario.speed,
+        "hoverSpeed": flight.answer.scenario.speed,
+        "plannedHomePosition": [home.lat, home.lon, 0.0],
+        "items": items,
+    }
+    plan = {
+        "fileType": "Plan",
+        "version": 1,
+        "groundStation": "QGroundControl",
+        "mission": mission,
+        "geoFence": {"version": 2, "circles": [], "polygons": []},
+        "rallyPoints": {"version": 2, "points": []},
+    }
+    return json.dumps(plan, indent=4, allow_nan=False) + "\n"
+
+
+def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
+    """Lines of QGC WPL 110: home, then the waypoints."""
+    home = waypoints[0]
+    lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat!r}\t{home.lon!r}\t0\t1"]
+    for number, point in enumerate(waypoints, 1):
+        place = f"{point.lat!r}\t{point.lon!r}\t{point.altitude!r}"
+        lines.append(f"{number}\t0\t{_RELATIVE}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
+    return "\n".join(lines) + "\n"
+
+
+class Format(NamedTuple):
+    """How a flight is written, and what the format cannot say."""
+
+    text: Callable[[Flight, Sequence[Waypoint]], str]
+    on_earth: bool  # whether it needs longitude and latitude
+    needs_altitude: bool = False
+    lacks: str = ""
+
+
+_AUTOPILOT = "turns become waypoints; the autopilot flies from one to the next as it can"
+_FORMATS = {
+    ".geojson": Format(_geojson, on_earth=False),
+    ".json": Format(_geojson, on_earth=False),
+    ".csv": Format(_csv, on_earth=False),
+    ".gpx": Format(_gpx, on_earth=True, lacks="turns become points of a track"),
+    ".kml": Format(_kml, on_earth=True, lacks="turns become points of a line"),
+    ".plan": Format(_plan, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
+    ".waypoints": Format(_wpl, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
+    ".txt": Format(_wpl, on_earth=True, needs_altitude=True, lacks=_AUTOPILOT),
+}
+
+
+def format_of(file: FilePath, mission: Mission) -> Format:
+    """The format that a file's ending names.
+
+    Raises:
+        FlightError: if there is none, or it needs longitudes and latitudes that the mission lacks.
+    """
+    found = _FORMATS.get(file.suffix.lower())
+    if found is None:
+        raise FlightError(f"{file}: unknown ending; expected one of {' '.join(_FORMATS)}")
+    if found.on_earth and mission.plane is None:
+        others = " ".join(ending for ending, each in _FORMATS.items() if not each.on_earth)
+        message = "needs longitude and latitude, and the points have x and y"
+        raise FlightError(f"{file}: {file.suffix} {message}; expected one of {others}")
+    return found
+
+
+def write_flight(
+    flight: Flight, file: FilePath, step: float | None = None, altitude: float = 50.0
+) -> str:
+    """Write a flight in the format of the file's ending; return what the format cannot say.
+
+    Args:
+        step: from waypoint to waypoint along the path (m, or the points' unit); without one a
+            quarter of the radius.
+        altitude: m above home, where the mission has none and the format needs one.
+
+    Raises:
+        FlightError: as `format_of`, and as `Flight.waypoints`.
+        OSError: if the file cannot be written.
+    """
+    chosen = format_of(file, flight.mission)
+    size = 0.25 * flight.answer.scenario.radius if step is None else step
+    waypoints = flight.waypoints(size)
+    if chosen.needs_altitude:
+        waypoints = [
+            point._replace(altitude=altitude) if point.altitude is None else point
+            for point in waypoints
+        ]
+    file.write_text(chosen.text(flight, waypoints), encoding="utf-8")
+    return chosen.lacks and f"{chosen.lacks}, {size:g} apart"
