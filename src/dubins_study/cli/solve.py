@@ -18,7 +18,7 @@ from dubins_study.study.words import Order, Outcome, short_word
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
-    from dubins_study.experiments.definition.point_file import NamedPoint
+    from dubins_study.missions.mission import MissionPoint
     from dubins_study.study.path import Path
     from dubins_study.study.scenario import Scenario
 
@@ -96,7 +96,9 @@ def solve(
         raise typer.Exit(1)
 
 
-def _stops(points: list[NamedPoint], final_heading: str | None, no_target: bool) -> dict[str, Any]:
+def _stops(
+    points: list[MissionPoint], final_heading: str | None, no_target: bool
+) -> dict[str, Any]:
     """The fields of a scenario that say where it passes and ends."""
     via = points if no_target else points[:-1]
     fields: dict[str, Any] = {
@@ -189,9 +191,10 @@ def _points(
     via: list[arguments.Point],
     file: FilePath | None,
     no_target: bool,
-) -> list[NamedPoint]:
+) -> list[MissionPoint]:
     """Via points and, unless there is none, the target, of which a file may have all."""
-    from dubins_study.experiments.definition.point_file import NamedPoint, read_points
+    from dubins_study.missions.mission import MissionPoint
+    from dubins_study.missions.table import read_points
 
     if via and file is not None:
         raise arguments.CommandError("--via and --via-file are given; expected one of them")
@@ -201,15 +204,15 @@ def _points(
         # of `--from 0 0 1 2` the third number is the heading
         message = "the target is missing, or a single number; expected X Y, or --via-file"
         raise arguments.CommandError(f"{message}; --from takes X Y HEADING")
-    points = [NamedPoint(*each) for each in via] if file is None else read_points(file)
+    points = [MissionPoint(*each) for each in via] if file is None else read_points(file)
     if x is not None and y is not None:
-        points.append(NamedPoint(x, y))
+        points.append(MissionPoint(x, y))
     return points
 
 
 def _with_headings(
-    points: list[NamedPoint], headings: list[arguments.StopHeading], no_target: bool
-) -> list[NamedPoint]:
+    points: list[MissionPoint], headings: list[arguments.StopHeading], no_target: bool
+) -> list[MissionPoint]:
     """The points with the headings that are given at some of the via points."""
     from dubins_study.study.angle import parse_angle
 
