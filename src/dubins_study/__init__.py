@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from dubins_study.experiments.solve import solve_frame as solve_frame
     from dubins_study.experiments.store.merge import merge as merge
     from dubins_study.experiments.store.status import status as status
+    from dubins_study.missions.mission import Mission as Mission
+    from dubins_study.missions.read import read_mission as read_mission
     from dubins_study.report.data.results import load_results as load_results
     from dubins_study.report.page.render import render as render
     from dubins_study.report.path_plot import plot_path as plot_path
@@ -35,6 +37,7 @@ _MODULES = {
     "Claim": "study.words",
     "DubinsStudyError": "errors",
     "Guarantee": "solvers.protocol",
+    "Mission": "missions.mission",
     "Path": "study.path",
     "Question": "solvers.protocol",
     "Scenario": "study.scenario",
@@ -47,6 +50,7 @@ _MODULES = {
     "load_results": "report.data.results",
     "merge": "experiments.store.merge",
     "plot_path": "report.path_plot",
+    "read_mission": "missions.read",
     "render": "report.page.render",
     "run": "experiments.run",
     "solve": "experiments.solve",

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tangent_plane import TangentPlane
+
+
+class MissionError(DubinsStudyError):
+    """A mission or its file that cannot be used; names the file, the line or item, and the rule."""
 
 
 class MissionPoint(NamedTuple):
@@ -18,6 +23,7 @@ class MissionPoint(NamedTuple):
     name: str = ""
     altitude: float | None = None  # m, as the file has it
     speed: float | None = None  # m/s, as the file has it
+    where: str = ""  # in the file, such as `line 7`
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,7 @@ class Mission:
         plane: what x and y are metres on; None if the points do not lie on Earth.
         source: the format's name, such as `GPX`; empty if it came from no file.
         notes: sentences about what was passed over or understood.
+        warnings: sentences about what is doubtful.
     """
 
     points: tuple[MissionPoint, ...]
@@ -37,6 +44,7 @@ class Mission:
     plane: TangentPlane | None = None
     source: str = ""
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def started(self) -> Mission:
         """The mission with a home: its first point where it has none."""
@@ -51,10 +59,15 @@ class Mission:
             to_last: whether the last point is the target; else all points are via points, of a
                 closed path or one that may end at any of them.
             fields: the other fields of a scenario, such as the radius.
+
+        Raises:
+            MissionError: if there is no point beside where it starts.
+            ScenarioError: as a scenario.
         """
         mission = self.started()
         home = mission.home
-        assert home is not None
+        if home is None or not mission.points:
+            raise MissionError("the mission has one point; expected one to start at, and others")
         via = mission.points
         if to_last:
             via, last = mission.points[:-1], mission.points[-1]

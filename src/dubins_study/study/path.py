@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from dubins_study.study.arrays import BoolArray, FloatArray, IntArray
 from dubins_study.study.picture import svg
 from dubins_study.study.scenario import Pose, Scenario
+from dubins_study.study.tangent_plane import plane_at
 from dubins_study.study.values import doubles, real_array, real_number, short
 from dubins_study.study.words import Claim, short_word
 
@@ -227,7 +228,7 @@ class Path:
                 radius of the path's arcs.
             origin: latitude and longitude (degrees, WGS 84) of the point (0, 0), for a path in
                 metres whose x points east and whose y points north. The plane is the ellipsoid's
-                tangent plane there: at 45 degrees, points 1 km away are 0.1 m off, 10 km 8 m.
+                azimuthal equidistant one there; `Scenario.from_lonlat` with this origin undoes it.
             properties: further properties of the feature, each a value that JSON has.
 
         Returns:
@@ -245,7 +246,9 @@ class Path:
         if not drivable(self):
             raise ValueError("the path has a number that is not finite, or a negative length")
         points, radius = self._chords(share)
-        line = (points if origin is None else _on_earth(points, origin)).tolist()
+        if origin is not None:
+            points = plane_at(origin).to_earth(points)
+        line = points.tolist()
         kind, coordinates = ("LineString", line) if len(line) > 1 else ("Point", line[0])
         return {
             "type": "Feature",
@@ -393,27 +396,6 @@ def _advance(poses: FloatArray, curvature: FloatArray, length: FloatArray) -> Fl
     step = np.column_stack((chord * np.cos(middle), chord * np.sin(middle), turn))
     moved: FloatArray = poses + step
     return moved
-
-
-# WGS 84: the equator's radius (m) and the square of the eccentricity
-_EQUATOR, _SQUARED_ECCENTRICITY = 6378137.0, 6.69437999014e-3
-
-
-def _on_earth(points: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Longitude and latitude (degrees) of points east and north (m) of one; shape (n, 2)."""
-    try:
-        latitude, longitude = map(real_number, origin)
-    except (TypeError, ValueError, OverflowError):  # no pair, or no numbers
-        latitude = longitude = math.nan
-    if not (abs(latitude) < 90 and abs(longitude) <= 180):
-        wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
-        raise ValueError(f"origin is {short(origin)}; expected {wanted}")
-    phi = math.radians(latitude)
-    w = 1 - _SQUARED_ECCENTRICITY * math.sin(phi) ** 2
-    east = _EQUATOR * math.cos(phi) / math.sqrt(w)  # metres a radian of longitude
-    north = _EQUATOR * (1 - _SQUARED_ECCENTRICITY) / w**1.5
-    turned: FloatArray = np.array([longitude, latitude]) + np.degrees(points / (east, north))
-    return turned
 
 
 def outline(path: Path, angle: float = 0.05) -> tuple[FloatArray, FloatArray]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.angle import LARGEST_BARE, AngleError, parse_angle
+from dubins_study.study.tangent_plane import check_place, middle_of, plane_at
 from dubins_study.study.values import real_number, short
 from dubins_study.study.words import NEEDS, Order
 
@@ -130,6 +131,45 @@ class Scenario:
                 f"radius is {self.radius}; expected {least} beside coordinates of size "
                 f"{self.extent:.3g}, or the turning circles are lost in rounding"
             )
+
+    @classmethod
+    def from_lonlat(
+        cls,
+        start: Sequence[float],
+        target: Sequence[float] | None = None,
+        *,
+        via: Iterable[Sequence[Any]] = (),
+        origin: tuple[float, float] | None = None,
+        **fields: Any,
+    ) -> Scenario:
+        """The scenario of places on Earth, in metres on the tangent plane at an origin.
+
+        Args:
+            start, target: longitude and latitude (degrees, WGS 84); no target as in a scenario.
+            via: places to pass, each maybe with a heading, as (longitude, latitude, heading).
+            origin: latitude and longitude (degrees), as `Path.to_geojson` takes them, which is the
+                inverse; default: the middle of the box around all places.
+            fields: the other fields of a scenario. The radius is in metres; headings are
+                counterclockwise from the plane's +x, which is east at the origin.
+
+        Raises:
+            PlaceError: if a place or the origin is none on Earth.
+            ScenarioError: as a scenario.
+        """
+        passed = list(via)
+        places = [start, *passed] if target is None else [start, *passed, target]
+        degrees = [
+            (checked_number("longitude", place[0]), checked_number("latitude", place[1]))
+            for place in places
+        ]
+        for place in degrees:
+            check_place(*place)
+        plane = middle_of(degrees) if origin is None else plane_at(origin)
+        (x, y), *points = plane.to_plane(degrees).tolist()
+        if target is not None:
+            fields["target_x"], fields["target_y"] = points.pop()
+        stops = [(*point, *place[2:]) for point, place in zip(points, passed, strict=True)]
+        return cls(x, y, via=stops, **fields)
 
     @property
     def extent(self) -> float:

@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dubins_study.errors import DubinsStudyError
 from dubins_study.study.arrays import FloatArray
+from dubins_study.study.values import real_number, short
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+
+class PlaceError(DubinsStudyError, ValueError):
+    """A longitude and a latitude that are no place on Earth."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,33 @@ class TangentPlane:
             # along the geodesic the plane's direction stays, the true one turns from azi1 to azi2
             turned = math.radians(line["azi2"] - line["azi1"])
             yield line["lon2"], line["lat2"], math.remainder(turned, math.tau)
+
+
+def plane_at(origin: Any) -> TangentPlane:
+    """The tangent plane at a pair of latitude and longitude, degrees.
+
+    Raises:
+        PlaceError: if it is no such pair, or a pole.
+    """
+    try:
+        latitude, longitude = map(real_number, origin)
+    except (TypeError, ValueError, OverflowError):  # no pair, or no numbers
+        latitude = longitude = math.nan
+    if not (abs(latitude) < 90 and abs(longitude) <= 180):
+        wanted = "latitude between -90 and 90 and longitude up to 180 degrees"
+        raise PlaceError(f"origin is {short(origin)}; expected {wanted}")
+    return TangentPlane(latitude, longitude)
+
+
+def check_place(longitude: float, latitude: float) -> None:
+    """Refuse degrees that are no place on Earth.
+
+    Raises:
+        PlaceError: if one of them is out of its range, or no number.
+    """
+    if not (abs(longitude) <= 180 and abs(latitude) <= 90):
+        expected = "expected up to 180 and up to 90 degrees; are the two swapped, or metres?"
+        raise PlaceError(f"longitude is {longitude}, latitude is {latitude}; {expected}")
 
 
 def middle_of(degrees: ArrayLike) -> TangentPlane:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 import logging
 from collections.abc import Iterable
 from itertools import zip_longest
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
+from dubins_study.study.delimited import read_rows
 from dubins_study.study.scenario import ScenarioError
 from dubins_study.study.values import plain
 
 _LOG = logging.getLogger(__name__)
-_OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left open?"
 
 
 class TableFileError(ScenarioError):
@@ -49,29 +48,14 @@ def read_table(file: FilePath) -> Table:
 
 
 def _csv_table(file: FilePath) -> Table:
-    """The rows as texts, one a line; empty lines are passed over."""
-    rows: list[TableRow] = []
-    problems: list[str] = []
-    line = 1
+    """The rows as texts; cells that are missing at the end of a row are empty."""
     with file.open(encoding="utf-8-sig", newline="") as text:
-        reader = csv.reader(text, strict=True)
-        try:
-            names = [name.strip() for name in next(reader, [])]
-            for cells in reader:
-                place = f"line {line + 1}"
-                is_long = reader.line_num > line + 1
-                line = reader.line_num
-                if is_long:
-                    problems.append(f"{place}: a text goes on to line {line}; {_OPEN_QUOTE}")
-                elif len(cells) > len(names):
-                    expected = f"expected {len(names)}, as in line 1"
-                    problems.append(f"{place}: {len(cells)} cells; {expected}")
-                elif any(cells):
-                    values = dict(zip_longest(names, cells, fillvalue=""))
-                    rows.append(TableRow(place, values))
-        except csv.Error as error:
-            problems.append(f"line {line + 1}: {error}; {_OPEN_QUOTE}")
-    return Table(names, rows, problems)
+        rows, problems = read_rows(text)
+    names = [name.strip() for name in rows[0].cells] if rows else []
+    table_rows = [
+        TableRow(place, dict(zip_longest(names, cells, fillvalue=""))) for place, cells in rows[1:]
+    ]
+    return Table(names, table_rows, problems)
 
 
 def _parquet_table(file: FilePath) -> Table:

@@ -1,0 +1,108 @@
+"""Points of GPX, KML and GeoJSON files. Of several kinds of points in a file, one is taken."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+from xml.etree import ElementTree
+
+from dubins_study.missions.mission import MissionError, MissionPoint
+from dubins_study.missions.reading import Reading, each, point_of, reading_of
+from dubins_study.study.values import short
+
+
+def read_xml(text: str, compass: bool) -> Reading:
+    """The points of GPX or KML, told by the first element."""
+    if re.search(r"<!(DOCTYPE|ENTITY)", text):
+        raise MissionError("it declares a document type or entities, which are not read")
+    root = ElementTree.fromstring(text)
+    element = _tag(root)
+    if element not in ("gpx", "kml"):
+        raise MissionError(f"its first element is {element}; expected gpx or kml")
+    return _read_gpx(root) if element == "gpx" else _read_kml(root)
+
+
+def _tag(element: Any) -> str:
+    return str(element.tag).rpartition("}")[2]
+
+
+def _read_gpx(root: Any) -> Reading:
+    """The points of routes, else waypoints, else the points of tracks."""
+    kinds = {tag: root.findall(f".//{{*}}{tag}") for tag in ("rtept", "wpt", "trkpt")}
+    taken = next((tag for tag in kinds if kinds[tag]), "wpt")
+    points = each(taken, kinds.pop(taken), _gpx_point)
+    return reading_of("GPX", points, {tag: len(some) for tag, some in kinds.items()})
+
+
+def _gpx_point(element: Any) -> Iterator[MissionPoint]:
+    texts = {"altitude": element.findtext("{*}ele"), "name": element.findtext("{*}name")}
+    yield point_of({"x": element.get("lon"), "y": element.get("lat"), **texts})
+
+
+def _read_kml(root: Any) -> Reading:
+    """The points of placemarks, else those on their lines and tracks."""
+    features = []
+    for placemark in root.iterfind(".//{*}Placemark"):
+        properties = {"name": placemark.findtext("{*}name")}
+        for shape in placemark.iter():
+            kind = _tag(shape).replace("Track", "LineString")
+            if kind in ("Point", "LineString", "Polygon", "Model"):
+                texts = (shape.findtext("{*}coordinates") or "").split()
+                positions = [text.split(",") for text in texts]
+                positions += [(coord.text or "").split() for coord in shape.iterfind("{*}coord")]
+                geometry = {"type": kind, "coordinates": positions}
+                features.append({"geometry": geometry, "properties": properties})
+    return _read_features("KML", features)
+
+
+def read_geojson(content: Any, compass: bool) -> Reading:
+    """The points of features, else those on their lines.
+
+    They are metres or the like where a member `crs` is not WGS 84, or numbers are no degrees.
+    """
+    reading = _read_features("GeoJSON", content.get("features", [content]), compass)
+    crs = content.get("crs")
+    if crs is not None and not re.search("CRS84|4326", str(crs)):
+        why = f"crs is {short(crs)}, not WGS 84"
+    elif any(abs(point.x) > 180 or abs(point.y) > 90 for point in reading.points):
+        why = "coordinates are no degrees"
+    else:
+        return reading
+    note = f"{why}: x and y are on a plane, in the radius's unit"
+    return reading._replace(degrees=False, passed=f"{note} {reading.passed}".strip())
+
+
+def _read_features(source: str, features: Any, compass: bool = False) -> Reading:
+    """The points of GeoJSON's features, with their properties, else those on their lines."""
+    passed = Counter(_kind(feature) for feature in features)
+    taken = "Point" if "Point" in passed else "LineString"
+
+    def read(feature: Any) -> Iterator[MissionPoint]:
+        if _kind(feature) == taken:
+            properties = feature.get("properties") or {}
+            for position in _positions(_geometry(feature)["coordinates"]):
+                x, y, altitude = [*position, properties.get("altitude")][:3]
+                named = properties if taken == "Point" else {}
+                yield point_of({**named, "x": x, "y": y, "altitude": altitude}, compass)
+
+    points = each("feature", features, read)
+    del passed[taken]
+    return reading_of(source, points, passed)
+
+
+def _geometry(feature: Any) -> Any:
+    """The geometry of a feature, or one that stands alone."""
+    return feature.get("geometry", feature) or {"type": "without geometry"}
+
+
+def _kind(feature: Any) -> str:
+    return str(_geometry(feature)["type"]).removeprefix("Multi")
+
+
+def _positions(coordinates: Any) -> list[Any]:
+    """The positions in lists of any depth."""
+    if isinstance(coordinates[0], list):
+        return [position for part in coordinates for position in _positions(part)]
+    return [coordinates]

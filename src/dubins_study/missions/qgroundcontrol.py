@@ -1,0 +1,81 @@
+"""Points of mission files of ground stations: plans in JSON, and lines of QGC WPL 110."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from dubins_study.missions.mission import MissionPoint
+from dubins_study.missions.reading import Reading, each, point_of, reading_of
+
+# Commands of MAVLink by number. The vehicle passes the place of these; a yaw that they may have is
+# where a copter looks, and no course.
+_PLACES = {
+    16: "waypoint",
+    17: "loiter without end",
+    18: "loiter turns",
+    19: "loiter time",
+    21: "land",
+    22: "takeoff",
+    31: "loiter to altitude",
+    82: "spline waypoint",
+    84: "VTOL takeoff",
+    85: "VTOL land",
+}
+_NAMES = _PLACES | {
+    20: "return to launch",
+    93: "delay",
+    177: "jump",
+    178: "change speed",
+    195: "region of interest",
+    201: "region of interest",
+    206: "camera trigger distance",
+    530: "camera mode",
+    2000: "take pictures",
+    2001: "stop pictures",
+    2500: "record video",
+}
+_ON_EARTH = (0, 3, 5, 6, 10, 11)  # frames of coordinates in degrees
+
+
+def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
+    """The places of a plan's items, those of surveys too, and the planned home position."""
+    passed: Counter[str] = Counter()
+    mission = content["mission"]
+    points = each("item", mission["items"], lambda item: _places(item, passed))
+    home = _places({"command": 16, "coordinate": mission["plannedHomePosition"]}, Counter())
+    return reading_of(source, points, passed, home=home[0] if home else None)
+
+
+def read_wpl(text: str, compass: bool) -> Reading:
+    """The places of the lines, the first of which is the home position."""
+    _, home, *rows = [line.split() for line in text.splitlines() if line.strip()]
+    items = [{"frame": row[2], "command": row[3], "params": row[4:11]} for row in rows]
+    plan = {"items": items, "plannedHomePosition": home[8:11]}
+    return read_plan({"mission": plan}, "QGC WPL 110")
+
+
+def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
+    """The place of an item of a plan, or those of a survey; what has none is counted."""
+    transects = item.get("TransectStyleComplexItem", {})
+    corners = transects.get("VisualTransectPoints")
+    if items := transects.get("Items"):
+        return each("item", items, lambda part: _places(part, passed))
+    if corners:
+        return [point_of({"x": longitude, "y": latitude}) for latitude, longitude in corners]
+    if "command" not in item:
+        passed[str(item["complexItemType"])] += 1
+        return []
+    command = int(item["command"])
+    name = _NAMES.get(command, f"command {command}")
+    # the first version of plans has the place beside four parameters
+    parameters = [*item.get("params", [0] * 4), *item.get("coordinate", ())]
+    latitude, longitude, altitude = parameters[4:7]
+    # at 0 0, or null, it is where the vehicle is
+    has_place = int(item.get("frame", 0)) in _ON_EARTH and any(
+        map(float, (latitude or 0, longitude or 0))
+    )
+    if command in _PLACES and has_place:
+        return [point_of({"x": longitude, "y": latitude, "altitude": altitude})]
+    passed[f"{name} without a place" if command in _PLACES else name] += 1
+    return []

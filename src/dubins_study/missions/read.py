@@ -1,0 +1,178 @@
+"""Mission files of any format: told by content, read, and taken to a plane."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import os
+import re
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from dubins_study.missions.maps import read_geojson, read_xml
+from dubins_study.missions.mission import Mission, MissionError, MissionPoint
+from dubins_study.missions.qgroundcontrol import read_plan, read_wpl
+from dubins_study.missions.reading import Points, Reading, at, text_of
+from dubins_study.missions.table import read_table, read_tsplib
+from dubins_study.study.tangent_plane import TangentPlane, check_place, middle_of
+from dubins_study.study.values import plain
+
+_LOG = logging.getLogger(__name__)
+_MOST_POINTS = 10_000  # the search for a path takes minutes for a thousand
+_MOST_DISTORTION = 1e-4  # of lengths on the plane, relative; 156 km from its middle
+_FURTHEST = 500_000  # m, from the middle; what flies further hardly has one radius
+# A micrometre: less than any file of places means, and more than degrees lose by being written.
+_SAME = 1e-6
+
+
+def read_mission(
+    file: str | os.PathLike[str],
+    *,
+    columns: Sequence[str] | None = None,
+    compass: bool = False,
+    drop_repeats: bool = False,
+    plane: TangentPlane | None = None,
+) -> Mission:
+    """The mission of a file, its format told by what is in it.
+
+    Formats are tables (comma, semicolon or tab), GPX, KML, GeoJSON, plans of QGroundControl,
+    QGC WPL 110 and TSPLIB, in UTF-8, or in UTF-16 with a byte order mark. Longitudes and latitudes
+    become metres on a tangent plane; a heading in such a file counts from the true east or north.
+
+    Args:
+        file: a path.
+        columns: names of a table's columns in their order, such as `("lon", "lat", "-", "name")`;
+            `-` for one to pass over. Default: those of its header.
+        compass: whether headings are degrees (or text with a unit) clockwise from north; default:
+            radians (or text with a unit) counterclockwise from east.
+        drop_repeats: whether to leave out points that equal the one before them, and a last point
+            that equals the first.
+        plane: the plane of the points; default: the one at the middle of the points and the home
+            position. A file of x and y is taken to have metres on it.
+
+    Returns:
+        The mission. Its notes say what was understood and passed over, its warnings what is
+        doubtful; warnings are logged too.
+
+    Raises:
+        MissionError: if the file cannot be read or has no points, a number or heading is none, a
+            place is none on Earth, or points repeat; names the file and the line or item.
+    """
+    with at(os.fspath(file)):
+        reading = _reading(text_of(file), columns, compass)
+        mission = _mission(reading, compass, drop_repeats, plane)
+    for warning in mission.warnings:
+        _LOG.warning("dubins-study: %s", plain(f"{os.fspath(file)}: {warning}"))
+    return mission
+
+
+def _read_json(text: str, compass: bool) -> Reading:
+    """The points of a plan or of GeoJSON, told by the members of the object."""
+    content = json.loads(text)
+    if "mission" in content:
+        return read_plan(content)
+    if "type" in content:
+        return read_geojson(content, compass)
+    raise MissionError("it is neither a plan, with a member mission, nor GeoJSON, with a type")
+
+
+# what a text of each format has, and its reader; a table has none of these
+_FORMATS: tuple[tuple[str, Callable[[str, bool], Reading]], ...] = (
+    (r"\AQGC WPL\b", read_wpl),
+    (r"\A\s*<", read_xml),
+    (r"\A\s*[{\[]", _read_json),
+    (r"^\s*NODE_COORD_SECTION", read_tsplib),
+)
+
+
+def _reading(text: str, columns: Sequence[str] | None, compass: bool) -> Reading:
+    if not text.strip():
+        raise MissionError("the file is empty; expected points")
+    for mark, read in _FORMATS:
+        if re.search(mark, text, re.MULTILINE):
+            if columns is not None:
+                raise MissionError("--columns is given; the file has none, it is no table")
+            return read(text, compass)
+    return read_table(text, columns, compass)
+
+
+def _mission(
+    reading: Reading, compass: bool, drop_repeats: bool, plane: TangentPlane | None
+) -> Mission:
+    """The points on a plane, without repeats, and what is to be said of them."""
+    points = list(reading.points)
+    if reading.home is not None:
+        points.insert(0, reading.home._replace(where="the home position"))
+    if len(points) > _MOST_POINTS:
+        raise MissionError(f"there are {len(points)} points; expected at most {_MOST_POINTS}")
+    if reading.degrees:
+        points, plane = _on_plane(points, plane)
+    kept, repeats = _without_repeats(points)
+    if repeats and not drop_repeats:
+        expected = "--drop-repeats (in Python drop_repeats=True) takes each point once"
+        raise MissionError(f"{repeats}; {expected}")
+    notes = [_extent(kept, plane), reading.passed, repeats and f"dropped: {repeats}"]
+    if headings := sum(point.heading is not None for point in kept):
+        how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
+        notes.append(f"{headings} headings, numbers in {how}")
+    home = kept.pop(0) if reading.home is not None else None
+    warnings = _doubts(points, plane)
+    return Mission(tuple(kept), home, plane, reading.source, tuple(filter(None, notes)), warnings)
+
+
+def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, TangentPlane]:
+    """The points in metres, their headings counterclockwise from the plane's +x."""
+    for point in points:
+        with at(point.where):
+            check_place(point.x, point.y)
+    degrees = [point[:2] for point in points]
+    plane = plane or middle_of(degrees)
+    metres = plane.to_plane(degrees)
+    moved = []
+    for point, (x, y), turn in zip(points, metres, plane.convergence(metres), strict=True):
+        heading = None if point.heading is None else float(point.heading + turn)
+        moved.append(point._replace(x=float(x), y=float(y), heading=heading))
+    return moved, plane
+
+
+def _without_repeats(points: Points) -> tuple[Points, str]:
+    """The points without those that repeat, and a sentence about these."""
+    kept = points[:1]
+    repeats: Points = []
+    for before, point in pairwise(points):
+        (repeats if _same(before, point) else kept).append(point)
+    notes = []
+    if repeats:
+        notes.append(f"{repeats[0].where} equals the point before it; such points: {len(repeats)}")
+    if len(kept) > 2 and _same(kept[0], kept[-1]):
+        notes.append(f"{kept.pop().where} equals the first point; --closed flies back to it")
+    return kept, "; ".join(notes)
+
+
+def _same(one: MissionPoint, other: MissionPoint) -> bool:
+    return math.dist(one[:2], other[:2]) <= _SAME
+
+
+def _extent(points: Points, plane: TangentPlane | None) -> str:
+    """How many points there are, how far they reach, and where."""
+    width, height = np.ptp([point[:2] for point in points], axis=0)
+    extent = f"{len(points)} points, {width:.4g} by {height:.4g}"
+    if plane is None:
+        return f"{extent} in the radius's unit"
+    where = f"latitude {plane.latitude:.5f}, longitude {plane.longitude:.5f}"
+    distortion = plane.distortion([point[:2] for point in points])
+    return f"{extent} m around {where}; lengths on the plane are up to {distortion:.1g} too long"
+
+
+def _doubts(points: Points, plane: TangentPlane | None) -> tuple[str, ...]:
+    """A warning of points too far apart for a plane."""
+    distortion = plane.distortion([point[:2] for point in points]) if plane else 0.0
+    if distortion <= _MOST_DISTORTION:
+        return ()
+    furthest = max(math.hypot(*point[:2]) for point in points)
+    far = f"points lie up to {furthest / 1000:.0f} km from their middle"
+    right = "; are longitude and latitude right?" if furthest > _FURTHEST else ""
+    return (f"{far}: lengths on the plane are up to {distortion:.1g} too long, relatively{right}",)

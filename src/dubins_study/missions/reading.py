@@ -1,0 +1,119 @@
+"""The text of a mission file, what every format is read into, and the values that they share."""
+
+from __future__ import annotations
+
+import codecs
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+from dubins_study.errors import DubinsStudyError
+from dubins_study.missions.mission import MissionError, MissionPoint
+from dubins_study.study.angle import parse_angle
+from dubins_study.study.scenario import FREE
+from dubins_study.study.values import number_of_text, plain, real_number, short
+
+_MOST_BYTES = 64_000_000
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+# what parsing raises, and reading content of another shape than expected; SyntaxError is XML's
+_MALFORMED = (AttributeError, LookupError, TypeError, ValueError, SyntaxError, RecursionError)
+Points = list[MissionPoint]
+
+
+class Reading(NamedTuple):
+    """What a file says, before degrees become metres.
+
+    In a file of degrees x is the longitude, y the latitude, and headings count from the true east.
+    """
+
+    source: str
+    points: Points
+    passed: str = ""  # what is passed over, and how it is understood
+    degrees: bool = True
+    home: MissionPoint | None = None
+
+
+@contextmanager
+def at(where: str) -> Iterator[None]:
+    """Refuse what is refused inside with its place, such as `feature 3`, or a file's name."""
+    try:
+        yield
+    except DubinsStudyError as error:
+        raise MissionError(plain(f"{where}: {error}")) from None
+    except _MALFORMED as error:
+        message = f"cut, or not as its format has it ({error!r:.100})"
+        raise MissionError(plain(f"{where}: {message}")) from None
+
+
+def text_of(file: str | os.PathLike[str]) -> str:
+    """The text of a file in UTF-8, or in UTF-16 with a byte order mark."""
+    try:
+        with FilePath(file).open("rb") as opened:
+            content = opened.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise MissionError(f"cannot be read: {error.strerror}") from None
+    if len(content) > _MOST_BYTES:
+        raise MissionError(f"cannot be read: it has more than {_MOST_BYTES} bytes")
+    try:
+        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
+    except UnicodeError:
+        text = "\0"
+    if "\0" in text:
+        message = "it is not UTF-8 text, nor marked UTF-16; a zip archive (KMZ) must be unpacked"
+        raise MissionError(f"cannot be read: {message}")
+    return text
+
+
+def reading_of(source: str, points: Points, passed: Mapping[str, int], **fields: Any) -> Reading:
+    """What a file says, with what is passed over; refused if there are no points."""
+    named = ", ".join(f"{count} {name}" for name, count in passed.items() if count)
+    if not points:
+        raise MissionError(f"there are no points; it has {named or 'nothing'}")
+    return Reading(source, points, named and f"passed over: {named}", **fields)
+
+
+def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[MissionPoint]]) -> Points:
+    """The points of all items; a refusal names the item, such as `feature 3`."""
+    points = []
+    for count, item in enumerate(items, 1):
+        where = f"{kind} {count}"
+        with at(where):
+            points += [point._replace(where=where) for point in read(item)]
+    return points
+
+
+def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
+    """The point of numbers, or texts of numbers, by the fields' names; empty is not given."""
+    given = {name: value for name, value in fields.items() if value not in (None, "", FREE)}
+    with at("heading"):
+        heading = _heading(str(given["heading"]), compass) if "heading" in given else None
+    numbers: dict[str, Any] = {
+        name: _number(name, given.get(name))
+        for name in ("x", "y", "altitude", "speed")
+        if name in given or name in ("x", "y")
+    }
+    return MissionPoint(**numbers, heading=heading, name=str(given.get("name", "")))
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        number = number_of_text(value) if isinstance(value, str) else real_number(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise MissionError(f"{name} is {short(value)}; expected a number")
+    return number
+
+
+def _heading(text: str, compass: bool) -> float:
+    """A heading (rad, counterclockwise from east).
+
+    Of a compass, a number has degrees, and it runs clockwise from north.
+    """
+    if not compass:
+        return parse_angle(text)
+    unit = "" if text.strip("+-.0123456789") else "deg"
+    return math.pi / 2 - parse_angle(text + unit)

@@ -1,0 +1,131 @@
+"""Points of a text with columns: their names by dialect, and what stands between cells."""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+import re
+from collections.abc import Collection, Sequence
+from io import StringIO
+from itertools import takewhile
+
+from dubins_study.missions.mission import MissionError, MissionPoint
+from dubins_study.missions.reading import Points, Reading, at, point_of, text_of
+from dubins_study.study.delimited import Row, read_rows
+from dubins_study.study.values import number_of_text, plain
+
+_LOG = logging.getLogger(__name__)
+# names of columns for each field of a point, without what is no letter
+_NAMES = {
+    "x": "x xm east eastm easting eastingm",
+    "y": "y ym north northm northing northingm",
+    "longitude": "lon long lng longitude londeg lngdeg longitudedeg",
+    "latitude": "lat latitude latdeg latitudedeg",
+    "heading": "heading",
+    "name": "name",
+    "altitude": "alt altitude ele elevation altm altitudem elem elevationm",
+    "speed": "speed speedms",
+}
+_FIELDS = {name: field for field, names in _NAMES.items() for name in names.split()}
+_OF_A_ROUTE = ("x", "y", "name", "heading")
+
+
+def read_points(file: str | os.PathLike[str]) -> Points:
+    """The points of a route from a file with columns x and y, maybe name and heading.
+
+    All other columns are named in a warning.
+    """
+    with at(str(file)):
+        reading = read_table(text_of(file), used=_OF_A_ROUTE)
+        if reading.degrees:
+            message = "its points are in degrees; give the file as the argument: solve"
+            raise MissionError(f"{message} {file}")
+    if reading.passed:
+        _LOG.warning("dubins-study: %s", plain(f"{file}: {reading.passed}"))
+    return reading.points
+
+
+def read_table(
+    text: str,
+    columns: Sequence[str] | None = None,
+    compass: bool = False,
+    used: Collection[str] = tuple(_NAMES),
+) -> Reading:
+    """The points of a text with columns; those of fields that are not used are passed over."""
+    lines = list(StringIO(text, newline=""))
+    comments = list(takewhile(lambda line: line.startswith("#"), lines))
+    lines[: len(comments)] = ["\n"] * len(comments)
+    first_line = next(filter(str.strip, lines), "")
+    delimiter = next((sign for sign in ";\t" if sign in first_line), ",")
+    rows, problems = read_rows(lines, delimiter)
+    place, first = rows[0] if rows else Row("line 1", [])
+    has_header = not any(map(_is_number, first))
+    names = first if columns is None else list(columns)
+    if comments and columns is None and not has_header:
+        names = comments[-1].strip("# \r\n").split(delimiter)
+    fields = [_FIELDS.get(re.sub(r"[\W_]", "", name.lower()), name.lower()) for name in names]
+    in_degrees = "longitude" in fields or "latitude" in fields
+    x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
+    if fields.count(x) != 1 or fields.count(y) != 1:
+        expected = "expected the column names x and y, once each, or lon and lat"
+        others = "or name them by --columns, such as --columns lon,lat or --columns -,x,y"
+        raise MissionError(f"{place} is {','.join(names)!r:.60}; {expected}; {others}")
+    _check_fields(fields)
+    if len(names) != len(first):
+        raise MissionError(f"{place} has {len(first)} cells; expected {len(names)}, as named")
+    if problems:
+        raise MissionError(problems[0])
+    points = []
+    for row in rows[has_header:]:
+        with at(row.place):
+            values = _values(fields, row.cells, "," if delimiter != "," else ".")
+            point = _point({**values, "x": values.get(x, ""), "y": values.get(y, "")}, compass)
+            points.append(point._replace(where=row.place))
+    if not points:
+        raise MissionError("no points; expected a line each")
+    kept = {x, y, "-", *used}
+    passed = [name for name, field in zip(names, fields, strict=True) if field not in kept]
+    named = ", ".join(name.strip() or "one without a name" for name in passed)
+    note = named and f"columns that are passed over: {named}"
+    return Reading("table", points, note, degrees=in_degrees)
+
+
+def _check_fields(fields: Sequence[str]) -> None:
+    """Refuse a field of a point that is there twice, or a heading with more in its name."""
+    for field in fields:
+        known = "heading" if "heading" in field else field
+        if known in _NAMES and (field != known or fields.count(field) > 1):
+            of_angles = "; headings are angles such as 90deg, or radians"
+            raise MissionError(f"column {field!r:.60}: expected one column {known}{of_angles}")
+
+
+def _values(fields: Sequence[str], cells: Sequence[str], decimal: str) -> dict[str, str]:
+    """The texts of a row by field, with decimal points."""
+    values = {field: cell.strip() for field, cell in zip(fields, cells, strict=False)}
+    return {f: text if f == "name" else text.replace(decimal, ".") for f, text in values.items()}
+
+
+def _point(values: dict[str, str], compass: bool) -> MissionPoint:
+    if _is_number(values["x"]) and _is_number(values["y"]):
+        return point_of(values, compass)
+    written = f"{values['x']},{values['y']}"
+    raise MissionError(f"x,y is {written!r:.60}; expected two numbers")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(number_of_text(text))
+    except ValueError:
+        return False
+
+
+def read_tsplib(text: str, compass: bool) -> Reading:
+    """The nodes of a TSPLIB file (Reinelt 1991, ORSA Journal on Computing 3, 376-384)."""
+    head, _, tail = text.partition("NODE_COORD_SECTION")
+    kind = re.search(r"EDGE_WEIGHT_TYPE\s*:\s*(EUC_2D|CEIL_2D|ATT)", head)
+    if kind is None:
+        raise MissionError("expected EDGE_WEIGHT_TYPE EUC_2D, CEIL_2D or ATT")
+    nodes = re.split(r"\n\s*[A-Z]", tail)[0].strip()  # up to the next keyword
+    table = re.sub(r"[ \t]+", ",", nodes)
+    return read_table(table, ("name", "x", "y"))._replace(source="TSPLIB")

@@ -1,0 +1,46 @@
+"""Rows of text with commas or the like between their cells, each with its place."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from typing import NamedTuple
+
+_OPEN_QUOTE = "expected each row on a line of its own: is a quotation mark left open?"
+
+
+class Row(NamedTuple):
+    """The cells of a row, and its place."""
+
+    place: str  # such as `line 7`
+    cells: list[str]
+
+
+class Rows(NamedTuple):
+    """The rows of a text, the first of them its header."""
+
+    rows: list[Row]
+    problems: list[str]  # a sentence for each line that is no row
+
+
+def read_rows(lines: Iterable[str], delimiter: str = ",") -> Rows:
+    """The rows of lines, one a line; empty lines are passed over, longer ones are problems."""
+    rows: list[Row] = []
+    problems: list[str] = []
+    line = 0
+    reader = csv.reader(lines, strict=True, delimiter=delimiter)
+    try:
+        for cells in reader:
+            place = f"line {line + 1}"
+            is_long = reader.line_num > line + 1
+            line = reader.line_num
+            if is_long:
+                problems.append(f"{place}: a text goes on to line {line}; {_OPEN_QUOTE}")
+            elif rows and len(cells) > len(rows[0].cells):
+                expected = f"expected {len(rows[0].cells)}, as in {rows[0].place}"
+                problems.append(f"{place}: {len(cells)} cells; {expected}")
+            elif any(cells):
+                rows.append(Row(place, cells))
+    except csv.Error as error:
+        problems.append(f"line {line + 1}: {error}; {_OPEN_QUOTE}")
+    return Rows(rows, problems)

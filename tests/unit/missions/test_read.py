@@ -1,0 +1,483 @@
+"""Mission files of every format: read as they are, and refused with one clear line."""
+
+import csv
+import io
+import json
+import math
+
+import gpxpy.gpx
+import numpy as np
+import pytest
+from geographiclib.geodesic import Geodesic
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dubins_study import DubinsStudyError, read_mission
+from dubins_study.missions.table import read_points
+from dubins_study.study.tangent_plane import TangentPlane
+
+LONLAT = [(11.5, 48.1), (11.51, 48.1), (11.51, 48.11)]
+XY = [(0, 0), (100, 0), (100, 50.5)]
+GPX = '<?xml version="1.0"?>\n<gpx version="1.1" creator="t" xmlns="http://www.topografix.com/GPX/1/1">'
+KML = '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2"><Document>'
+
+
+def gpx_points(tag):
+    return "".join(f'<{tag} lat="{lat}" lon="{lon}"><ele>5</ele></{tag}>' for lon, lat in LONLAT)
+
+
+def item(lon, lat, command=16, frame=3, **others):
+    params = [0, 0, 0, None, lat, lon, 50]
+    fields = {"type": "SimpleItem", "command": command, "frame": frame, "params": params}
+    return {**fields, **others}
+
+
+def plan(*items, home=(0, 0, 0)):
+    mission = {"items": items, "plannedHomePosition": home, "version": 2}
+    return json.dumps({"fileType": "Plan", "mission": mission, "version": 1})
+
+
+def survey(**transect):
+    fields = {"type": "ComplexItem", "complexItemType": "survey"}
+    return {**fields, "TransectStyleComplexItem": transect, "polygon": [[1, 2]]}
+
+
+CORNERS = [[lat, lon] for lon, lat in LONLAT]
+LANDING = {"type": "ComplexItem", "complexItemType": "fwLandingPattern"}
+
+
+def wpl(*rows):
+    return "QGC WPL 110\r\n" + "".join("\t".join(map(str, row)) + "\r\n" for row in rows)
+
+
+def row(number, lon, lat, command=16, frame=3):
+    return (number, 0, frame, command, 0, 0, 0, 0, lat, lon, 100.0, 1)
+
+
+ROWS = [row(number, *place) for number, place in enumerate(LONLAT, 1)]
+
+
+def features(*geometries, **members):
+    found = [{"type": "Feature", "geometry": each, "properties": None} for each in geometries]
+    return json.dumps({"type": "FeatureCollection", "features": found, **members})
+
+
+def shape(kind, coordinates):
+    return {"type": kind, "coordinates": coordinates}
+
+
+POINTS = [shape("Point", place) for place in LONLAT]
+LINE = shape("LineString", LONLAT)
+
+# text -> the points of the file, degrees or metres, and what a note says
+FILES = {
+    "x and y": ("x,y\n0,0\n100,0\n100,50.5\n", XY, "3 points, 100 by 50.5"),
+    "metres in the names": ("X_m;Y [m]\n0,0;0,0\n100,0;0\n1e2;50,5\n", XY, "3 points"),
+    "header behind a sign": ("# made by hand\n# x_m,y_m\n0,0\n100,0\n100,50.5\n", XY, "3 points"),
+    "comments above a header": ("# one, two, three, four\nx,y\n0,0\n100,0\n100,50.5\n", XY, ""),
+    "easting": (
+        "Easting\tNorthing\tzone\n0\t0\t32U\n100\t0\t32U\n100\t50.5\t32U\n",
+        XY,
+        "columns that are passed over: zone",
+    ),
+    "longitude": (
+        "id,Latitude,Longitude,alt\n1,48.1,11.5,3\n\n2,48.1,11.51,\n3,48.11,11.51,4\n",
+        LONLAT,
+        "around latitude 48.10500, longitude 11.50500",
+    ),
+    "lng": ("\ufefflng;lat\r\n11,5;48,1\r\n11,51;48,1\r\n11,51;48,11\r\n", LONLAT, ""),
+    "a byte order mark of UTF-16": ("x,y\n0,0\n100,0\n100,50.5\n".encode("utf-16"), XY, ""),
+    "gpx waypoints": (GPX + gpx_points("wpt") + "</gpx>", LONLAT, "3 points"),
+    "gpx route": (
+        f"{GPX}<wpt lat='1' lon='2'/><rte>{gpx_points('rtept')}</rte></gpx>",
+        LONLAT,
+        "passed over: 1 waypoints",
+    ),
+    "gpx track": (
+        f"{GPX}<trk><trkseg>{gpx_points('trkpt')}</trkseg><trkseg/></trk></gpx>",
+        LONLAT,
+        "3 points",
+    ),
+    "kml points": (
+        KML
+        + "".join(
+            f"<Placemark><name>P</name><Point><coordinates>\n{lon},{lat},5\n</coordinates></Point></Placemark>"
+            for lon, lat in LONLAT
+        )
+        + "<Placemark><Polygon/></Placemark></Document></kml>",
+        LONLAT,
+        "passed over: 1 Polygon",
+    ),
+    "kml line": (
+        f"{KML}<Placemark><LineString><coordinates>11.5,48.1 11.51,48.1,0\n"
+        "11.51,48.11</coordinates></LineString></Placemark></Document></kml>",
+        LONLAT,
+        "3 points",
+    ),
+    "kml track": (
+        f"{KML}<Placemark><gx:Track><gx:coord>11.5 48.1 9</gx:coord><gx:coord>11.51 48.1 9"
+        "</gx:coord><gx:coord>11.51 48.11 9</gx:coord></gx:Track></Placemark></Document></kml>",
+        LONLAT,
+        "3 points",
+    ),
+    "geojson points": (features(*POINTS, LINE, None), LONLAT, "1 LineString, 1 without geometry"),
+    "geojson lines": (json.dumps(shape("MultiLineString", [LONLAT])), LONLAT, ""),
+    "geojson on a plane": (
+        features(shape("LineString", [(0, 0), (100, 0), (100, 50.5)]), crs={"name": "EPSG:32632"}),
+        XY,
+        "not WGS 84: x and y are on a plane",
+    ),
+    "geojson in metres": (
+        features(shape("LineString", [(500, 0), (600, 0), (600, 50.5)])),
+        [(500, 0), (600, 0), (600, 50.5)],
+        "coordinates are no degrees",
+    ),
+    "a plan": (
+        plan(
+            item(0, 0, 22),
+            item(0, 0, 178, 2),
+            *(item(*place, command) for place, command in zip(LONLAT, (16, 82, 21), strict=True)),
+            item(None, None, 20, 2),
+            item(None, None, 206, 2),
+            item(1, 2, 1234),
+        ),
+        LONLAT,
+        "passed over: 1 takeoff without a place, 1 change speed, 1 return to launch, "
+        "1 camera trigger distance, 1 command 1234",
+    ),
+    "a plan's survey": (
+        plan(survey(Items=[item(*place) for place in LONLAT], VisualTransectPoints=CORNERS[:1])),
+        LONLAT,
+        "3 points",
+    ),
+    "a plan's corners": (
+        plan(survey(VisualTransectPoints=CORNERS), LANDING),
+        LONLAT,
+        "passed over: 1 fwLandingPattern",
+    ),
+    "an old plan": (
+        plan(*(item(0, 0, params=[0] * 4, coordinate=[lat, lon, 5]) for lon, lat in LONLAT)),
+        LONLAT,
+        "3 points",
+    ),
+    "waypoints": (
+        wpl(row(0, 0, 0), *ROWS[:1], row(9, 0, 0, 177), *ROWS[1:]),
+        LONLAT,
+        "passed over: 1 jump",
+    ),
+    "tsplib": (
+        "NAME : t\nEDGE_WEIGHT_TYPE : EUC_2D\nNODE_COORD_SECTION\n"
+        " 1 0 0\n2 100.0 0\n3   1e2 50.5\nEOF\n",
+        XY,
+        "3 points",
+    ),
+}
+
+
+@pytest.fixture
+def mission_of(tmp_path):
+    """Reads a text, or bytes, as a mission; the file's ending says nothing."""
+
+    def read(text, **options):
+        file = tmp_path / "mission.dat"
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return read_mission(file, **options)
+
+    return read
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_read_as_it_is(name, mission_of):
+    """Its points are where geodesics from the middle end; what is passed over is named."""
+    text, expected, note = FILES[name]
+    mission = mission_of(text)
+
+    points = [(point.x, point.y) for point in mission.points]
+    if mission.plane is not None:
+        middle = mission.plane.latitude, mission.plane.longitude
+        lines = [Geodesic.WGS84.Inverse(*middle, lat, lon) for lon, lat in expected]
+        ends = [(line["s12"], math.radians(line["azi1"])) for line in lines]
+        expected = [(far * math.sin(azimuth), far * math.cos(azimuth)) for far, azimuth in ends]
+    np.testing.assert_allclose(points, expected, atol=1e-6)
+    assert note in "\n".join(mission.notes)
+    assert mission.home is None
+    assert mission.warnings == ()
+    scenario = mission.scenario(radius=10)
+    assert scenario.legs == 2
+    np.testing.assert_allclose(scenario.points, expected, atol=1e-6)
+
+
+# text -> what its refusal says after the file's name
+WRONG = {
+    "empty": ("", "the file is empty"),
+    "blank": (" \r\n\t\n", "the file is empty"),
+    "binary": (bytes(range(256)), "it is not UTF-8 text"),
+    "zeros": (b"x,y\n1,2\n\0\0\0", "it is not UTF-8 text"),
+    "Latin-1": ("x,y,name\n1,2,Höhe\n".encode("latin-1"), "it is not UTF-8 text"),
+    "UTF-16 unmarked": ("x,y\n1,2\n".encode("utf-16-le"), "it is not UTF-8 text"),
+    "KMZ": (b"PK\x03\x04\xff\xff", "a zip archive, such as KMZ, must be unpacked"),
+    "swapped": ("lon,lat\n48.1,111.5\n", "line 2: longitude is 48.1, latitude is 111.5; expected"),
+    "metres as degrees": ("lon,lat\n692000,5330000\n", "are the two swapped, or metres?"),
+    "mixed units": ("lon,lat\n11.5,48.1\n11500,48100\n", "line 3: longitude is 11500.0"),
+    "swapped GPX": (f"{GPX}<wpt lat='111' lon='48'/></gpx>", "waypoint 1: longitude is 48.0"),
+    "compass": ("x,y,heading\n0,0,\n1,1,270\n", "line 3: heading: 270 is more than a full turn"),
+    "no header": (
+        "1,2\n3,4\n",
+        "expected the column names x and y, once each, or lon and lat; nam",
+    ),
+    "half a pair": ("x,lat\n1,2\n", "line 1 is 'x,lat'; expected the column names x and y"),
+    "no columns": ("a;b\n1;2\n", "line 1 is 'a,b'; expected the column names"),
+    "duplicates": ("x,y,Y\n1,2,3\n", "line 1 is 'x,y,Y'; expected the column names x and y, once"),
+    "two altitudes": ("x,y,alt,ele\n1,2,3,4\n", "expected one column altitude"),
+    "two headings": ("x,y,heading,heading\n1,2,3,4\n", "expected one column heading"),
+    "a unit in the name": ("x,y,heading_deg\n1,2,3\n", "column 'heading_deg': expected one column"),
+    "NaN": ("x,y\n1,nan\n", "line 2: x,y is '1,nan'; expected two numbers"),
+    "infinity": ("x,y\n1,2\ninf,3\n", "line 3: x,y is 'inf,3'; expected two numbers"),
+    "a text": ("lon;lat\n11,5;north\n", "line 2: x,y is '11.5,north'; expected two numbers"),
+    "too many cells": ("x,y\n1,2,3\n", "line 2: 3 cells; expected 2, as in line 1"),
+    "too few cells": ("x,y\n1,2\n3\n", "line 3: x,y is '3,'; expected two numbers"),
+    "a decimal comma": ("x,y\n1,5,2,5\n", "line 2: 4 cells; expected 2, as in line 1"),
+    "an open quote": ('x,y,name\n1,2,"a\n3,4,b\n', "line 2: unexpected end of data"),
+    "bad altitude": ("x,y,alt\n1,2,high\n", "line 2: altitude is 'high'; expected a number"),
+    "header alone": ("lon,lat\n", "no points; expected a line each"),
+    "cut JSON": (plan(item(1, 2))[:-9], "it is no whole JSON file: "),
+    "deep JSON": ("[" * 100_000, "it is no whole JSON file: "),
+    "a JSON list": ("[1, 2]", "it is neither a plan, with a member mission, nor GeoJSON"),
+    "another object": ('{"a": 1}', "it is neither a plan, with a member mission, nor GeoJSON"),
+    "no items": (plan(), "there are no points; it has nothing"),
+    "unknown commands": (plan(item(1, 2, 999)), "there are no points; it has 1 command 999"),
+    "landing alone": (plan(LANDING), "there are no points; it has 1 fwLandingPattern"),
+    "local frame": (plan(item(1, 2, 16, 1)), "it has 1 waypoint without a place"),
+    "a plan of texts": (plan("x"), "item 1 is not as its format has it: 'x'"),
+    "a plan of nothing": ('{"mission": 3}', "it is not as a file of its format is"),
+    "NaN in a plan": (plan(item(math.nan, 48)), "item 1: x is nan; expected a number"),
+    "polygons": (features(shape("Polygon", [LONLAT])), "there are no points; it has 1 Polygon"),
+    "no coordinates": (features({"type": "Point"}), "feature 1 is not as its format has it"),
+    "text in GeoJSON": (features(shape("Point", ["a", 1])), "feature 1: x is 'a'; expected a num"),
+    "a number as GeoJSON": ('{"type": 3}', "there are no points; it has 1 3"),
+    "cut GPX": (f"{GPX}<wpt lat='1'", "it is no whole GPX file: "),
+    "GPX without points": (f"{GPX}</gpx>", "there are no points"),
+    "text in GPX": (f"{GPX}<wpt lat='a' lon='1'/></gpx>", "it is no whole GPX file: Invalid value"),
+    "NaN in GPX": (f"{GPX}<wpt lat='nan' lon='1'/></gpx>", "waypoint 1: y is nan; expected"),
+    "entities": (
+        '<?xml version="1.0"?><!DOCTYPE kml [<!ENTITY a "b">]><kml>&a;</kml>',
+        "it declares a document type or entities",
+    ),
+    "cut KML": (f"{KML}<Placemark>", "it is no whole KML file: "),
+    "KML without points": (f"{KML}</Document></kml>", "there are no points"),
+    "text in KML": (
+        f"{KML}<Placemark><Point><coordinates>a,b</coordinates></Point></Placemark></Document></kml>",
+        "feature 1: x is 'a'; expected a number",
+    ),
+    "HTML": ("<html><body/></html>", "it is XML without an element gpx or kml"),
+    "rows cut": (wpl(row(0, 1, 2), row(1, 1, 2)[:9]), "item 1 is not as its format has it"),
+    "no rows": ("QGC WPL 110\n", "it is not as a file of its format is"),
+    "explicit TSPLIB": (
+        "EDGE_WEIGHT_TYPE: EXPLICIT\nNODE_COORD_SECTION\n1 2 3\n",
+        "expected EDGE_WEIGHT_TYPE EUC_2D",
+    ),
+    "neighbours": ("x,y\n0,0\n1,1\n1,1\n1,1\n2,2\n", "line 4 equals the point before it; such"),
+    "home": (
+        plan(item(*LONLAT[0]), home=[*LONLAT[0][::-1], 1]),
+        "item 1 equals the point before it",
+    ),
+    "closed": ("x,y\n0,0\n1,1\n2,0\n0,0\n", "line 5 equals the first point; --closed flies back"),
+    "huge": ("x,y\n" + "1,2\n3,4\n" * 50_000, "there are 100000 points; expected at most 10000"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_file_meets_one_line(name, mission_of, tmp_path):
+    """It names the file and what is wrong there."""
+    text, message = WRONG[name]
+    with pytest.raises(DubinsStudyError) as refusal:
+        mission_of(text)
+
+    assert str(refusal.value).startswith(f"{tmp_path / 'mission.dat'}: ")
+    assert message in str(refusal.value)
+    assert str(refusal.value).isprintable()
+    assert len(str(refusal.value)) < 400
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    for file, reason in ((tmp_path / "no", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(DubinsStudyError, match=f"cannot be read: {reason}"):
+            read_mission(file)
+
+
+def test_columns_are_named_by_place(mission_of):
+    """With or without a header, which is passed over."""
+    rows = "A,11.5,9,48.1\nB,11.51,9,48.1\n"
+    for text in (rows, f"p,q,r,s\n{rows}"):
+        mission = mission_of(text, columns=("name", "lon", "-", "lat"))
+
+        assert [point.name for point in mission.points] == ["A", "B"]
+        assert [point.x for point in mission.points] == pytest.approx([-372.2, 372.2], abs=1)
+        assert not any("passed over" in note for note in mission.notes)
+    for columns, message in (
+        (("lon", "lat"), r"line 1 has 4 cells; expected 2"),
+        (("x", "-", "-", "-"), r"expected the column names x and y"),
+    ):
+        with pytest.raises(DubinsStudyError, match=message):
+            mission_of(rows, columns=columns)
+    with pytest.raises(DubinsStudyError, match="--columns is given; the file has none"):
+        mission_of(plan(item(1, 2)), columns=("x", "y"))
+
+
+@pytest.mark.parametrize(
+    ("text", "compass", "heading"),
+    [
+        ("90deg", False, math.pi / 2),
+        ("pi/3", False, math.pi / 3),
+        ("1,5", False, 1.5),
+        ("free", False, None),
+        ("", True, None),
+        ("0", True, math.pi / 2),
+        ("90", True, 0.0),
+        ("270", True, -math.pi),
+        ("0,5rad", True, math.pi / 2 - 0.5),
+        ("100deg", True, math.radians(-10)),
+    ],
+)
+def test_headings(text, compass, heading, mission_of):
+    """From east counterclockwise, or from north clockwise; a note says which."""
+    mission = mission_of(f"x;y;heading\n0;0;\n5;5;{text}\n", compass=compass)
+
+    assert mission.points[0].heading is None
+    assert mission.points[1].heading == (None if heading is None else pytest.approx(heading))
+    assert ("clockwise from north" in mission.notes[0]) == (compass and heading is not None)
+
+
+@pytest.mark.parametrize("place", [(11.4, 48.3), (11.9, 47.9), (-170.0, -60.0), (179.9, 70.0)])
+@pytest.mark.parametrize("course", [0.0, 77.0, 255.0])
+def test_a_compass_heading_is_true(place, course, mission_of):
+    """A step along the geodesic with that azimuth goes along the heading on the plane."""
+    lon, lat = place
+    other = (lon - 0.5, lat + 0.2)
+    rows = f"lon,lat,heading\n{other[0]},{other[1]},\n{lon},{lat},{course}\n"
+    mission = mission_of(rows, compass=True)
+    step = Geodesic.WGS84.Direct(lat, lon, course, 1.0)
+
+    x, y = mission.plane.to_plane([(step["lon2"], step["lat2"])])[0]
+    point = mission.points[1]
+    drawn = math.atan2(y - point.y, x - point.x)
+    # across, lengths on the plane are longer, which turns a slanted step a little
+    distortion = mission.plane.distortion([point[:2]])
+    assert math.remainder(point.heading - drawn, math.tau) == pytest.approx(
+        0, abs=distortion + 1e-6
+    )
+
+
+def test_home_and_what_is_carried_along(mission_of):
+    """The home position, altitudes, names and speeds are those of the file."""
+    mission = mission_of(plan(*(item(*place) for place in LONLAT), home=[48.2, 11.5, 400]))
+
+    assert mission.home.altitude == 400
+    assert {point.altitude for point in mission.points} == {50}
+    assert [point.where for point in mission.points] == ["item 1", "item 2", "item 3"]
+    assert mission.source == "QGroundControl plan"
+    scenario = mission.scenario(radius=10)
+    assert (scenario.x, scenario.y) == mission.home[:2]
+    assert scenario.heading is None
+    assert scenario.legs == 3
+    by_lines = mission_of(wpl(row(0, 11.5, 48.2, frame=0), *ROWS))
+    np.testing.assert_allclose(by_lines.home[:2], mission.home[:2])
+    table = mission_of("x,y,name,alt,speed\n0,0,Höhe,,7.5\n1,1,,-3,\n")
+    assert [point[3:6] for point in table.points] == [("Höhe", None, 7.5), ("", -3.0, None)]
+
+
+def test_repeats_are_dropped_and_counted(mission_of):
+    text = "x,y,name\n0,0,a\n0,0,b\n1,1,c\n1,1.0000000001,d\n2,0,e\n0,0,f\n"
+    with pytest.raises(DubinsStudyError, match=r"line 3 equals .* line 7 equals .*--drop-repeats"):
+        mission_of(text)
+    mission = mission_of(text, drop_repeats=True)
+
+    assert [point.name for point in mission.points] == ["a", "c", "e"]
+    assert mission.notes[-2:] == (
+        "dropped: line 3 equals the point before it; such points: 2",
+        "dropped: line 7 equals the first point; --closed flies back to it",
+    )
+    with pytest.raises(DubinsStudyError, match="the mission has one point"):
+        mission_of("x,y\n1,1\n1,1\n", drop_repeats=True).scenario()
+
+
+def test_a_field_too_large_for_a_plane_is_warned_of(mission_of, caplog):
+    """Beyond 1e-4; where one coordinate may be wrong, the warning asks."""
+    assert mission_of("lon,lat\n11,48\n14,48\n").warnings == ()
+    large = mission_of("lon,lat\n11,48\n16,48\n")
+    swapped = mission_of("lon,lat\n11.5,48.1\n48.1,11.5\n")
+
+    assert "lengths on the plane are up to 0.0001 too long, relatively" in large.warnings[0]
+    assert "are longitude and latitude right?" not in large.warnings[0]
+    assert "are longitude and latitude right?" in swapped.warnings[0]
+    assert swapped.warnings[0] in caplog.text
+
+
+def test_a_plane_of_ones_own(mission_of):
+    """Of degrees it is taken instead of the middle; of metres it says where they are."""
+    plane = TangentPlane(48.1, 11.5)
+    mission = mission_of("lon,lat\n11.5,48.1\n11.6,48.1\n", plane=plane)
+
+    assert mission.points[0][:2] == pytest.approx((0, 0), abs=1e-9)
+    assert mission.plane == mission_of("x,y\n1,2\n3,4\n", plane=plane).plane == plane
+
+
+@pytest.mark.parametrize("text", ["lon,lat\n11.5,48.1\n", "x;y\n1;2\n"])
+def test_points_of_a_route(text, tmp_path, caplog):
+    """A file of via points is on a plane, and fields that a route has not are named."""
+    file = tmp_path / "points.csv"
+    file.write_text(text)
+    if "lat" in text:
+        with pytest.raises(DubinsStudyError, match="in degrees; give the file as the argument"):
+            read_points(file)
+        return
+    assert [point[:2] for point in read_points(file)] == [(1, 2)]
+    file.write_text("x,y,alt,speed\n1,2,3,4\n")
+    read_points(file)
+    assert "columns that are passed over: alt, speed" in caplog.text
+
+
+places = st.lists(
+    st.tuples(st.integers(-1790, 1790), st.integers(-890, 890)), min_size=1, max_size=6, unique=True
+)
+names = st.text(st.characters(codec="utf-8", categories=["L", "N", "P"]), max_size=5)
+
+
+def _as_gpx(points, names):
+    gpx = gpxpy.gpx.GPX()
+    for (lon, lat), name in zip(points, names, strict=True):
+        gpx.waypoints.append(gpxpy.gpx.GPXWaypoint(lat, lon, 7.5, name=name))
+    return gpx.to_xml()
+
+
+def _as_csv(points, names):
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter=";")
+    writer.writerow(("lat", "name", "lon", "alt"))
+    for (lon, lat), name in zip(points, names, strict=True):
+        writer.writerow((str(lat).replace(".", ","), name, lon, 7.5))
+    return text.getvalue()
+
+
+def _as_geojson(points, names):
+    found = [
+        {"type": "Feature", "geometry": shape("Point", [*place, 7.5]), "properties": {"name": name}}
+        for place, name in zip(points, names, strict=True)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": found})
+
+
+@pytest.mark.parametrize("written", [_as_gpx, _as_csv, _as_geojson])
+@given(places=places, data=st.data())
+def test_what_another_writer_writes_is_read_back(written, places, data, tmp_path_factory):
+    """Places, names and altitudes; the places by way of the plane and back."""
+    points = [(lon / 10, lat / 10) for lon, lat in places]
+    wanted = [data.draw(names) for _ in points]
+    file = tmp_path_factory.getbasetemp() / "written"
+    file.write_text(written(points, wanted), encoding="utf-8", newline="")
+    mission = read_mission(file)
+
+    back = mission.plane.to_earth([point[:2] for point in mission.points])
+    np.testing.assert_allclose(back, points, atol=1e-9)
+    assert [point.name for point in mission.points] == wanted
+    assert {point.altitude for point in mission.points} == {7.5}
