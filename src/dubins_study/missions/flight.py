@@ -26,7 +26,7 @@ class FlightError(DubinsStudyError, ValueError):
 
 
 class Waypoint(NamedTuple):
-    """Where the vehicle is at one time. `stop` is empty between the mission's points."""
+    """Where the vehicle is at one time. `name` is empty between the mission's points."""
 
     time: float  # s
     length: float  # m along the path, or in the points' unit
@@ -39,7 +39,7 @@ class Waypoint(NamedTuple):
     curvature: float  # positive to the left
     altitude: float | None  # m; between two points that have one it rises evenly
     place: int | None = None  # of a stop: its number in the question, from 1
-    stop: str = ""  # its name, else its number
+    name: str = ""  # of a stop; its number if it has none
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class Flight:
                 curvature=float(curvatures[i]),
                 altitude=altitudes[i],
                 place=None if place is None else place + 1,
-                stop="" if place is None else self.given_name(place + 1) or str(place + 1),
+                name="" if place is None else self._shown_name(place + 1),
             )
             waypoints.append(waypoint)
         return waypoints
@@ -137,6 +137,10 @@ class Flight:
         answer = self.answer
         unit = "" if self.mission.plane is None else " m"
         return f"{answer.length:.6g}{unit}, {answer.travel_time:.6g} s, proof: {answer.proof}"
+
+    def _shown_name(self, place: int) -> str:
+        is_home = place > len(self.mission.points)
+        return self.given_name(place) or ("home" if is_home else str(place))
 
     def given_name(self, place: int) -> str:
         """The name of a stop, by its number in the question from 1; empty without one."""

@@ -50,6 +50,8 @@ class Mission:
         """The mission with a home: its first point where it has none."""
         if self.home is not None:
             return self
+        if not self.points:
+            raise MissionError("the mission has no points")
         return replace(self, home=self.points[0], points=self.points[1:])
 
     def scenario(self, *, to_last: bool = True, **fields: Any) -> Scenario:
@@ -66,7 +68,8 @@ class Mission:
         """
         mission = self.started()
         home = mission.home
-        if home is None or not mission.points:
+        assert home is not None
+        if to_last and not mission.points:
             raise MissionError("the mission has one point; expected one to start at, and others")
         via = mission.points
         if to_last:

@@ -89,7 +89,7 @@ def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
     """The point of numbers, or texts of numbers, by the fields' names; empty is not given."""
     given = {name: value for name, value in fields.items() if value not in (None, "", FREE)}
     with at("heading"):
-        heading = _heading(str(given["heading"]), compass) if "heading" in given else None
+        heading = heading_of(str(given["heading"]), compass) if "heading" in given else None
     numbers: dict[str, Any] = {
         name: _number(name, given.get(name))
         for name in ("x", "y", "altitude", "speed")
@@ -108,7 +108,7 @@ def _number(name: str, value: Any) -> float:
     return number
 
 
-def _heading(text: str, compass: bool) -> float:
+def heading_of(text: str, compass: bool) -> float:
     """A heading (rad, counterclockwise from east).
 
     Of a compass, a number has degrees, and it runs clockwise from north.

@@ -21,7 +21,7 @@ _PROPERTIES = (
 )
 _COLUMNS = (
     *("time", "length", "x", "y", "lon", "lat", "heading", "compass", "curvature", "altitude"),
-    "stop",
+    "name",
 )
 
 
@@ -72,7 +72,7 @@ def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     gpx.creator = "dubins-study"
     for stop in flight.stops:
         description = f"after {stop.time:.1f} s, heading {stop.compass:.1f} degrees"
-        mark = GPXWaypoint(stop.lat, stop.lon, stop.altitude, name=stop.stop)
+        mark = GPXWaypoint(stop.lat, stop.lon, stop.altitude, name=stop.name)
         mark.description = description
         gpx.waypoints.append(mark)
     points = [GPXTrackPoint(point.lat, point.lon, point.altitude) for point in waypoints]
@@ -99,7 +99,7 @@ def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     under(line, "coordinates", " ".join(map(_on_map, waypoints)))
     for stop in flight.stops:
         placemark = under(document, "Placemark")
-        under(placemark, "name", stop.stop)
+        under(placemark, "name", stop.name)
         under(placemark, "description", f"after {stop.time:.1f} s")
         under(under(placemark, "Point"), "coordinates", _on_map(stop))
     ElementTree.indent(root)
@@ -126,8 +126,8 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             "autoContinue": True,
             "params": [0, 0, 0, None, point.lat, point.lon, point.altitude],
         }
-        if point.stop:
-            item["stop"] = point.stop  # a key that QGroundControl passes over
+        if point.name:
+            item["stop"] = point.name  # a key that QGroundControl passes over
         items.append(item)
     home = waypoints[0]
     mission = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 import textwrap
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -87,7 +88,7 @@ def plot_path(
         raise PlotError(f"ax is {short(ax)}; expected axes of matplotlib")
     name, path, scenario = _subject(drawn)
     # a long spec is broken between its settings: the legend is as wide as the figure
-    lines = textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
+    lines = textwrap.fill(re.sub(r",(?! )", ", ", name), _LEGEND_CHARS, break_on_hyphens=False)
     named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}

@@ -311,7 +311,7 @@ LARGEST, SMALLEST = 1e150, 1e-150  # beyond them squares overflow or vanish
 LARGEST_EXTENT = 1e13  # radii; a path of ten times as many cannot be driven to within a radius
 
 
-_CONVENTION = "counterclockwise from +x (east), so north is 90deg"
+CONVENTION = "counterclockwise from +x (east), so north is 90deg"
 _PAIRS = (
     "expected pairs of numbers, such as [(4, 1), (6, -2)], or three with a heading, "
     "or a frame with columns x and y"
@@ -423,7 +423,7 @@ def checked_number(name: str, value: float | str | None) -> float:
             value = parse_angle(value)
         number = real_number(value)
     except AngleError as error:
-        raise ScenarioError(f"{name}: {error}, {_CONVENTION}") from None
+        raise ScenarioError(f"{name}: {error}, {CONVENTION}") from None
     except Exception:  # of a class of the caller's
         raise ScenarioError(f"{name} is {short(value)}; expected a number") from None
     least = SMALLEST if name in POSITIVE else -LARGEST

@@ -121,7 +121,6 @@ REFUSED = {
     ("solve", MEADOW, "5", "--radius", "9"): "expected the file alone",
     (*TOUR, "--out", "flight.doc"): "flight.doc",
     (*TOUR, "--out", "no/such/flight.plan"): "cannot write",
-    ("solve", "no-such-file.plan", "--radius", "9"): "no-such-file.plan",
 }
 
 
@@ -132,9 +131,17 @@ def test_a_bad_request_is_one_message(words):
     assert "\n" not in str(refusal.value)
 
 
+def test_a_file_that_is_not_there_is_named():
+    """A word that is neither a number nor a file."""
+    done = asked("solve", "no-such-file.plan", "--radius", "9", raises=False)
+
+    assert done.exit_code != 0
+    assert "no-such-file.plan" in str(done.exception) + done.output
+
+
 def test_a_compass_heading_runs_clockwise_from_north(tmp_path):
     file = tmp_path / "points.csv"
-    file.write_text("x,y\n0,0\n300,0\n")
+    file.write_text("x,y\n300,0\n")
     east = asked("solve", str(file), "--from", "0", "0", "90", "--compass", "--json").stdout
 
     assert json.loads(east)["length"] == pytest.approx(300.0)

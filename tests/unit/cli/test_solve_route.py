@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
 
@@ -12,8 +13,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from dubins_study import Path, Scenario, plot_path, solve
-from dubins_study.cli.solve import _GEOJSON, answer_geojson
 from dubins_study.errors import DubinsStudyError
+from dubins_study.missions.flight import flight_of
+from dubins_study.missions.mission import Mission, MissionPoint
+from dubins_study.missions.write import write_flight
 from tests.unit.cli.conftest import asked, line_of
 
 START = ("solve", "--from", "0", "0", "30deg", "--final-heading", "90deg")
@@ -128,10 +131,10 @@ def test_points_without_names_as_geojson(tmp_path):
     asked(*ROUTE, "--geojson", str(file))
     marks = json.loads(file.read_text())["features"][1:]
     answer = solve(Scenario(target_x=3, target_y=0, via=[(2, 0)]))
-    missed = SimpleNamespace(
-        **dict.fromkeys([*_GEOJSON, "visits", "order"]), scenario=answer.scenario
-    )
-    unseen = answer_geojson(missed, answer.path, ["", ""])["features"][1:]
+    mission = Mission((MissionPoint(2, 0), MissionPoint(3, 0)), home=MissionPoint(0, 0))
+    missed = flight_of(replace(answer, visits=None, gap=None), mission)
+    write_flight(missed, file)
+    unseen = json.loads(file.read_text())["features"][1:]
 
     assert [mark["properties"]["name"] for mark in marks] == [None] * 3
     assert [mark["properties"]["heading_rad"] for mark in unseen] == [None] * 2
@@ -147,7 +150,7 @@ def test_a_drawn_route():
     legend = ax.get_legend()
 
     assert [text.get_text() for text in legend.get_texts()] == ["left", "straight", "right"]
-    assert legend.get_title().get_text() == "analytic: length 16.3230"
+    assert legend.get_title().get_text() == "analytic, proved: length 16.3230"
     looks = {
         (line.get_color(), line.get_linestyle(), line.get_linewidth())
         for line in legend.get_lines()

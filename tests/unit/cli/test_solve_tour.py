@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dubins_study import Scenario, plot_path, solve
-from dubins_study.cli.solve import answer_json, answer_text
+from dubins_study.cli.solving.answer_text import answer_json, answer_text
 from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments import solve as module
 from dubins_study.study.scenario_frame import solve_command
@@ -182,7 +182,7 @@ REFUSED = {
     "3 4 --order sideways --via 1 2": "order is 'sideways'; expected given or free",
     "--order free": "via is empty; expected points to pass, which a tour without a target needs",
     "--closed": "via is empty; expected points to pass, which a closed path needs",
-    "--closed --via 3 4 --final-heading 3": "final_heading is '3', but a closed path ends as it",
+    "--closed --via 3 4 --final-heading 3": "final_heading is 3.0, but a closed path ends as it",
     "3 4 --via-heading 1 90deg": "--via-heading: place 1; there is no via point",
     "3 4 --via 1 2 --via-heading 2 90deg": "--via-heading: place 2; expected one from 1 to 1",
     "3 4 --via 1 2 --via-heading 1 90degg": "'90degg' is not an angle",

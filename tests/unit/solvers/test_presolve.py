@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dubins_study.asking.attempt import attempt
 from dubins_study.asking.reply import ask
-from dubins_study.cli.solve import answer_json, answer_text
+from dubins_study.cli.solving.answer_text import answer_json, answer_text
 from dubins_study.solvers.presolve import WORDS, unreachable
 from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.registry import available_solvers, load

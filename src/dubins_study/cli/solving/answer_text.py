@@ -121,7 +121,7 @@ def _stops(flight: Flight) -> str:
     rows = [
         (
             str(stop.place),
-            plain(stop.stop),
+            plain(stop.name),
             f"{stop.time:.1f}",
             f"{stop.length:.6g}",
             f"{math.degrees(stop.heading):.1f}",

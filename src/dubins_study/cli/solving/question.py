@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -67,7 +66,7 @@ def question_of(words: Words) -> Asked:
         if words.to_last and mission.points[-1].heading is not None:
             message = "the last point has a heading, and --final-heading is given"
             raise CommandError(f"{message}; expected one of them")
-        fields["final_heading"] = _heading(words.final_heading, words.compass)
+        fields["final_heading"] = _heading("final_heading", words.final_heading, words.compass)
     speed = 1.0 if words.speed is None else words.speed
     scenario = mission.scenario(
         to_last=words.to_last,
@@ -108,7 +107,7 @@ def _file_mission(file: FilePath, words: Words) -> Mission:
 def _points(words: Words) -> list[MissionPoint]:
     """Via points and, unless there is none, the target, of which `--via-file` may have all."""
     from dubins_study.missions.mission import MissionPoint
-    from dubins_study.missions.read import read_mission
+    from dubins_study.missions.table import read_points
 
     x, y = words.target, words.y
     if words.via and words.via_file is not None:
@@ -122,7 +121,7 @@ def _points(words: Words) -> list[MissionPoint]:
         raise CommandError(f"{message}; --from takes X Y HEADING")
     points = [MissionPoint(*each) for each in words.via]
     if words.via_file is not None:
-        points += read_mission(words.via_file).points
+        points += read_points(words.via_file)
     if isinstance(x, float) and y is not None:
         points.append(MissionPoint(x, y))
     return points
@@ -135,7 +134,7 @@ def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> Missi
     x, y, heading = start_pose(pose)
     if mission.plane is not None:
         x, y = mission.plane.to_plane([x, y])[0].tolist()
-    return MissionPoint(x, y, _heading(heading, compass))
+    return MissionPoint(x, y, _heading("heading", heading, compass))
 
 
 def _with_headings(mission: Mission, words: Words) -> Mission:
@@ -149,18 +148,25 @@ def _with_headings(mission: Mission, words: Words) -> Mission:
         if points[place - 1].heading is not None:
             message = f"via point {place} has two headings; expected one"
             raise CommandError(f"--via-heading: {message}")
-        points[place - 1] = points[place - 1]._replace(heading=_heading(text, words.compass))
+        points[place - 1] = points[place - 1]._replace(
+            heading=_heading("--via-heading", text, words.compass)
+        )
     return replace(mission, points=tuple(points))
 
 
-def _heading(text: str, compass: bool) -> float | None:
+def _heading(name: str, text: str, compass: bool) -> float | None:
     """A heading (rad, counterclockwise from +x) of a word; None if it is free."""
-    from dubins_study.study.angle import parse_angle
-    from dubins_study.study.scenario import FREE
+    from dubins_study.missions.reading import heading_of
+    from dubins_study.study.angle import AngleError
+    from dubins_study.study.scenario import CONVENTION, FREE
 
     if text == FREE:
         return None
-    return 0.5 * math.pi - parse_angle(text) if compass else parse_angle(text)
+    try:
+        return heading_of(text, compass)
+    except AngleError as error:
+        runs = "clockwise from north" if compass else CONVENTION
+        raise CommandError(f"{name}: {error}, {runs}") from None
 
 
 def _radius(words: Words, mission: Mission) -> float:

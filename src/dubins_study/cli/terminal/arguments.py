@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -75,7 +75,7 @@ TargetY = Annotated[float, typer.Argument(metavar="Y", parser=number, help="targ
 _OR_LAST = "target position; default: the last point of --via-file, none with --order free"
 _OR_FILE = f"{_OR_LAST}. Alone it is a mission file: CSV, GPX, KML, GeoJSON, .plan, .waypoints"
 TargetOrFile = Annotated[
-    str | None,
+    Any,  # a number or a file; typer knows no union
     typer.Argument(metavar="X", parser=number_or_file, help=_OR_FILE, show_default=False),
 ]
 MaybeY = Annotated[
@@ -130,7 +130,7 @@ FinalHeading = Annotated[
 Radius = Annotated[
     float, typer.Option(metavar="NUMBER", parser=number, help="minimum turning radius")
 ]
-_RADIUS = "minimum turning radius; of a mission on Earth in m. Default: 1, or that of --bank"
+_RADIUS = "minimum turning radius, in m for a mission on Earth; default: 1, or that of --bank"
 RadiusOrBank = Annotated[
     float | None,
     typer.Option("--radius", metavar="NUMBER", parser=number, help=_RADIUS, show_default=False),
