@@ -116,7 +116,7 @@ def _lead(rows: pd.DataFrame) -> str:
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
         f"{count(right)} of {some(own['question'].nunique(), 'question')}. "
-        "Of all others see what each must know."
+        "The other lines say what each method must know, and how often it is right."
     )
 
 
