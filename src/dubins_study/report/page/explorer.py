@@ -90,7 +90,7 @@ def explorer_section(results: Results) -> Section:
     return Section("explorer", "The problem", "", (problem, explorer), lead)
 
 
-TOPIC = Topic("the explorer", explorer_section, General.EVERY, place=Place.FRONT)
+TOPIC = Topic("the problem", explorer_section, General.EVERY, place=Place.FRONT)
 
 
 def write_explorer(file: FilePath) -> FilePath:
