@@ -164,6 +164,7 @@ _MISSIONS = "until the command reads mission files"
 # Page and the beginning of a block that is parsed, but not run -> why.
 NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
+    ("README.md", "dubins-study solve mission.plan"): "a mission of the reader's",
     ("docs/submit.md", "dubins-study run"): "two suites take an hour; of a solver of the reader's",
     ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
     ("docs/plugins.md", "from dubins_study import load_results"): "reads the committed rows",
@@ -191,7 +192,7 @@ NOT_RUN = {
 # Pages whose blocks take more than some five seconds in all; `--slow` runs them.
 SLOW = (
     *("docs/tutorial.md", "docs/survey.md", "docs/plugins.md", "docs/running.md"),
-    *("docs/reference/api.md", "docs/recipes.md", "README.md"),
+    *("docs/reference/api.md", "docs/recipes.md", "docs/tours.md", "README.md"),
 )
 
 

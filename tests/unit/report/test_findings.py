@@ -139,8 +139,8 @@ CASES = [
         found.growth,
         partial(routes, power=2.0, sizes=(10, 20, 50, 100)),
         (
-            "on one NLP a word (105 ms to 10.6 s) grows as the legs to the power 2.0 (",
-            "power 1.0 (",
+            "on one NLP a word (105 ms to 10.6 s) by 4.0 (",
+            "by 2.0 (",
         ),
         2.0,
     ),

@@ -82,7 +82,7 @@ def whole(tmp_path_factory):
         return render(folders, out=base / "report")
 
 
-FRONT = ["decision", "explorer", "convergence", "plane"]
+FRONT = ["explorer", "decision", "convergence", "plane"]
 DETAILS = [
     *("caution", "summary", "success", "time", "radius", "warm"),
     *("failures", "attempts", "solvers", "limits"),
@@ -104,6 +104,15 @@ def test_every_section_is_in_its_place(whole):
     ]
     assert 'href="paper.html"' in page
     assert 'href="index.html"' in paper
+
+
+def test_the_page_begins_with_the_problem(whole):
+    """The picture and the explorer stand above the first figure or table about engines."""
+    page = whole.read_text(encoding="utf-8")
+    figures = re.findall(r'<figure class="\w+" id="([^"]+)"', page)
+
+    assert figures[:2] == ["widget-problem", "widget-explorer"]
+    assert figures[2] == "table-decision"
 
 
 def test_every_section_says_first_what_to_see(whole):

@@ -1,4 +1,4 @@
-"""The explorer: paths to a target, and routes, that the reader drags; a section and a page."""
+"""The problem: two paths in a picture, and the explorer, in which the reader drags paths."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import base64
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
+from jinja2 import Template
 from markupsafe import Markup
 
 from dubins_study.report.data.results import Results
@@ -48,42 +49,55 @@ PRESETS = (
 )
 
 
+def _drawing(name: str) -> str:
+    """A drawing of the templates as an image's address, so that its styles stay its own."""
+    content = (TEMPLATES / f"{name}.svg").read_bytes()
+    return f"data:image/svg+xml;base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _template(name: str) -> Template:
+    made = environment()
+    made.filters |= {"drawing": _drawing}
+    return made.get_template(name)
+
+
 def _explorer() -> Markup:
     """The explorer's HTML; `dubins.js` and the scripts `explorer*.js` bring it to life."""
-    template = environment().get_template("explorer.html.j2")
-    # drawings as addresses, so that their styles stay their own
-    drawings = {
-        name: base64.b64encode((TEMPLATES / f"{name}.svg").read_bytes()).decode("ascii")
-        for name in ("problem", "words")
-    }
     branches = [branch for branch in BRANCHES if branch != "best"]
-    return Markup(template.render(presets=PRESETS, branches=branches, drawings=drawings))
+    return Markup(_template("explorer.html.j2").render(presets=PRESETS, branches=branches))
 
 
 def explorer_section(results: Results) -> Section:
-    """Every word's path to a target that the reader chooses; the same for all results."""
-    caption = (
-        "Map: the shortest word of every target; the length jumps across the heavy half circles. "
-        "Bold: the shortest path; thin: other words'. Tab reaches the handles; arrow keys move "
-        "them, + and − change the radius. Certificates: of Pontryagin's conditions and the cut; "
-        "clear of its cut, an extremal is shortest."
+    """The question, a picture of two answers, and paths that the reader drags.
+
+    The same for all results.
+    """
+    lead = "Which path from the start to the target is the shortest?"
+    two_paths = (
+        "The vehicle drives forward only and cannot turn tighter than a circle of radius R. Its "
+        "shortest path is made of arcs of this radius and straight lines. The word of a path names "
+        "them in their order: L is a left turn, R a right turn, S straight. Here RS is the "
+        "shortest. LS arrives too, but is more than twice as long: a solver that finds LS may take "
+        "it for the shortest."
     )
-    lead = (
-        "Drag the target across a turning circle to see the shortest path jump to another word. "
-        "Add via points or a final heading to plan a route, in the given order or in any."
+    try_it = (
+        "Drag the target T: the bold path is the shortest, and each colour of the map is one word. "
+        "Drag T into a turning circle, across the heavy line: the path jumps to another word and "
+        "gets longer. Route and Tour have via points, which the path must pass on the way."
     )
-    widget = Widget("explorer", caption, _explorer())
-    return Section("explorer", "Explore the problem", "", (widget,), lead)
+    problem = Widget("problem", two_paths, Markup(_template("problem.html.j2").render()))
+    explorer = Widget("explorer", try_it, _explorer())
+    return Section("explorer", "The problem", "", (problem, explorer), lead)
 
 
-TOPIC = Topic("the explorer", explorer_section, General.EVERY, place=Place.FRONT)
+TOPIC = Topic("the problem", explorer_section, General.EVERY, place=Place.FRONT)
 
 
 def write_explorer(file: FilePath) -> FilePath:
     """Write the explorer as a page of its own, which opens offline; returns the file."""
     page = environment().get_template("explorer-page.html.j2")
     text = page.render(
-        title="Explore the shortest bounded-curvature path to a point",
+        title="Explore the shortest path of a vehicle that cannot turn tightly",
         style=stylesheets(EXPLORER_STYLES),
         explorer=_explorer(),
         scripts=scripts(EXPLORER_SCRIPTS),

@@ -41,10 +41,11 @@ class Head(NamedTuple):
     asked: str
 
 
+_TITLE = "The shortest path of a vehicle that cannot turn tightly"
 _ASKED = (
-    "From a start pose to a target, perhaps past given points or to a given heading, with no turn "
-    "tighter than the radius R: which formulation, engine and initial guess find the shortest "
-    "path, how surely, how fast, and who proves it?"
+    "A vehicle starts at a place with a heading, the direction in which it drives, and must reach "
+    "a target. Solvers, programs for optimisation, look for its shortest path. Which of them find "
+    "it, how fast, and which only say so?"
 )
 
 
@@ -52,7 +53,7 @@ def head_of(folders: Sequence[Folder]) -> Head:
     """Title and question of the experiment; of several the report's."""
     first = folders[0]
     if len({folder.name for folder in folders}) > 1:
-        return Head("The shortest bounded-curvature path", _ASKED)
+        return Head(_TITLE, _ASKED)
     return Head(first.title, first.manifest.experiment.question or _ASKED)
 
 

@@ -13,12 +13,12 @@ from dubins_study.report.elements.looks import labels_of
 
 # Modules of `report` with their topics, in the order of the page.
 _MODULES = (
-    # the front
+    # the front: first the problem, then what solvers make of it
+    "page.explorer",
     "topics.belief",
     "topics.routes",
     "topics.findings",
     "topics.decision",
-    "page.explorer",
     # the comparison in detail
     "topics.caution",
     "topics.summary",

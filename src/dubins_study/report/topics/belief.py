@@ -142,12 +142,12 @@ def belief_section(results: Results) -> Section | None:
     if len(false):
         blocks.append(_proof_table(false, names))
     text = sentences(
-        "A claim is true if it says no more than the check finds; a local solver's longer path is "
-        "a true claim of a local optimum. A claim is true to its tolerance if its bound is too "
-        "high by no more than the engine's tolerance allows.",
+        "A claim is what a solver says of its answer. It is true if it says no more than the check "
+        "finds: a local solver's longer path is a true claim of a local optimum. A claim is true "
+        "to its tolerance if its bound is too high by no more than the engine's tolerance allows.",
         _liars(rows, table),
     )
-    lead = "Crossed: claims that are false. Beside a bar stands the number of its false claims."
+    lead = "Orange: answers that claim more than is true. The number beside a bar counts them."
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 

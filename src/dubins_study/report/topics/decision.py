@@ -116,7 +116,7 @@ def _lead(rows: pd.DataFrame) -> str:
     return (
         f"If you only need the path, use the closed form{where}: right in time on "
         f"{count(right)} of {some(own['question'].nunique(), 'question')}. "
-        "Of all others see what each must know."
+        "The other lines say what each method must know."
     )
 
 
@@ -146,7 +146,7 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
     caption = "The share right, with its 95 % interval by Wilson, then how the attempts end."
     if not each:
         caption = (
-            "The solver that is most surely right (share, 95 % interval by Wilson), then how the "
+            "The solver with the highest lower end of its 95 % interval (Wilson), then how the "
             "attempts of all engines end at equal options."
         )
     if few:

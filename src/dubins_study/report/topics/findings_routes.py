@@ -180,16 +180,20 @@ def growth(evidence: Evidence) -> Finding | None:
         name = "the search with a proof" if solver == EXACT else evidence.name(solver)
         return f"{name} ({seconds(mine.iloc[0])} to {seconds(mine.iloc[-1])})"
 
-    shown = digits(2)
+    def doubled(solver: str) -> str:
+        """The factor by which twice as many legs multiply a solver's time, with its interval."""
+        slope = powers[solver]
+        factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
+        return factor.text(digits(2))
+
     proof = ""
     if EXACT in powers and EXACT not in (least, most):
-        proof = f"; that of {named(EXACT)} to {powers[EXACT].text(shown)}"
+        proof = f", that of {named(EXACT)} by {doubled(EXACT)}"
     asked = rows.loc[rows["legs"] == largest, "question"].nunique()
     return Finding(
-        f"Plan for size by the power of the legs, not by one time: with {label}, from "
-        f"{rows['legs'].min()} to {largest} legs, the time of "
-        f"{named(most)} grows as the legs to the power {power.text(shown)}, that of "
-        f"{named(least)} to the power {powers[least].text(shown)}{proof}.",
+        f"Plan for more legs: with {label}, from {rows['legs'].min()} to {largest} legs, twice as "
+        f"many legs multiply the time of {named(most)} by {doubled(most)}, that of {named(least)} "
+        f"by {doubled(least)}{proof}.",
         power,
         f"{some(power.questions, 'route')} that the first one answers; "
         f"{some(len(powers), 'method')} still right on most of the "

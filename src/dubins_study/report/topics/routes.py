@@ -102,8 +102,8 @@ def routes_section(results: Results) -> Section | None:
     cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
-        "Read along a line up to how many legs a method still finds the shortest route, and from "
-        "panel to panel what shorter legs cost it."
+        "A route passes given points; a leg is its part from one point to the next. A line shows "
+        "up to how many legs a method is right; shorter legs, to the right, are harder."
     )
     blocks = (_picture(cells, strata, results),)
     return Section("routes", TITLE, _text(rows), blocks, lead)

@@ -54,7 +54,7 @@ window.explorerAnswers = (root) => {
     if (second === "S") return `no path: the target is inside the ${side} turning circle`;
     const distance = Math.hypot(X, Y - (first === "L" ? 1 : -1));
     const what = distance > 3 ? "more than 3 R" : "less than 1 R";
-    return `no path: the target is ${what} (${number(distance, 4)} R) from the ${side} circle's centre`;
+    return `no path: ${what} (${number(distance, 4)} R) from the ${side} circle's centre`;
   }
 
   // What the certificate says, in words (docs/derivation.md, sections 9 and 10).
@@ -63,16 +63,16 @@ window.explorerAnswers = (root) => {
     if (word === "") return "nothing to drive";
     if (certificate.verdict === "no extremal") {
       const [a, b] = segments;
-      if (b <= Math.PI) return `no extremal: its second arc turns by ${degrees(b)}, not by more than 180°`;
-      if (a > b) return "no extremal: its first arc turns by more than its second";
-      return "no extremal: a turn goes the wrong way";
+      if (b <= Math.PI) return `not the shortest, no extremal: its second arc turns by ${degrees(b)}, not by more than 180°`;
+      if (a > b) return "not the shortest, no extremal: its first arc turns by more than its second";
+      return "not the shortest, no extremal: a turn goes the wrong way";
     }
     if (certificate.verdict === SHORTEST) {
-      if (word === "S") return "extremal; straight, so that nothing is shorter";
-      if (tied) return "extremal, on its cut: another word is as short";
-      return `extremal, and ${degrees(certificate.cut_margin)} before its cut: proves that it is the shortest`;
+      if (word === "S") return "the shortest: a straight line";
+      if (tied) return "another word is as short: an extremal on its cut";
+      return `proved the shortest: an extremal, ${degrees(certificate.cut_margin)} before its cut`;
     }
-    return `extremal, but ${degrees(-certificate.cut_margin)} beyond its cut: another word is shorter`;
+    return `another word is shorter: an extremal, but ${degrees(-certificate.cut_margin)} beyond its cut`;
   }
 
   function evidence(entry, found) {
