@@ -29,6 +29,7 @@ from dubins_study import (
 
 PUBLIC = {
     *("Scenario", "Path", "solve", "solve_frame", "plot_path", "available_solvers"),
+    *("Mission", "read_mission"),
     *("run", "status", "merge", "load_results", "render", "compare"),
     *("Solver", "Question", "Solution", "Claim", "Guarantee", "Verdict", "DubinsStudyError"),
     "check_solver",

@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 
 from dubins_study.missions.mission import MissionError, MissionPoint
 from dubins_study.missions.reading import Reading, each, point_of, reading_of
-from dubins_study.study.values import short
 
 
 def read_xml(text: str, compass: bool) -> Reading:
@@ -19,9 +18,11 @@ def read_xml(text: str, compass: bool) -> Reading:
         raise MissionError("it declares a document type or entities, which are not read")
     root = ElementTree.fromstring(text)
     element = _tag(root)
-    if element not in ("gpx", "kml"):
-        raise MissionError(f"its first element is {element}; expected gpx or kml")
-    return _read_gpx(root) if element == "gpx" else _read_kml(root)
+    if element == "gpx":
+        return _read_gpx(root)
+    if element == "kml":
+        return _read_kml(root)
+    raise MissionError(f"its first element is {element}; expected gpx or kml")
 
 
 def _tag(element: Any) -> str:
@@ -47,11 +48,11 @@ def _read_kml(root: Any) -> Reading:
     for placemark in root.iterfind(".//{*}Placemark"):
         properties = {"name": placemark.findtext("{*}name")}
         for shape in placemark.iter():
-            kind = _tag(shape).replace("Track", "LineString")
-            if kind in ("Point", "LineString", "Polygon", "Model"):
-                texts = (shape.findtext("{*}coordinates") or "").split()
-                positions = [text.split(",") for text in texts]
-                positions += [(coord.text or "").split() for coord in shape.iterfind("{*}coord")]
+            texts = (shape.findtext("{*}coordinates") or "").split()
+            positions = [text.split(",") for text in texts]
+            positions += [str(coord.text).split() for coord in shape.iterfind("{*}coord")]
+            if positions:
+                kind = _tag(shape).replace("Track", "LineString")
                 geometry = {"type": kind, "coordinates": positions}
                 features.append({"geometry": geometry, "properties": properties})
     return _read_features("KML", features)
@@ -64,13 +65,10 @@ def read_geojson(content: Any, compass: bool) -> Reading:
     """
     reading = _read_features("GeoJSON", content.get("features", [content]), compass)
     crs = content.get("crs")
-    if crs is not None and not re.search("CRS84|4326", str(crs)):
-        why = f"crs is {short(crs)}, not WGS 84"
-    elif any(abs(point.x) > 180 or abs(point.y) > 90 for point in reading.points):
-        why = "coordinates are no degrees"
-    else:
+    on_earth = crs is None or re.search("CRS84|4326", str(crs))
+    if on_earth and all(abs(point.x) <= 180 and abs(point.y) <= 90 for point in reading.points):
         return reading
-    note = f"{why}: x and y are on a plane, in the radius's unit"
+    note = "no degrees of WGS 84, by crs or by size: x and y on a plane, in the radius's unit"
     return reading._replace(degrees=False, passed=f"{note} {reading.passed}".strip())
 
 

@@ -57,13 +57,9 @@ def read_wpl(text: str, compass: bool) -> Reading:
 
 def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
     """The place of an item of a plan, or those of a survey; what has none is counted."""
-    transects = item.get("TransectStyleComplexItem", {})
-    corners = transects.get("VisualTransectPoints")
-    if items := transects.get("Items"):
-        return each("item", items, lambda part: _places(part, passed))
-    if corners:
-        return [point_of({"x": longitude, "y": latitude}) for latitude, longitude in corners]
-    if "command" not in item:
+    if corners := item.get("TransectStyleComplexItem", {}).get("VisualTransectPoints"):
+        return [point_of({"x": corner[1], "y": corner[0]}) for corner in corners]
+    if "complexItemType" in item:
         passed[str(item["complexItemType"])] += 1
         return []
     command = int(item["command"])

@@ -8,7 +8,6 @@ import math
 import os
 import re
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -23,7 +22,6 @@ from dubins_study.study.values import plain
 _LOG = logging.getLogger(__name__)
 _MOST_POINTS = 10_000  # the search for a path takes minutes for a thousand
 _MOST_DISTORTION = 1e-4  # of lengths on the plane, relative; 156 km from its middle
-_FURTHEST = 500_000  # m, from the middle; what flies further hardly has one radius
 # A micrometre: less than any file of places means, and more than degrees lose by being written.
 _SAME = 1e-6
 
@@ -114,13 +112,20 @@ def _mission(
     if repeats and not drop_repeats:
         expected = "--drop-repeats (in Python drop_repeats=True) takes each point once"
         raise MissionError(f"{repeats}; {expected}")
-    notes = [_extent(kept, plane), reading.passed, repeats and f"dropped: {repeats}"]
+    extent, distortion = _extent(kept, plane)
+    notes = [extent, reading.passed, repeats and f"dropped: {repeats}"]
     if headings := sum(point.heading is not None for point in kept):
         how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
         notes.append(f"{headings} headings, numbers in {how}")
-    home = kept.pop(0) if reading.home is not None else None
-    warnings = _doubts(points, plane)
-    return Mission(tuple(kept), home, plane, reading.source, tuple(filter(None, notes)), warnings)
+    doubt = f"{extent}; are longitude and latitude right?"
+    return Mission(
+        points=tuple(kept[reading.home is not None :]),
+        home=None if reading.home is None else kept[0],
+        plane=plane,
+        source=reading.source,
+        notes=tuple(filter(None, notes)),
+        warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
+    )
 
 
 def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, TangentPlane]:
@@ -142,8 +147,8 @@ def _without_repeats(points: Points) -> tuple[Points, str]:
     """The points without those that repeat, and a sentence about these."""
     kept = points[:1]
     repeats: Points = []
-    for before, point in pairwise(points):
-        (repeats if _same(before, point) else kept).append(point)
+    for point in points[1:]:
+        (repeats if _same(point, kept[-1]) else kept).append(point)
     notes = []
     if repeats:
         notes.append(f"{repeats[0].where} equals the point before it; such points: {len(repeats)}")
@@ -156,23 +161,14 @@ def _same(one: MissionPoint, other: MissionPoint) -> bool:
     return math.dist(one[:2], other[:2]) <= _SAME
 
 
-def _extent(points: Points, plane: TangentPlane | None) -> str:
-    """How many points there are, how far they reach, and where."""
-    width, height = np.ptp([point[:2] for point in points], axis=0)
+def _extent(points: Points, plane: TangentPlane | None) -> tuple[str, float]:
+    """How many points there are, how far they reach, and where; the error of lengths."""
+    xy = np.array([point[:2] for point in points])
+    width, height = np.ptp(xy, axis=0)
     extent = f"{len(points)} points, {width:.4g} by {height:.4g}"
     if plane is None:
-        return f"{extent} in the radius's unit"
+        return f"{extent} in the radius's unit", 0.0
     where = f"latitude {plane.latitude:.5f}, longitude {plane.longitude:.5f}"
-    distortion = plane.distortion([point[:2] for point in points])
-    return f"{extent} m around {where}; lengths on the plane are up to {distortion:.1g} too long"
-
-
-def _doubts(points: Points, plane: TangentPlane | None) -> tuple[str, ...]:
-    """A warning of points too far apart for a plane."""
-    distortion = plane.distortion([point[:2] for point in points]) if plane else 0.0
-    if distortion <= _MOST_DISTORTION:
-        return ()
-    furthest = max(math.hypot(*point[:2]) for point in points)
-    far = f"points lie up to {furthest / 1000:.0f} km from their middle"
-    right = "; are longitude and latitude right?" if furthest > _FURTHEST else ""
-    return (f"{far}: lengths on the plane are up to {distortion:.1g} too long, relatively{right}",)
+    distortion = plane.distortion(xy)
+    error = f"lengths on the plane are up to {distortion:.1g} too long, relatively"
+    return f"{extent} m around {where}; {error}", distortion

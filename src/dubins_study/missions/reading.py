@@ -16,7 +16,6 @@ from dubins_study.study.angle import parse_angle
 from dubins_study.study.scenario import FREE
 from dubins_study.study.values import number_of_text, plain, real_number, short
 
-_MOST_BYTES = 64_000_000
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 # what parsing raises, and reading content of another shape than expected; SyntaxError is XML's
 _MALFORMED = (AttributeError, LookupError, TypeError, ValueError, SyntaxError, RecursionError)
@@ -50,18 +49,15 @@ def at(where: str) -> Iterator[None]:
 
 def text_of(file: str | os.PathLike[str]) -> str:
     """The text of a file in UTF-8, or in UTF-16 with a byte order mark."""
+    text = "\0"
     try:
-        with FilePath(file).open("rb") as opened:
-            content = opened.read(_MOST_BYTES + 1)
+        content = FilePath(file).read_bytes()
+        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
     except OSError as error:
         raise MissionError(f"cannot be read: {error.strerror}") from None
-    if len(content) > _MOST_BYTES:
-        raise MissionError(f"cannot be read: it has more than {_MOST_BYTES} bytes")
-    try:
-        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
     except UnicodeError:
-        text = "\0"
-    if "\0" in text:
+        pass
+    if "\0" in text:  # as binary files have
         message = "it is not UTF-8 text, nor marked UTF-16; a zip archive (KMZ) must be unpacked"
         raise MissionError(f"cannot be read: {message}")
     return text
@@ -88,24 +84,27 @@ def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[Mission
 def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
     """The point of numbers, or texts of numbers, by the fields' names; empty is not given."""
     given = {name: value for name, value in fields.items() if value not in (None, "", FREE)}
-    with at("heading"):
-        heading = heading_of(str(given["heading"]), compass) if "heading" in given else None
-    numbers: dict[str, Any] = {
-        name: _number(name, given.get(name))
-        for name in ("x", "y", "altitude", "speed")
-        if name in given or name in ("x", "y")
-    }
-    return MissionPoint(**numbers, heading=heading, name=str(given.get("name", "")))
+    values: dict[str, Any] = {"x": given.get("x"), "y": given.get("y")}
+    for name in ("altitude", "speed"):
+        if name in given:
+            values[name] = given[name]
+    for name, value in values.items():
+        values[name] = number_of(value)
+        if math.isnan(values[name]):
+            raise MissionError(f"{name} is {short(value)}; expected a number")
+    if "heading" in given:
+        with at("heading"):
+            values["heading"] = heading_of(str(given["heading"]), compass)
+    return MissionPoint(**values, name=str(given.get("name", "")))
 
 
-def _number(name: str, value: Any) -> float:
+def number_of(value: Any) -> float:
+    """The number that a value or a text is; NaN if it is none, or not finite."""
     try:
         number = number_of_text(value) if isinstance(value, str) else real_number(value)
     except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise MissionError(f"{name} is {short(value)}; expected a number")
-    return number
+        return math.nan
+    return number if math.isfinite(number) else math.nan
 
 
 def heading_of(text: str, compass: bool) -> float:

@@ -10,10 +10,10 @@ from collections.abc import Collection, Sequence
 from io import StringIO
 from itertools import takewhile
 
-from dubins_study.missions.mission import MissionError, MissionPoint
-from dubins_study.missions.reading import Points, Reading, at, point_of, text_of
-from dubins_study.study.delimited import Row, read_rows
-from dubins_study.study.values import number_of_text, plain
+from dubins_study.missions.mission import MissionError
+from dubins_study.missions.reading import Points, Reading, at, number_of, point_of, text_of
+from dubins_study.study.delimited import Row, Rows, read_rows
+from dubins_study.study.values import plain
 
 _LOG = logging.getLogger(__name__)
 # names of columns for each field of a point, without what is no letter
@@ -53,17 +53,12 @@ def read_table(
     used: Collection[str] = tuple(_NAMES),
 ) -> Reading:
     """The points of a text with columns; those of fields that are not used are passed over."""
-    lines = list(StringIO(text, newline=""))
-    comments = list(takewhile(lambda line: line.startswith("#"), lines))
-    lines[: len(comments)] = ["\n"] * len(comments)
-    first_line = next(filter(str.strip, lines), "")
-    delimiter = next((sign for sign in ";\t" if sign in first_line), ",")
-    rows, problems = read_rows(lines, delimiter)
+    (rows, problems), comment = _split(text)
     place, first = rows[0] if rows else Row("line 1", [])
     has_header = not any(map(_is_number, first))
-    names = first if columns is None else list(columns)
-    if comments and columns is None and not has_header:
-        names = comments[-1].strip("# \r\n").split(delimiter)
+    names: Sequence[str] = first if has_header or not comment else comment
+    if columns is not None:
+        names = columns
     fields = [_FIELDS.get(re.sub(r"[\W_]", "", name.lower()), name.lower()) for name in names]
     in_degrees = "longitude" in fields or "latitude" in fields
     x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
@@ -77,11 +72,15 @@ def read_table(
     if problems:
         raise MissionError(problems[0])
     points = []
-    for row in rows[has_header:]:
-        with at(row.place):
-            values = _values(fields, row.cells, "," if delimiter != "," else ".")
-            point = _point({**values, "x": values.get(x, ""), "y": values.get(y, "")}, compass)
-            points.append(point._replace(where=row.place))
+    for place, cells in rows[has_header or names is first :]:
+        row = dict(zip(fields, map(str.strip, cells), strict=False))
+        place_texts = [row.get(x, ""), row.get(y, "")]
+        with at(place):
+            if not all(map(_is_number, place_texts)):
+                message = f"x,y is {','.join(place_texts)!r:.60}; expected two numbers"
+                raise MissionError(message)
+            point = point_of({**row, "x": row[x], "y": row[y]}, compass)
+            points.append(point._replace(where=place))
     if not points:
         raise MissionError("no points; expected a line each")
     kept = {x, y, "-", *used}
@@ -91,33 +90,31 @@ def read_table(
     return Reading("table", points, note, degrees=in_degrees)
 
 
+def _split(text: str) -> tuple[Rows, list[str]]:
+    """The rows, with decimal points, and the cells of the last line behind `#` above them."""
+    lines = list(StringIO(text, newline=""))
+    comments = list(takewhile(lambda line: line.startswith("#"), lines))
+    lines[: len(comments)] = ["\n"] * len(comments)
+    first_line = next(filter(str.strip, lines), "")
+    delimiter = next((sign for sign in ";\t" if sign in first_line), ",")
+    if delimiter != ",":  # a number may have a decimal comma
+        number = re.compile(rf"((?:^|{delimiter})\s*[+-]?\d*),(?=\d)")
+        lines = [number.sub(r"\1.", line) for line in lines]
+    comment = comments[-1].strip("# \r\n").split(delimiter) if comments else []
+    return read_rows(lines, delimiter), comment
+
+
 def _check_fields(fields: Sequence[str]) -> None:
     """Refuse a field of a point that is there twice, or a heading with more in its name."""
     for field in fields:
-        known = "heading" if "heading" in field else field
-        if known in _NAMES and (field != known or fields.count(field) > 1):
-            of_angles = "; headings are angles such as 90deg, or radians"
-            raise MissionError(f"column {field!r:.60}: expected one column {known}{of_angles}")
-
-
-def _values(fields: Sequence[str], cells: Sequence[str], decimal: str) -> dict[str, str]:
-    """The texts of a row by field, with decimal points."""
-    values = {field: cell.strip() for field, cell in zip(fields, cells, strict=False)}
-    return {f: text if f == "name" else text.replace(decimal, ".") for f, text in values.items()}
-
-
-def _point(values: dict[str, str], compass: bool) -> MissionPoint:
-    if _is_number(values["x"]) and _is_number(values["y"]):
-        return point_of(values, compass)
-    written = f"{values['x']},{values['y']}"
-    raise MissionError(f"x,y is {written!r:.60}; expected two numbers")
+        twice = field in _NAMES and fields.count(field) > 1
+        if twice or ("heading" in field and field != "heading"):
+            expected = "expected one column heading, of angles such as 90deg, or radians"
+            raise MissionError(f"column {field!r:.60}: {expected}, and one of each other kind")
 
 
 def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(number_of_text(text))
-    except ValueError:
-        return False
+    return not math.isnan(number_of(text))
 
 
 def read_tsplib(text: str, compass: bool) -> Reading:

@@ -154,16 +154,19 @@ class Scenario:
 
         Raises:
             PlaceError: if a place or the origin is none on Earth.
-            ScenarioError: as a scenario.
+            ScenarioError: if they are no pairs, and as a scenario.
         """
         passed = list(via)
         places = [start, *passed] if target is None else [start, *passed, target]
-        degrees = [
-            (checked_number("longitude", place[0]), checked_number("latitude", place[1]))
-            for place in places
-        ]
-        for place in degrees:
-            check_place(*place)
+        try:
+            degrees = [(place[0], place[1]) for place in places]
+        except (TypeError, LookupError):
+            message = f"expected pairs of longitude and latitude; given is {short(places)}"
+            raise ScenarioError(message) from None
+        for longitude, latitude in degrees:
+            check_place(
+                checked_number("longitude", longitude), checked_number("latitude", latitude)
+            )
         plane = middle_of(degrees) if origin is None else plane_at(origin)
         (x, y), *points = plane.to_plane(degrees).tolist()
         if target is not None:

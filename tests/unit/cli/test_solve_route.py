@@ -60,9 +60,10 @@ def test_points_of_a_file(points, tmp_path):
 
 
 REFUSED = {
-    "x;y\n": "line 1 is 'x;y'; expected the column names x and y, once each, with commas",
+    "x|y\n": "line 1 is 'x|y'; expected the column names x and y, once each",
     "": "line 1 is ''; expected the column names x and y",
     "x,y,x\n1,2,3\n": "line 1 is 'x,y,x'; expected the column names x and y",
+    "lon,lat\n8,47\n": "its points are in degrees; give the file as the argument: solve ",
     "x,y\n": "no points; expected a line each",
     "x,y\n1,2\n3,four\n": "line 3: x,y is '3,four'; expected two numbers",
     "x,y\n1\n": "line 2: x,y is '1,'; expected two numbers",

@@ -91,7 +91,7 @@ FILES = {
     "gpx route": (
         f"{GPX}<wpt lat='1' lon='2'/><rte>{gpx_points('rtept')}</rte></gpx>",
         LONLAT,
-        "passed over: 1 waypoints",
+        "passed over: 1 wpt",
     ),
     "gpx track": (
         f"{GPX}<trk><trkseg>{gpx_points('trkpt')}</trkseg><trkseg/></trk></gpx>",
@@ -104,9 +104,10 @@ FILES = {
             f"<Placemark><name>P</name><Point><coordinates>\n{lon},{lat},5\n</coordinates></Point></Placemark>"
             for lon, lat in LONLAT
         )
-        + "<Placemark><Polygon/></Placemark></Document></kml>",
+        + "<Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>0,0 1,0 1,1 0,0"
+        "</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>",
         LONLAT,
-        "passed over: 1 Polygon",
+        "passed over: 1 LinearRing",
     ),
     "kml line": (
         f"{KML}<Placemark><LineString><coordinates>11.5,48.1 11.51,48.1,0\n"
@@ -125,12 +126,12 @@ FILES = {
     "geojson on a plane": (
         features(shape("LineString", [(0, 0), (100, 0), (100, 50.5)]), crs={"name": "EPSG:32632"}),
         XY,
-        "not WGS 84: x and y are on a plane",
+        "no degrees of WGS 84, by crs or by size: x and y on a plane",
     ),
     "geojson in metres": (
         features(shape("LineString", [(500, 0), (600, 0), (600, 50.5)])),
         [(500, 0), (600, 0), (600, 50.5)],
-        "coordinates are no degrees",
+        "no degrees of WGS 84, by crs or by size",
     ),
     "a plan": (
         plan(
@@ -146,11 +147,6 @@ FILES = {
         "1 camera trigger distance, 1 command 1234",
     ),
     "a plan's survey": (
-        plan(survey(Items=[item(*place) for place in LONLAT], VisualTransectPoints=CORNERS[:1])),
-        LONLAT,
-        "3 points",
-    ),
-    "a plan's corners": (
         plan(survey(VisualTransectPoints=CORNERS), LANDING),
         LONLAT,
         "passed over: 1 fwLandingPattern",
@@ -215,20 +211,21 @@ WRONG = {
     "zeros": (b"x,y\n1,2\n\0\0\0", "it is not UTF-8 text"),
     "Latin-1": ("x,y,name\n1,2,Höhe\n".encode("latin-1"), "it is not UTF-8 text"),
     "UTF-16 unmarked": ("x,y\n1,2\n".encode("utf-16-le"), "it is not UTF-8 text"),
-    "KMZ": (b"PK\x03\x04\xff\xff", "a zip archive, such as KMZ, must be unpacked"),
+    "KMZ": (b"PK\x03\x04\xff\xff", "a zip archive (KMZ) must be unpacked"),
     "swapped": ("lon,lat\n48.1,111.5\n", "line 2: longitude is 48.1, latitude is 111.5; expected"),
     "metres as degrees": ("lon,lat\n692000,5330000\n", "are the two swapped, or metres?"),
     "mixed units": ("lon,lat\n11.5,48.1\n11500,48100\n", "line 3: longitude is 11500.0"),
-    "swapped GPX": (f"{GPX}<wpt lat='111' lon='48'/></gpx>", "waypoint 1: longitude is 48.0"),
+    "swapped GPX": (f"{GPX}<wpt lat='111' lon='48'/></gpx>", "wpt 1: longitude is 48.0"),
     "compass": ("x,y,heading\n0,0,\n1,1,270\n", "line 3: heading: 270 is more than a full turn"),
     "no header": (
         "1,2\n3,4\n",
-        "expected the column names x and y, once each, or lon and lat; nam",
+        "line 1 is '1,2'; expected the column names x and y, once each, or lon and lat; or name",
     ),
     "half a pair": ("x,lat\n1,2\n", "line 1 is 'x,lat'; expected the column names x and y"),
     "no columns": ("a;b\n1;2\n", "line 1 is 'a,b'; expected the column names"),
     "duplicates": ("x,y,Y\n1,2,3\n", "line 1 is 'x,y,Y'; expected the column names x and y, once"),
-    "two altitudes": ("x,y,alt,ele\n1,2,3,4\n", "expected one column altitude"),
+    "two altitudes": ("x,y,alt,ele\n1,2,3,4\n", "column 'altitude': expected one column"),
+    "a number as a name": ("x,y,2024\n1,a,3\n", "line 2: x,y is '1,a'; expected two numbers"),
     "two headings": ("x,y,heading,heading\n1,2,3,4\n", "expected one column heading"),
     "a unit in the name": ("x,y,heading_deg\n1,2,3\n", "column 'heading_deg': expected one column"),
     "NaN": ("x,y\n1,nan\n", "line 2: x,y is '1,nan'; expected two numbers"),
@@ -240,38 +237,38 @@ WRONG = {
     "an open quote": ('x,y,name\n1,2,"a\n3,4,b\n', "line 2: unexpected end of data"),
     "bad altitude": ("x,y,alt\n1,2,high\n", "line 2: altitude is 'high'; expected a number"),
     "header alone": ("lon,lat\n", "no points; expected a line each"),
-    "cut JSON": (plan(item(1, 2))[:-9], "it is no whole JSON file: "),
-    "deep JSON": ("[" * 100_000, "it is no whole JSON file: "),
+    "cut JSON": (plan(item(1, 2))[:-9], "cut, or not as its format has it (JSONDecodeError"),
+    "deep JSON": ("[" * 100_000, "cut, or not as its format has it (RecursionError"),
     "a JSON list": ("[1, 2]", "it is neither a plan, with a member mission, nor GeoJSON"),
     "another object": ('{"a": 1}', "it is neither a plan, with a member mission, nor GeoJSON"),
     "no items": (plan(), "there are no points; it has nothing"),
     "unknown commands": (plan(item(1, 2, 999)), "there are no points; it has 1 command 999"),
     "landing alone": (plan(LANDING), "there are no points; it has 1 fwLandingPattern"),
     "local frame": (plan(item(1, 2, 16, 1)), "it has 1 waypoint without a place"),
-    "a plan of texts": (plan("x"), "item 1 is not as its format has it: 'x'"),
-    "a plan of nothing": ('{"mission": 3}', "it is not as a file of its format is"),
+    "a plan of texts": (plan("x"), "item 1: cut, or not as its format has it"),
+    "a plan of nothing": ('{"mission": 3}', "cut, or not as its format has it"),
     "NaN in a plan": (plan(item(math.nan, 48)), "item 1: x is nan; expected a number"),
     "polygons": (features(shape("Polygon", [LONLAT])), "there are no points; it has 1 Polygon"),
-    "no coordinates": (features({"type": "Point"}), "feature 1 is not as its format has it"),
+    "no coordinates": (features({"type": "Point"}), "feature 1: cut, or not as its format has it"),
     "text in GeoJSON": (features(shape("Point", ["a", 1])), "feature 1: x is 'a'; expected a num"),
     "a number as GeoJSON": ('{"type": 3}', "there are no points; it has 1 3"),
-    "cut GPX": (f"{GPX}<wpt lat='1'", "it is no whole GPX file: "),
+    "cut GPX": (f"{GPX}<wpt lat='1'", "cut, or not as its format has it (ParseError"),
     "GPX without points": (f"{GPX}</gpx>", "there are no points"),
-    "text in GPX": (f"{GPX}<wpt lat='a' lon='1'/></gpx>", "it is no whole GPX file: Invalid value"),
-    "NaN in GPX": (f"{GPX}<wpt lat='nan' lon='1'/></gpx>", "waypoint 1: y is nan; expected"),
+    "text in GPX": (f"{GPX}<wpt lat='a' lon='1'/></gpx>", "wpt 1: y is 'a'; expected a number"),
+    "NaN in GPX": (f"{GPX}<wpt lat='nan' lon='1'/></gpx>", "wpt 1: y is 'nan'; expected"),
     "entities": (
         '<?xml version="1.0"?><!DOCTYPE kml [<!ENTITY a "b">]><kml>&a;</kml>',
         "it declares a document type or entities",
     ),
-    "cut KML": (f"{KML}<Placemark>", "it is no whole KML file: "),
+    "cut KML": (f"{KML}<Placemark>", "cut, or not as its format has it (ParseError"),
     "KML without points": (f"{KML}</Document></kml>", "there are no points"),
     "text in KML": (
         f"{KML}<Placemark><Point><coordinates>a,b</coordinates></Point></Placemark></Document></kml>",
         "feature 1: x is 'a'; expected a number",
     ),
-    "HTML": ("<html><body/></html>", "it is XML without an element gpx or kml"),
-    "rows cut": (wpl(row(0, 1, 2), row(1, 1, 2)[:9]), "item 1 is not as its format has it"),
-    "no rows": ("QGC WPL 110\n", "it is not as a file of its format is"),
+    "HTML": ("<html><body/></html>", "its first element is html; expected gpx or kml"),
+    "rows cut": (wpl(row(0, 1, 2), row(1, 1, 2)[:9]), "item 1: cut, or not as its format has it"),
+    "no rows": ("QGC WPL 110\n", "cut, or not as its format has it"),
     "explicit TSPLIB": (
         "EDGE_WEIGHT_TYPE: EXPLICIT\nNODE_COORD_SECTION\n1 2 3\n",
         "expected EDGE_WEIGHT_TYPE EUC_2D",
@@ -345,7 +342,7 @@ def test_headings(text, compass, heading, mission_of):
 
     assert mission.points[0].heading is None
     assert mission.points[1].heading == (None if heading is None else pytest.approx(heading))
-    assert ("clockwise from north" in mission.notes[0]) == (compass and heading is not None)
+    assert ("clockwise from north" in mission.notes[-1]) == (compass and heading is not None)
 
 
 @pytest.mark.parametrize("place", [(11.4, 48.3), (11.9, 47.9), (-170.0, -60.0), (179.9, 70.0)])
@@ -393,22 +390,21 @@ def test_repeats_are_dropped_and_counted(mission_of):
     mission = mission_of(text, drop_repeats=True)
 
     assert [point.name for point in mission.points] == ["a", "c", "e"]
-    assert mission.notes[-2:] == (
-        "dropped: line 3 equals the point before it; such points: 2",
-        "dropped: line 7 equals the first point; --closed flies back to it",
+    assert mission.notes[1] == (
+        "dropped: line 3 equals the point before it; such points: 2; "
+        "line 7 equals the first point; --closed flies back to it"
     )
     with pytest.raises(DubinsStudyError, match="the mission has one point"):
         mission_of("x,y\n1,1\n1,1\n", drop_repeats=True).scenario()
 
 
 def test_a_field_too_large_for_a_plane_is_warned_of(mission_of, caplog):
-    """Beyond 1e-4; where one coordinate may be wrong, the warning asks."""
+    """Beyond 1e-4, 156 km from the middle; points of which some are swapped are, too."""
     assert mission_of("lon,lat\n11,48\n14,48\n").warnings == ()
     large = mission_of("lon,lat\n11,48\n16,48\n")
     swapped = mission_of("lon,lat\n11.5,48.1\n48.1,11.5\n")
 
     assert "lengths on the plane are up to 0.0001 too long, relatively" in large.warnings[0]
-    assert "are longitude and latitude right?" not in large.warnings[0]
     assert "are longitude and latitude right?" in swapped.warnings[0]
     assert swapped.warnings[0] in caplog.text
 
@@ -435,6 +431,27 @@ def test_points_of_a_route(text, tmp_path, caplog):
     file.write_text("x,y,alt,speed\n1,2,3,4\n")
     read_points(file)
     assert "columns that are passed over: alt, speed" in caplog.text
+
+
+@pytest.mark.parametrize("name", FILES)
+@given(data=st.data())
+def test_a_damaged_file_is_read_or_refused(name, data, tmp_path_factory):
+    """Cut anywhere, or with a piece put elsewhere: a mission of finite numbers, or one line."""
+    text = FILES[name][0]
+    text = text if isinstance(text, bytes) else text.encode()
+    begin, end, at = sorted(data.draw(st.tuples(*[st.integers(0, len(text))] * 3)))
+    damaged = data.draw(
+        st.sampled_from([text[:end], text[:begin] + text[end:], text[:at] + text[begin:]])
+    )
+    file = tmp_path_factory.getbasetemp() / "damaged"
+    file.write_bytes(damaged)
+    try:
+        mission = read_mission(file, drop_repeats=True)
+    except DubinsStudyError as error:
+        assert str(error).startswith(f"{file}: ")
+        assert str(error).isprintable()
+    else:
+        assert np.isfinite([point[:2] for point in mission.points]).all()
 
 
 places = st.lists(

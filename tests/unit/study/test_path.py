@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dubins_study.study.path import Path, outline
-from dubins_study.study.scenario import Pose
+from dubins_study.study.scenario import Pose, Scenario
 
 MIRRORED = str.maketrans("LR", "RL")
 arcs = st.lists(st.tuples(st.floats(-3, 3), st.floats(0, 5)), max_size=8)
@@ -181,16 +181,19 @@ def test_words(pieces, word):
 
 
 def test_an_origin_turns_metres_into_degrees():
-    """Against the length of a minute of latitude (a sea mile within 1 %) and known metres a degree
-    at 45 degrees: 111 131.75 and 78 846.8 (WGS 84, the usual series)."""
-    path = Path(Pose(0, 0, math.pi / 2), [0.0], [111_131.75])
+    """The length of the meridian from 45 to 46 degrees, by the usual series of WGS 84 at its middle
+    (111 132.954 - 559.822 cos 2 phi + 1.175 cos 4 phi); `Scenario.from_lonlat` undoes it."""
+    path = Path(Pose(0, 0, math.pi / 2), [0.0], [111_141.55])
     (lon, lat), (end_lon, end_lat) = path.to_geojson(origin=(45, 8))["geometry"]["coordinates"]
 
-    assert (lon, lat) == (8, 45)
+    assert (lon, lat) == pytest.approx((8, 45), abs=1e-12)
     assert end_lon == pytest.approx(8, abs=1e-12)
-    assert end_lat == pytest.approx(46, abs=1e-5)
-    east = Path(Pose(0, 0, 0), [0.0], [78_846.8]).to_geojson(origin=(45, 8))
-    assert east["geometry"]["coordinates"][1] == pytest.approx([9, 45], abs=1e-5)
+    assert end_lat == pytest.approx(46, abs=1e-6)
+    slanted = Path(Pose(-3000, 200, 1), [0.0], [9000])
+    ends = slanted.to_geojson(origin=(45, 8))["geometry"]["coordinates"]
+    scenario = Scenario.from_lonlat(ends[0], ends[1], origin=(45, 8))
+    assert (scenario.x, scenario.y) == pytest.approx((-3000, 200), abs=1e-6)
+    assert scenario.target == pytest.approx(tuple(slanted.end[:2]), abs=1e-6)
     for origin in ((91, 0), (90, 0), (0, 181), (math.nan, 0), 5, (45,), ("45", 8), (10**400, 8)):
         with pytest.raises(ValueError, match="expected latitude between"):
             path.to_geojson(origin=origin)
