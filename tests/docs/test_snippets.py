@@ -69,10 +69,11 @@ def unknown(block: Block) -> bool:
 
 
 class Runner:
-    """Runs the blocks of one page in their order, all in one folder that is empty at first."""
+    """Runs the blocks of one page in their order, all in one folder that has the examples."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        (folder / "examples").symlink_to(ROOT / "examples")
         # a module of its own, in which a dataclass finds itself
         module = sys.modules["page_of_the_documentation"] = ModuleType("page_of_the_documentation")
         self.names: dict[str, Any] = vars(module)
@@ -160,11 +161,9 @@ PAGES = {
     str(page.relative_to(ROOT)): blocks(page)
     for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md")))
 }
-_MISSIONS = "until the command reads mission files"
 # Page and the beginning of a block that is parsed, but not run -> why.
 NOT_RUN = {
     ("README.md", "make study"): "installs an environment; .ci/run begins with make",
-    ("README.md", "dubins-study solve mission.plan"): "a mission of the reader's",
     ("docs/submit.md", "dubins-study run"): "two suites take an hour; of a solver of the reader's",
     ("docs/submit.md", "dubins-study report"): "tests/unit/report/test_load.py has a folder",
     ("docs/plugins.md", "from dubins_study import load_results"): "reads the committed rows",
@@ -177,8 +176,6 @@ NOT_RUN = {
         "docs/flights.md",
         "pip install --no-deps",
     ): "installs; tests/processes/test_planner_packages.py tries the list",
-    ("docs/flights.md", "dubins-study solve mission.plan"): _MISSIONS,
-    ("docs/flights.md", "from dubins_study import read_mission"): _MISSIONS,
     ("docs/scaling.md", "dask ssh "): "needs several hosts",
     ("docs/scaling.md", "from distributed import SSHCluster"): "needs several hosts",
     ("docs/scaling.md", "from dask_jobqueue import"): "needs a SLURM cluster",
