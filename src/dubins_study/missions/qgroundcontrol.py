@@ -43,6 +43,8 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     passed: Counter[str] = Counter()
     mission = content["mission"]
     points = each("item", mission["items"], lambda item: _places(item, passed))
+    for shape in ("polygons", "circles"):
+        passed[f"fence {shape}"] = len(content.get("geoFence", {}).get(shape, ()))
     home = _places({"command": 16, "coordinate": mission["plannedHomePosition"]}, Counter())
     return reading_of(source, points, passed, home=home[0] if home else None)
 

@@ -18,7 +18,10 @@ from dubins_study.study.values import number_of_text, plain, real_number, short
 
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 # what parsing raises, and reading content of another shape than expected; SyntaxError is XML's
-_MALFORMED = (AttributeError, LookupError, TypeError, ValueError, SyntaxError, RecursionError)
+_MALFORMED = (
+    *(AttributeError, LookupError, TypeError, ValueError),
+    *(ArithmeticError, SyntaxError, RecursionError),
+)
 Points = list[MissionPoint]
 
 
