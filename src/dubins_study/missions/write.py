@@ -117,7 +117,8 @@ _WAYPOINT, _RELATIVE = 16, 3  # MAVLink: the command, and the frame of altitudes
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """A mission of waypoints in the documented shape of QGroundControl's plan files."""
     items = []
-    for number, point in enumerate(waypoints, 1):
+    home, *flown = waypoints
+    for number, point in enumerate(flown, 1):
         item = {
             "type": "SimpleItem",
             "doJumpId": number,
@@ -129,7 +130,6 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
         if point.name:
             item["stop"] = point.name  # a key that QGroundControl passes over
         items.append(item)
-    home = waypoints[0]
     mission = {
         "version": 2,
         "firmwareType": 0,
@@ -152,9 +152,9 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Lines of QGC WPL 110: home, then the waypoints."""
-    home = waypoints[0]
+    home, *flown = waypoints
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat!r}\t{home.lon!r}\t0\t1"]
-    for number, point in enumerate(waypoints, 1):
+    for number, point in enumerate(flown, 1):
         place = f"{point.lat!r}\t{point.lon!r}\t{point.altitude!r}"
         lines.append(f"{number}\t0\t{_RELATIVE}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"

@@ -22,13 +22,14 @@ KML = "{http://www.opengis.net/kml/2.2}"
 
 
 def _plan_places(file):
-    items = json.loads(file.read_text())["mission"]["items"]
-    return [item["params"][5:3:-1] for item in items if item["command"] == 16]
+    mission = json.loads(file.read_text())["mission"]
+    home = mission["plannedHomePosition"][1::-1]
+    return [home, *(item["params"][5:3:-1] for item in mission["items"])]
 
 
 def _waypoint_places(file):
     rows = [line.split("\t") for line in file.read_text().splitlines()[1:]]
-    return [(float(row[9]), float(row[8])) for row in rows[1:] if row[3] == "16"]
+    return [(float(row[9]), float(row[8])) for row in rows]
 
 
 def _gpx_places(file):

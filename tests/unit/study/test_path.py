@@ -230,3 +230,35 @@ def test_an_outline_has_few_points_however_often_a_circle_is_driven(turn, parts)
     assert len(points) == len(curvatures) + 1 == parts + 2
     assert np.hypot(points[:-1, 0], points[:-1, 1] - 2) == pytest.approx(2, abs=1e-6)
     assert np.diff(points[:-1, 2]) == pytest.approx(turn / parts, abs=1e-6)
+
+
+@given(arcs, arcs)
+def test_two_paths_in_one_are_driven_one_after_the_other(first, second):
+    """Times are lengths by the speed; the second begins where the first ends."""
+    one = path_of(first)
+    other = path_of(second)
+    moved = Path(one.end, other.curvatures, other.lengths)
+    both = one + moved
+
+    assert both.length == pytest.approx(one.length + moved.length, abs=1e-12)
+    late = one.length + 0.5 * moved.length
+    scale = 1 + np.abs(both.poses).max()
+    np.testing.assert_allclose(
+        both.at_time(late / 7.0, speed=7.0), moved.at(0.5 * moved.length), atol=1e-9 * scale
+    )
+
+
+def test_paths_that_do_not_meet_are_not_joined():
+    """Full turns apart are the same heading; a millionth of a radius is near enough."""
+    one = Path((0.0, 0.0, 0.0), [0.5], [1.0])
+    x, y, heading = one.end
+    near = Path((x + 1e-6, y, heading + 2 * math.pi), [0.5], [1.0])
+
+    assert Path.join([one, near]).length == 2.0
+    beside = Path((x + 1e-5, y, heading), [0.5], [1.0])
+    turned = Path((x, y, heading + 1e-5), [0.5], [1.0])
+    for wrong in (beside, turned):
+        with pytest.raises(ValueError, match=r"path 2 begins .* from the end of path 1"):
+            Path.join([one, wrong])
+    with pytest.raises(ValueError, match="there is no path to join"):
+        Path.join([])
