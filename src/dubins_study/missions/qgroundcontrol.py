@@ -59,9 +59,10 @@ def read_wpl(text: str, compass: bool) -> Reading:
 
 def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
     """The place of an item of a plan, or those of a survey; what has none is counted."""
-    if corners := item.get("TransectStyleComplexItem", {}).get("VisualTransectPoints"):
+    transects = item.get("TransectStyleComplexItem") or {}
+    if corners := transects.get("VisualTransectPoints"):
         return [point_of({"x": corner[1], "y": corner[0]}) for corner in corners]
-    if "complexItemType" in item:
+    if "command" not in item:
         passed[str(item["complexItemType"])] += 1
         return []
     command = int(item["command"])

@@ -156,7 +156,12 @@ FILES = {
         "passed over: 1 fwLandingPattern, 2 fence polygons",
     ),
     "an old plan": (
-        plan(*(item(0, 0, params=[0] * 4, coordinate=[lat, lon, 5]) for lon, lat in LONLAT)),
+        plan(
+            *(
+                item(0, 0, params=[0] * 4, coordinate=[lat, lon, 5], complexItemType=None)
+                for lon, lat in LONLAT
+            )
+        ),
         LONLAT,
         "3 points",
     ),
@@ -250,6 +255,10 @@ WRONG = {
     "landing alone": (plan(LANDING), "there are no points; it has 1 fwLandingPattern"),
     "local frame": (plan(item(1, 2, 16, 1)), "it has 1 waypoint without a place"),
     "a plan of texts": (plan("x"), "item 1: cut, or not as its format has it"),
+    "a survey of another program": (
+        plan(survey(VisualTransectPoints=[], Items=[])),
+        "there are no points; it has 1 survey",
+    ),
     "a plan of nothing": ('{"mission": 3}', "cut, or not as its format has it"),
     "NaN in a plan": (plan(item(math.nan, 48)), "item 1: x,y is 'nan,48'; expected two numbers"),
     "polygons": (features(shape("Polygon", [LONLAT])), "there are no points; it has 1 Polygon"),
