@@ -7,7 +7,7 @@ import logging
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def _read_json(text: str, compass: bool) -> Reading:
 
 
 # what a text of each format has, and its reader; a table has none of these
-_FORMATS: tuple[tuple[str, Callable[[str, bool], Reading]], ...] = (
+_FORMATS = (
     (r"\AQGC WPL\b", read_wpl),
     (r"\A\s*<", read_xml),
     (r"\A\s*[{\[]", _read_json),
@@ -125,7 +125,7 @@ def _mission(
         home=None if reading.home is None else kept[0],
         plane=plane,
         source=reading.source,
-        notes=tuple(filter(None, notes)),
+        notes=tuple(map(plain, filter(None, notes))),
         warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
     )
 

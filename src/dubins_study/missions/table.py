@@ -121,6 +121,7 @@ def read_tsplib(text: str, compass: bool) -> Reading:
     kind = re.search(r"EDGE_WEIGHT_TYPE\s*:\s*(EUC_2D|CEIL_2D|ATT)", head)
     if kind is None:
         raise MissionError("expected EDGE_WEIGHT_TYPE EUC_2D, CEIL_2D or ATT")
-    nodes = re.split(r"\n\s*[A-Z]", tail)[0].strip()  # up to the next keyword
-    table = re.sub(r"[ \t]+", ",", nodes)
+    # up to the next keyword, with the lines above it for their numbers
+    nodes = "\n" * head.count("\n") + re.split(r"\n\s*[A-Z]", tail)[0]
+    table = "\n".join(",".join(line.split()) for line in nodes.split("\n"))
     return read_table(table, ("name", "x", "y"))._replace(source="TSPLIB")

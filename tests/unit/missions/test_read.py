@@ -289,6 +289,10 @@ WRONG = {
     "an endless number": (plan(item(11, 10**400)), "item 1: cut, or not as its format has it"),
     "rows cut": (wpl(row(0, 1, 2), row(1, 1, 2)[:9]), "item 1: cut, or not as its format has it"),
     "no rows": ("QGC WPL 110\n", "cut, or not as its format has it"),
+    "a TSPLIB node": (
+        "EDGE_WEIGHT_TYPE: EUC_2D\r\nNODE_COORD_SECTION\r\n1 2 3\r\n2 4\r\nEOF\r\n",
+        "line 4: x,y is '4,'; expected two numbers",
+    ),
     "explicit TSPLIB": (
         "EDGE_WEIGHT_TYPE: EXPLICIT\nNODE_COORD_SECTION\n1 2 3\n",
         "expected EDGE_WEIGHT_TYPE EUC_2D",
@@ -398,6 +402,9 @@ def test_home_and_what_is_carried_along(mission_of):
     assert {point.altitude for point in mission.points} == {50}
     assert [point.where for point in mission.points] == ["item 1", "item 2", "item 3"]
     assert mission.source == "QGroundControl plan"
+    short = json.dumps({"mission": {"items": [item(*LONLAT[0])], "plannedHomePosition": [48, 11]}})
+    assert mission_of(short).home is not None
+    assert mission_of(short.replace("plannedHome", "")).home is None
     scenario = mission.scenario(radius=10)
     assert (scenario.x, scenario.y) == mission.home[:2]
     assert scenario.heading is None
