@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
@@ -31,15 +31,15 @@ def _tag(element: Any) -> str:
 
 def _read_gpx(root: Any) -> Reading:
     """The points of routes, else waypoints, else the points of tracks."""
-    kinds = {tag: root.findall(f".//{{*}}{tag}") for tag in ("rtept", "wpt", "trkpt")}
-    taken = next((tag for tag in kinds if kinds[tag]), "wpt")
-    points = each(taken, kinds.pop(taken), _gpx_point)
-    return reading_of("GPX", points, {tag: len(some) for tag, some in kinds.items()})
-
-
-def _gpx_point(element: Any) -> Iterator[MissionPoint]:
-    texts = {"altitude": element.findtext("{*}ele"), "name": element.findtext("{*}name")}
-    yield point_of({"x": element.get("lon"), "y": element.get("lat"), **texts})
+    kinds = ("rtept", "wpt", "trkpt")
+    features = []
+    for kind in kinds:
+        for point in root.iterfind(f".//{{*}}{kind}"):
+            position = [point.get("lon"), point.get("lat"), point.findtext("{*}ele")]
+            geometry = {"type": kind, "coordinates": position}
+            properties = {"name": point.findtext("{*}name")}
+            features.append({"geometry": geometry, "properties": properties})
+    return _read_features("GPX", features, kinds=kinds)
 
 
 def _read_kml(root: Any) -> Reading:
@@ -72,20 +72,23 @@ def read_geojson(content: Any, compass: bool) -> Reading:
     return reading._replace(degrees=False, passed=f"{note} {reading.passed}".strip())
 
 
-def _read_features(source: str, features: Any, compass: bool = False) -> Reading:
-    """The points of GeoJSON's features, with their properties, else those on their lines."""
-    passed = Counter(_kind(feature) for feature in features)
-    taken = "Point" if "Point" in passed else "LineString"
+def _read_features(
+    source: str,
+    features: Any,
+    compass: bool = False,
+    kinds: Sequence[str] = ("Point", "LineString"),
+) -> Reading:
+    """The points of GeoJSON's features of the first of the kinds of geometry that there is."""
+    passed = Counter(map(_kind, features))
+    taken = next((kind for kind in kinds if kind in passed), kinds[0])
 
     def read(feature: Any) -> Iterator[MissionPoint]:
-        if _kind(feature) == taken:
-            properties = feature.get("properties") or {}
-            for position in _positions(_geometry(feature)["coordinates"]):
-                x, y, altitude = [*position, properties.get("altitude")][:3]
-                named = properties if taken == "Point" else {}
-                yield point_of({**named, "x": x, "y": y, "altitude": altitude}, compass)
+        properties = {} if taken == "LineString" else feature.get("properties") or {}
+        for position in _positions(_geometry(feature)["coordinates"]):
+            x, y, altitude = [*position, properties.get("altitude")][:3]
+            yield point_of({**properties, "x": x, "y": y, "altitude": altitude}, compass)
 
-    points = each("feature", features, read)
+    points = each(taken, [feature for feature in features if _kind(feature) == taken], read)
     del passed[taken]
     return reading_of(source, points, passed)
 

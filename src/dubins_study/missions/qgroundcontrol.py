@@ -45,7 +45,8 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     points = each("item", mission["items"], lambda item: _places(item, passed))
     for shape in ("polygons", "circles"):
         passed[f"fence {shape}"] = len(content.get("geoFence", {}).get(shape, ()))
-    home = _places({"command": 16, "coordinate": mission["plannedHomePosition"]}, Counter())
+    position = mission.get("plannedHomePosition") or (0, 0)
+    home = _places({"command": 16, "coordinate": position}, Counter())
     return reading_of(source, points, passed, home=home[0] if home else None)
 
 
@@ -59,15 +60,16 @@ def read_wpl(text: str, compass: bool) -> Reading:
 
 def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
     """The place of an item of a plan, or those of a survey; what has none is counted."""
-    if corners := item.get("TransectStyleComplexItem", {}).get("VisualTransectPoints"):
+    transects = item.get("TransectStyleComplexItem") or {}
+    if corners := transects.get("VisualTransectPoints"):
         return [point_of({"x": corner[1], "y": corner[0]}) for corner in corners]
-    if "complexItemType" in item:
+    if "command" not in item:
         passed[str(item["complexItemType"])] += 1
         return []
     command = int(item["command"])
     name = _NAMES.get(command, f"command {command}")
     # the first version of plans has the place beside four parameters
-    parameters = [*item.get("params", [0] * 4), *item.get("coordinate", ())]
+    parameters = [*item.get("params", [0] * 4), *item.get("coordinate", ()), None]
     latitude, longitude, altitude = parameters[4:7]
     # at 0 0, or null, it is where the vehicle is
     has_place = int(item.get("frame", 0)) in _ON_EARTH and any(

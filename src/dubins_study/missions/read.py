@@ -7,7 +7,7 @@ import logging
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -59,11 +59,11 @@ def read_mission(
         MissionError: if the file cannot be read or has no points, a number or heading is none, a
             place is none on Earth, or points repeat; names the file and the line or item.
     """
-    with at(os.fspath(file)):
+    with at(str(file)):
         reading = _reading(text_of(file), columns, compass)
         mission = _mission(reading, compass, drop_repeats, plane)
     for warning in mission.warnings:
-        _LOG.warning("dubins-study: %s", plain(f"{os.fspath(file)}: {warning}"))
+        _LOG.warning("dubins-study: %s", plain(f"{file}: {warning}"))
     return mission
 
 
@@ -78,7 +78,7 @@ def _read_json(text: str, compass: bool) -> Reading:
 
 
 # what a text of each format has, and its reader; a table has none of these
-_FORMATS: tuple[tuple[str, Callable[[str, bool], Reading]], ...] = (
+_FORMATS = (
     (r"\AQGC WPL\b", read_wpl),
     (r"\A\s*<", read_xml),
     (r"\A\s*[{\[]", _read_json),
@@ -114,6 +114,8 @@ def _mission(
         raise MissionError(f"{repeats}; {expected}")
     extent, distortion = _extent(kept, plane)
     notes = [extent, reading.passed, repeats and f"dropped: {repeats}"]
+    if reading.home is not None:
+        notes.append("the start is the home position")
     if headings := sum(point.heading is not None for point in kept):
         how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
         notes.append(f"{headings} headings, numbers in {how}")
@@ -123,7 +125,7 @@ def _mission(
         home=None if reading.home is None else kept[0],
         plane=plane,
         source=reading.source,
-        notes=tuple(filter(None, notes)),
+        notes=tuple(map(plain, filter(None, notes))),
         warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
     )
 

@@ -52,15 +52,13 @@ def at(where: str) -> Iterator[None]:
 
 def text_of(file: str | os.PathLike[str]) -> str:
     """The text of a file in UTF-8, or in UTF-16 with a byte order mark."""
-    text = "\0"
     try:
         content = FilePath(file).read_bytes()
-        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
     except OSError as error:
         raise MissionError(f"cannot be read: {error.strerror}") from None
-    except UnicodeError:
-        pass
-    if "\0" in text:  # as binary files have
+    encoding = "utf-16" if content.startswith(_UTF_16) else "utf-8-sig"
+    text = content.decode(encoding, errors="replace")
+    if "\0" in text or "\N{REPLACEMENT CHARACTER}" in text:
         message = "it is not UTF-8 text, nor marked UTF-16; a zip archive (KMZ) must be unpacked"
         raise MissionError(f"cannot be read: {message}")
     return text
@@ -86,19 +84,20 @@ def each(kind: str, items: Iterable[Any], read: Callable[[Any], Iterable[Mission
 
 def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
     """The point of numbers, or texts of numbers, by the fields' names; empty is not given."""
+    x, y = number_of(fields["x"]), number_of(fields["y"])
+    if math.isnan(x + y):
+        written = f"{fields['x']},{fields['y']}"
+        raise MissionError(f"x,y is {written!r:.60}; expected two numbers")
     given = {name: value for name, value in fields.items() if value not in (None, "", FREE)}
-    values: dict[str, Any] = {"x": given.get("x"), "y": given.get("y")}
-    for name in ("altitude", "speed"):
-        if name in given:
-            values[name] = given[name]
-    for name, value in values.items():
-        values[name] = number_of(value)
+    values: dict[str, Any] = {"name": str(given.get("name", ""))}
+    for name in given.keys() & {"altitude", "speed"}:
+        values[name] = number_of(given[name])
         if math.isnan(values[name]):
-            raise MissionError(f"{name} is {short(value)}; expected a number")
+            raise MissionError(f"{name} is {short(given[name])}; expected a number")
     if "heading" in given:
         with at("heading"):
             values["heading"] = heading_of(str(given["heading"]), compass)
-    return MissionPoint(**values, name=str(given.get("name", "")))
+    return MissionPoint(x, y, **values)
 
 
 def number_of(value: Any) -> float:

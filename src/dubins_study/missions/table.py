@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Collection, Sequence
 from io import StringIO
-from itertools import takewhile
+from itertools import takewhile, zip_longest
 
 from dubins_study.missions.mission import MissionError
 from dubins_study.missions.reading import Points, Reading, at, number_of, point_of, text_of
@@ -57,15 +57,17 @@ def read_table(
     place, first = rows[0] if rows else Row("line 1", [])
     has_header = not any(map(_is_number, first))
     names: Sequence[str] = first if has_header or not comment else comment
+    named = place
     if columns is not None:
         names = columns
+        named = "--columns"
     fields = [_FIELDS.get(re.sub(r"[\W_]", "", name.lower()), name.lower()) for name in names]
     in_degrees = "longitude" in fields or "latitude" in fields
     x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
     if fields.count(x) != 1 or fields.count(y) != 1:
         expected = "expected the column names x and y, once each, or lon and lat"
         others = "or name them by --columns, such as --columns lon,lat or --columns -,x,y"
-        raise MissionError(f"{place} is {','.join(names)!r:.60}; {expected}; {others}")
+        raise MissionError(f"{named} is {','.join(names)!r:.60}; {expected}; {others}")
     _check_fields(fields)
     if len(names) != len(first):
         raise MissionError(f"{place} has {len(first)} cells; expected {len(names)}, as named")
@@ -73,12 +75,8 @@ def read_table(
         raise MissionError(problems[0])
     points = []
     for place, cells in rows[has_header or names is first :]:
-        row = dict(zip(fields, map(str.strip, cells), strict=False))
-        place_texts = [row.get(x, ""), row.get(y, "")]
+        row = dict(zip_longest(fields, map(str.strip, cells), fillvalue=""))
         with at(place):
-            if not all(map(_is_number, place_texts)):
-                message = f"x,y is {','.join(place_texts)!r:.60}; expected two numbers"
-                raise MissionError(message)
             point = point_of({**row, "x": row[x], "y": row[y]}, compass)
             points.append(point._replace(where=place))
     if not points:
@@ -123,6 +121,7 @@ def read_tsplib(text: str, compass: bool) -> Reading:
     kind = re.search(r"EDGE_WEIGHT_TYPE\s*:\s*(EUC_2D|CEIL_2D|ATT)", head)
     if kind is None:
         raise MissionError("expected EDGE_WEIGHT_TYPE EUC_2D, CEIL_2D or ATT")
-    nodes = re.split(r"\n\s*[A-Z]", tail)[0].strip()  # up to the next keyword
-    table = re.sub(r"[ \t]+", ",", nodes)
+    # up to the next keyword, with the lines above it for their numbers
+    nodes = "\n" * head.count("\n") + re.split(r"\n\s*[A-Z]", tail)[0]
+    table = "\n".join(",".join(line.split()) for line in nodes.split("\n"))
     return read_table(table, ("name", "x", "y"))._replace(source="TSPLIB")

@@ -156,7 +156,12 @@ FILES = {
         "passed over: 1 fwLandingPattern, 2 fence polygons",
     ),
     "an old plan": (
-        plan(*(item(0, 0, params=[0] * 4, coordinate=[lat, lon, 5]) for lon, lat in LONLAT)),
+        plan(
+            *(
+                item(0, 0, params=[0] * 4, coordinate=[lat, lon, 5], complexItemType=None)
+                for lon, lat in LONLAT
+            )
+        ),
         LONLAT,
         "3 points",
     ),
@@ -250,16 +255,26 @@ WRONG = {
     "landing alone": (plan(LANDING), "there are no points; it has 1 fwLandingPattern"),
     "local frame": (plan(item(1, 2, 16, 1)), "it has 1 waypoint without a place"),
     "a plan of texts": (plan("x"), "item 1: cut, or not as its format has it"),
+    "a survey of another program": (
+        plan(survey(VisualTransectPoints=[], Items=[])),
+        "there are no points; it has 1 survey",
+    ),
     "a plan of nothing": ('{"mission": 3}', "cut, or not as its format has it"),
-    "NaN in a plan": (plan(item(math.nan, 48)), "item 1: x is nan; expected a number"),
+    "NaN in a plan": (plan(item(math.nan, 48)), "item 1: x,y is 'nan,48'; expected two numbers"),
     "polygons": (features(shape("Polygon", [LONLAT])), "there are no points; it has 1 Polygon"),
-    "no coordinates": (features({"type": "Point"}), "feature 1: cut, or not as its format has it"),
-    "text in GeoJSON": (features(shape("Point", ["a", 1])), "feature 1: x is 'a'; expected a num"),
+    "no coordinates": (features({"type": "Point"}), "Point 1: cut, or not as its format has it"),
+    "text in GeoJSON": (
+        features(shape("Point", ["a", 1])),
+        "Point 1: x,y is 'a,1'; expected two",
+    ),
     "a number as GeoJSON": ('{"type": 3}', "there are no points; it has 1 3"),
     "cut GPX": (f"{GPX}<wpt lat='1'", "cut, or not as its format has it (ParseError"),
     "GPX without points": (f"{GPX}</gpx>", "there are no points"),
-    "text in GPX": (f"{GPX}<wpt lat='a' lon='1'/></gpx>", "wpt 1: y is 'a'; expected a number"),
-    "NaN in GPX": (f"{GPX}<wpt lat='nan' lon='1'/></gpx>", "wpt 1: y is 'nan'; expected"),
+    "text in GPX": (
+        f"{GPX}<wpt lat='a' lon='1'/></gpx>",
+        "wpt 1: x,y is '1,a'; expected two numbers",
+    ),
+    "NaN in GPX": (f"{GPX}<wpt lat='nan' lon='1'/></gpx>", "wpt 1: x,y is '1,nan'; expected"),
     "entities": (
         '<?xml version="1.0"?><!DOCTYPE kml [<!ENTITY a "b">]><kml>&a;</kml>',
         "it declares a document type or entities",
@@ -268,12 +283,16 @@ WRONG = {
     "KML without points": (f"{KML}</Document></kml>", "there are no points"),
     "text in KML": (
         f"{KML}<Placemark><Point><coordinates>a,b</coordinates></Point></Placemark></Document></kml>",
-        "feature 1: x is 'a'; expected a number",
+        "Point 1: x,y is 'a,b'; expected two numbers",
     ),
     "HTML": ("<html><body/></html>", "its first element is html; expected gpx or kml"),
-    "an endless number": (plan(item(10**400, 48)), "item 1: cut, or not as its format has it"),
+    "an endless number": (plan(item(11, 10**400)), "item 1: cut, or not as its format has it"),
     "rows cut": (wpl(row(0, 1, 2), row(1, 1, 2)[:9]), "item 1: cut, or not as its format has it"),
     "no rows": ("QGC WPL 110\n", "cut, or not as its format has it"),
+    "a TSPLIB node": (
+        "EDGE_WEIGHT_TYPE: EUC_2D\r\nNODE_COORD_SECTION\r\n1 2 3\r\n2 4\r\nEOF\r\n",
+        "line 4: x,y is '4,'; expected two numbers",
+    ),
     "explicit TSPLIB": (
         "EDGE_WEIGHT_TYPE: EXPLICIT\nNODE_COORD_SECTION\n1 2 3\n",
         "expected EDGE_WEIGHT_TYPE EUC_2D",
@@ -302,8 +321,12 @@ def test_a_wrong_file_meets_one_line(name, mission_of, tmp_path):
 
 
 def test_a_file_that_is_not_there(tmp_path):
-    for file, reason in ((tmp_path / "no", "No such file"), (tmp_path, "Is a directory")):
-        with pytest.raises(DubinsStudyError, match=f"cannot be read: {reason}"):
+    for file, reason in (
+        (tmp_path / "no", "cannot be read: No such file"),
+        (tmp_path, "cannot be read: Is a directory"),
+        (3, "^3: "),
+    ):
+        with pytest.raises(DubinsStudyError, match=reason):
             read_mission(file)
 
 
@@ -318,7 +341,7 @@ def test_columns_are_named_by_place(mission_of):
         assert not any("passed over" in note for note in mission.notes)
     for columns, message in (
         (("lon", "lat"), r"line 1 has 4 cells; expected 2"),
-        (("x", "-", "-", "-"), r"expected the column names x and y"),
+        (("x", "-", "-", "-"), r"--columns is 'x,-,-,-'; expected the column names x and y"),
     ):
         with pytest.raises(DubinsStudyError, match=message):
             mission_of(rows, columns=columns)
@@ -375,9 +398,13 @@ def test_home_and_what_is_carried_along(mission_of):
     mission = mission_of(plan(*(item(*place) for place in LONLAT), home=[48.2, 11.5, 400]))
 
     assert mission.home.altitude == 400
+    assert "the start is the home position" in mission.notes
     assert {point.altitude for point in mission.points} == {50}
     assert [point.where for point in mission.points] == ["item 1", "item 2", "item 3"]
     assert mission.source == "QGroundControl plan"
+    short = json.dumps({"mission": {"items": [item(*LONLAT[0])], "plannedHomePosition": [48, 11]}})
+    assert mission_of(short).home is not None
+    assert mission_of(short.replace("plannedHome", "")).home is None
     scenario = mission.scenario(radius=10)
     assert (scenario.x, scenario.y) == mission.home[:2]
     assert scenario.heading is None
