@@ -35,6 +35,7 @@ _NAMES = _PLACES | {
     2001: "stop pictures",
     2500: "record video",
 }
+_AT_HOME = (21, 22, 84, 85)  # takeoffs and landings, often at the home position
 _ON_EARTH = (0, 3, 5, 6, 10, 11)  # frames of coordinates in degrees
 
 
@@ -42,11 +43,11 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     """The places of a plan's items, those of surveys too, and the planned home position."""
     passed: Counter[str] = Counter()
     mission = content["mission"]
-    points = each("item", mission["items"], lambda item: _places(item, passed))
+    position = mission.get("plannedHomePosition") or (0, 0)
+    home = _places({"command": 16, "coordinate": position}, Counter(), [])
+    points = each("item", mission["items"], lambda item: _places(item, passed, home))
     for shape in ("polygons", "circles"):
         passed[f"fence {shape}"] = len(content.get("geoFence", {}).get(shape, ()))
-    position = mission.get("plannedHomePosition") or (0, 0)
-    home = _places({"command": 16, "coordinate": position}, Counter())
     return reading_of(source, points, passed, home=home[0] if home else None)
 
 
@@ -58,8 +59,11 @@ def read_wpl(text: str, compass: bool) -> Reading:
     return read_plan({"mission": plan}, "QGC WPL 110")
 
 
-def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
-    """The place of an item of a plan, or those of a survey; what has none is counted."""
+def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[MissionPoint]:
+    """The place of an item of a plan, or those of a survey; what has none is counted.
+
+    A takeoff or a landing at the home position is no point to pass.
+    """
     transects = item.get("TransectStyleComplexItem") or {}
     if corners := transects.get("VisualTransectPoints"):
         return [point_of({"x": corner[1], "y": corner[0]}) for corner in corners]
@@ -76,6 +80,11 @@ def _places(item: Any, passed: Counter[str]) -> list[MissionPoint]:
         map(float, (latitude or 0, longitude or 0))
     )
     if command in _PLACES and has_place:
-        return [point_of({"x": longitude, "y": latitude, "altitude": altitude})]
-    passed[f"{name} without a place" if command in _PLACES else name] += 1
+        point = point_of({"x": longitude, "y": latitude, "altitude": altitude})
+        if command not in _AT_HOME or point[:2] not in [place[:2] for place in home]:
+            return [point]
+        name = f"{name} at home"
+    elif command in _PLACES:
+        name = f"{name} without a place"
+    passed[name] += 1
     return []

@@ -533,3 +533,19 @@ def test_what_another_writer_writes_is_read_back(written, places, data, tmp_path
     np.testing.assert_allclose(back, points, atol=1e-9)
     assert [point.name for point in mission.points] == wanted
     assert {point.altitude for point in mission.points} == {7.5}
+
+
+def test_a_takeoff_and_a_landing_at_home_are_no_points_to_pass(mission_of):
+    """As planners write them; elsewhere they are places."""
+    home = [52.0, 10.0, 0]
+    places = [(22, 52.0, 10.0), (16, 52.01, 10.0), (21, 52.0, 10.0), (21, 52.02, 10.0)]
+    items = [
+        {"type": "SimpleItem", "command": command, "frame": 3, "params": [0, 0, 0, None, x, y, 50]}
+        for command, x, y in places
+    ]
+    plan = {"fileType": "Plan", "mission": {"items": items, "plannedHomePosition": home}}
+
+    mission = mission_of(json.dumps(plan))
+
+    assert len(mission.points) == 2
+    assert "1 takeoff at home, 1 land at home" in " ".join(mission.notes)
