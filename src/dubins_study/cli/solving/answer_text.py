@@ -117,17 +117,17 @@ def answer_text(
 def _stops(flight: Flight) -> str:
     """The first of the stops, in the order in which they are passed."""
     stops = flight.stops
-    head = ("stop", "name", "time", "length", "heading, deg", "compass, deg")
+    head = ("visit", "stop", "time", "length", "heading, deg", "compass, deg")
     rows = [
         (
-            str(stop.place),
+            str(visit),
             plain(stop.name),
             f"{stop.time:.1f}",
             f"{stop.length:.6g}",
             f"{math.degrees(stop.heading):.1f}",
             f"{stop.compass:.1f}",
         )
-        for stop in stops[:_MOST_POINTS]
+        for visit, stop in enumerate(stops[:_MOST_POINTS], 1)
     ]
     more = len(stops) - len(rows)
     rest = f"\nand {more} more: --json lists them" if more > 0 else ""
