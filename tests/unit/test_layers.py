@@ -40,7 +40,7 @@ BUDGETS = {
     "asking": 5_650,
     "experiments": 34_450,
     "conformance": 11_800,
-    "report": 73_000,
+    "report": 73_700,
     "missions": 8_000,
     "cli": 13_750,
     "package": 306_000,

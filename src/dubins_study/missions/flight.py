@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +68,10 @@ class Flight:
         return self._at([length for length, _ in self._passed], self._passed)
 
     def waypoints(self, step: float) -> list[Waypoint]:
-        """The start, a point at every `step` along the path, and one at each stop.
+        """The start, each stop and the end, and between two of them points evenly apart.
+
+        Args:
+            step: the most that two neighbours lie apart along the path (m, or the points' unit).
 
         Raises:
             FlightError: if the step is no positive number, or makes a million points and more.
@@ -76,16 +80,17 @@ class Flight:
         if not (step > 0 and total / step < _MOST_WAYPOINTS):
             expected = f"expected a length above 0, for less than {_MOST_WAYPOINTS} points"
             raise FlightError(f"step is {short(step)}; {expected}")
-        passed = [length for length, _ in self._passed]
-        at_stops = np.array([*passed, total])
-        # a point this near to a stop would be the same point twice
-        apart = [
-            length
-            for length in np.arange(0.0, total, step).tolist()
-            if np.abs(at_stops - length).min() > 1e-6 * step
-        ]
-        end = [] if total in passed else [total]
-        return self._at(sorted(passed + apart + end), self._passed)
+        marks = [length for length, _ in self._passed]
+        if 0.0 not in marks:
+            marks.insert(0, 0.0)
+        if total not in marks:
+            marks.append(total)
+        lengths: list[float] = []
+        for begin, end in pairwise(marks):
+            # a last part of rounding alone is none
+            parts = max(math.ceil((end - begin) / step * (1 - 1e-12)), 1)
+            lengths += np.linspace(begin, end, parts, endpoint=False).tolist()
+        return self._at([*lengths, marks[-1]], self._passed)
 
     @cached_property
     def _passed(self) -> list[tuple[float, int]]:

@@ -111,7 +111,15 @@ def _on_map(point: Waypoint) -> str:
     return f"{point.lon!r},{point.lat!r}{altitude}"
 
 
-_WAYPOINT, _RELATIVE = 16, 3  # MAVLink: the command, and the frame of altitudes above home
+_WAYPOINT = 16  # the command of MAVLink
+_ABOVE_SEA, _ABOVE_HOME = 0, 3  # frames of MAVLink
+
+
+def _frame(flight: Flight) -> int:
+    """What altitudes are above: the sea in maps and tables, home in plans and where none is given."""
+    of_autopilot = flight.mission.source in ("QGroundControl plan", "QGC WPL 110")
+    given = any(point.altitude is not None for point in flight.mission.points)
+    return _ABOVE_SEA if given and not of_autopilot else _ABOVE_HOME
 
 
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -123,7 +131,7 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             "type": "SimpleItem",
             "doJumpId": number,
             "command": _WAYPOINT,
-            "frame": _RELATIVE,
+            "frame": _frame(flight),
             "autoContinue": True,
             "params": [0, 0, 0, None, point.lat, point.lon, point.altitude],
         }
@@ -156,7 +164,7 @@ def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat!r}\t{home.lon!r}\t0\t1"]
     for number, point in enumerate(flown, 1):
         place = f"{point.lat!r}\t{point.lon!r}\t{point.altitude!r}"
-        lines.append(f"{number}\t0\t{_RELATIVE}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
+        lines.append(f"{number}\t0\t{_frame(flight)}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"
 
 

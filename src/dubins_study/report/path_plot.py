@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import logging
-import math
-import re
 import textwrap
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,7 +22,7 @@ from dubins_study.study.path import Path
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT
 from dubins_study.study.values import short, unwritable
-from dubins_study.study.words import Proof, Verdict, short_word
+from dubins_study.study.words import Verdict, short_word
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,7 +59,7 @@ def plot_path(
     *,
     ax: Axes | None = None,
     names: Sequence[str] = (),
-    on_earth: bool = False,
+    geographic: bool = False,
 ) -> Figure:
     """Draw a path with its turning circles, start and target.
 
@@ -74,7 +72,8 @@ def plot_path(
         file: where to save the figure, with suffix .svg, .pdf or .png; None: do not save it.
         ax: axes to draw on; None: those of a new figure.
         names: of the via points, then of the target; some may be empty, and some left out.
-        on_earth: whether x and y are metres east and north; then an arrow points north.
+        geographic: whether lengths are metres, x points east and y north: the axes say so, with a
+            scale bar and an arrow to the north.
 
     Returns:
         The figure, that of the axes if they are given.
@@ -88,25 +87,22 @@ def plot_path(
         raise PlotError(f"ax is {short(ax)}; expected axes of matplotlib")
     name, path, scenario = _subject(drawn)
     # a long spec is broken between its settings: the legend is as wide as the figure
-    lines = textwrap.fill(re.sub(r",(?! )", ", ", name), _LEGEND_CHARS, break_on_hyphens=False)
+    lines = textwrap.fill(name.replace(",", ", "), _LEGEND_CHARS, break_on_hyphens=False)
     named_paths = {lines: path}
     if (reference := _reference(drawn)) is not None:
         named_paths = {"shortest": reference, **named_paths}
+    known = _known(drawn, geographic)
     with drawing(), _one_warning_of_letters():
         if ax is None:
             figure = new_figure(_WIDTH, _HEIGHT[1])
             axes = figure.add_subplot()
-            _plot(axes, named_paths, scenario, names)
-            if on_earth:
-                _map_marks(axes)
+            _plot(axes, named_paths, scenario, names, known, geographic)
             aspect = axes.dataLim.height / axes.dataLim.width
             figure.set_size_inches(_WIDTH, min(max(_WIDTH * aspect + 0.6, _HEIGHT[0]), _HEIGHT[1]))
             fix_layout(figure)
         else:
             figure = cast("Figure", ax.get_figure(root=True))
-            _plot(ax, named_paths, scenario, names)
-            if on_earth:
-                _map_marks(ax)
+            _plot(ax, named_paths, scenario, names, known, geographic)
         if place is not None:
             image = figure_bytes(figure, place.suffix.lower().removeprefix("."))
             try:
@@ -129,40 +125,62 @@ def _one_warning_of_letters() -> Iterator[None]:
         _LOG.warning("dubins-study: the plot's font lacks letters of a name; boxes stand for them")
 
 
+def _known(drawn: object, geographic: bool) -> str:
+    """What the title says behind the length: proof or verdict, and the time at a given speed."""
+    metre, second = (" m", " s") if geographic else ("", "")
+    proof, verdict = getattr(drawn, "proof", None), getattr(drawn, "verdict", None)
+    said = "proved" if proof == "proved" else verdict
+    text = f"{metre}, {said}" if said else metre
+    time, scenario = getattr(drawn, "travel_time", None), getattr(drawn, "scenario", None)
+    if time is not None and isinstance(scenario, Scenario) and scenario.speed != 1:
+        text += f", time {time:.4g}{second}"
+    return text
+
+
+def _mark_earth(ax: Axes) -> None:
+    """Metres at the axes; above the panel a scale bar and an arrow to the north."""
+    from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
+
+    ax.set_xlabel(ax.get_xlabel().replace("x", "east (m)", 1))
+    ax.set_ylabel("north (m)")
+    most = ax.dataLim.width / 4
+    power = 10.0 ** np.floor(np.log10(most))
+    bar = max(step * power for step in (1, 2, 5) if step * power <= most)
+    corner: dict[str, Any] = {"bbox_to_anchor": (0.95, 1), "bbox_transform": ax.transAxes}
+    look: dict[str, Any] = {"loc": "lower right", "frameon": False, "label_top": True}
+    ax.add_artist(AnchoredSizeBar(ax.transData, bar, f"{bar:g} m", **corner, **look))
+    arrow = {"arrowstyle": "<|-", "color": INK}
+    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    ax.annotate("N", (0.98, 1.005), (0, 24), ha="center", arrowprops=arrow, **above)
+
+
 def _plot(
-    ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, names: Sequence[str]
+    ax: Axes,
+    named_paths: Mapping[str, Path],
+    scenario: Scenario,
+    names: Sequence[str],
+    known: str,
+    geographic: bool,
 ) -> None:
     """Draw the paths of a scenario: of one leg with a free final heading two, else one."""
     if kind_of(scenario).drawing == "route":
         [(name, path)] = named_paths.items()
-        plot_route(ax, path, scenario, name, names)
-        return
+        plot_route(ax, path, scenario, name, names, known)
+    else:
+        _plot_leg(ax, named_paths, scenario, known)
+    if geographic:
+        _mark_earth(ax)
+
+
+def _plot_leg(ax: Axes, named_paths: Mapping[str, Path], scenario: Scenario, known: str) -> None:
+    """Draw one or two paths of one leg; what is known of the last one is said of it."""
     texts = {
         labelled(name, short_word(path.word(1e-2), 24) or "–", path): path
         for name, path in named_paths.items()
     }
+    own, path = texts.popitem()
+    texts[f"{own}{known}"] = path
     plot_paths(ax, texts, scenario)
-
-
-def _map_marks(ax: Axes) -> None:
-    """Metres at the axes, a scale, and an arrow to the north above it."""
-    from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
-
-    ax.set(xlabel=ax.get_xlabel().replace("x", "x, m to the east", 1), ylabel="y, m to the north")
-    length = 10 ** math.floor(math.log10(0.3 * float(np.ptp(ax.get_xlim()))))
-    bar = AnchoredSizeBar(
-        ax.transData, length, f"{length:g} m", "lower right", frameon=False, label_top=True
-    )
-    ax.add_artist(bar)
-    arrow = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate(
-        "N",
-        xy=(0.97, 0.24),
-        xytext=(0.97, 0.14),
-        xycoords="axes fraction",
-        ha="center",
-        arrowprops=arrow,
-    )
 
 
 def check_format(file: str | FilePath) -> FilePath:
@@ -205,5 +223,4 @@ def _subject(drawn: Answered | Path) -> tuple[str, Path, Scenario]:
         raise PlotError(f"drawn is {short(drawn)}; expected an answer of solve, or a Path")
     if drawn.path is None:
         raise PlotError(f"there is no path to draw: {drawn.solver} returned none")
-    proved = ", proved" if getattr(drawn, "proof", None) == Proof.PROVED else ""
-    return f"{drawn.solver}{proved}", drawn.path, drawn.scenario
+    return drawn.solver, drawn.path, drawn.scenario

@@ -151,7 +151,7 @@ def test_a_drawn_route():
     legend = ax.get_legend()
 
     assert [text.get_text() for text in legend.get_texts()] == ["left", "straight", "right"]
-    assert legend.get_title().get_text() == "analytic, proved: length 16.3230"
+    assert legend.get_title().get_text() == "analytic: length 16.3230, proved"
     looks = {
         (line.get_color(), line.get_linestyle(), line.get_linewidth())
         for line in legend.get_lines()

@@ -147,3 +147,19 @@ def test_an_ending_says_what_it_needs(tmp_path):
     for ending in ("plan", "waypoints", "txt", "gpx", "kml"):
         with pytest.raises(FlightError, match="needs longitude and latitude"):
             format_of(tmp_path / f"flight.{ending}", ON_A_PLANE)
+
+
+@pytest.mark.parametrize(
+    ("altitude", "source", "frame"),
+    [(None, "GPX", 3), (300.0, "GPX", 0), (300.0, "QGroundControl plan", 3)],
+)
+def test_an_altitude_of_a_map_is_above_the_sea(altitude, source, frame, tmp_path):
+    """Of a plan above home, and so is the one that is put in where none is given."""
+    file = tmp_path / "flight.plan"
+    points = tuple(point._replace(altitude=altitude) for point in POINTS)
+    mission = Mission(points, ON_EARTH.home, ON_EARTH.plane, source=source)
+    write_flight(flight_of(solve(mission.scenario(radius=80)), mission), file)
+    items = json.loads(file.read_text())["mission"]["items"]
+
+    assert {item["frame"] for item in items} == {frame}
+    assert {item["params"][6] for item in items} == {altitude or 50.0}

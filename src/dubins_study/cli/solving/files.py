@@ -79,7 +79,7 @@ class Files(NamedTuple):
         if option == "--plot":
             from dubins_study.report.path_plot import plot_path
 
-            plot_path(flight.answer, file, names=names, on_earth=flight.mission.plane is not None)
+            plot_path(flight.answer, file, names=names, geographic=flight.mission.plane is not None)
             return ""
         try:
             return write_flight(flight, file, step=self.step, altitude=self.altitude)

@@ -102,8 +102,8 @@ def routes_section(results: Results) -> Section | None:
     cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
-        "A route passes given points; a leg is its part from one point to the next. A line shows "
-        "up to how many legs a method is right; shorter legs, to the right, are harder."
+        "Read along a line up to how many legs a method still finds the shortest route, and from "
+        "panel to panel what shorter legs cost it."
     )
     blocks = (_picture(cells, strata, results),)
     return Section("routes", TITLE, _text(rows), blocks, lead)
@@ -280,6 +280,9 @@ _MOST_NUMBERS = 60
 _MOST_NAMED = 12  # points with their names beside them; of more the names are below the plot
 _NAME_CHARS, _LINE_CHARS = 24, 80  # of a name, and of a line of names
 _DIGIT = 4.8  # pt; the width of a digit of a number
+_EIGHTHS = np.arange(8) * np.pi / 4
+_AROUND = np.column_stack((np.cos(_EIGHTHS), np.sin(_EIGHTHS)))  # a point, where its text may stand
+_CROSSINGS = 2_000  # places on the path that a text should not cover
 _WIDE_LEG = 12.0  # pt of the median leg; shorter ones have thinner lines and smaller dots
 _THINNEST_LINE, _SMALLEST_DOT = 0.5, 0.2  # shares of the full size
 _MARGIN = 0.07  # around what is drawn, as a share of it
@@ -326,16 +329,22 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
     return texts
 
 
-def _write(ax: Axes, points: FloatArray, texts: Sequence[str], unit: float) -> None:
-    """Write texts beside points, outside the bend of the path.
+def _write(
+    ax: Axes, points: FloatArray, texts: Sequence[str], unit: float, along: FloatArray
+) -> None:
+    """Write texts beside points, at the best of eight places around each.
 
-    A text that would overlap an earlier one stands inside the bend, or without its name, or is left
-    out. `unit` is the size of a length unit (pt).
+    Best is where no piece of the path and no edge of the plot is crossed, then outside the bend
+    of the path. A text that would overlap an earlier one at each place stands without its name, or
+    is left out. `unit` is the size of a length unit (pt); `along` are
+    places on the path and the arrows, shape (m, 2).
     """
     last = len(points) - 1
     taken = points if last <= _MOST_NAMED else points[[0, -1]]
     places = unit * taken  # of dots and texts, pt
-    sizes = np.full(places.shape, 2.0)  # half of their widths and heights
+    sizes = np.zeros(places.shape)  # half of the widths and heights of texts
+    margin = _MARGIN * np.asarray(ax.dataLim.size)
+    edge = unit * (ax.dataLim.get_points() + np.array((-margin, margin)))
     for number, text in enumerate(texts):
         point = points[number]
         outside = np.zeros(2)
@@ -345,18 +354,24 @@ def _write(ax: Axes, points: FloatArray, texts: Sequence[str], unit: float) -> N
             outside -= _unit(points[number + 1] - point)
         if np.hypot(*outside) < 1e-3:  # beside a straight
             outside = _unit(points[number + 1] - points[number - 1])[::-1] * (-1, 1)
-        short_text = text.partition(" ")[0]
         gap = 4.0 if 0 < number < last else 6.0  # beside the ring of the target
-        for tried, side in ((text, 1), (text, -1), (short_text, 1)):
-            direction = side * _unit(outside)
+        for tried in filter(None, (text, text.partition(" ")[0])):
             size = np.array((_DIGIT * len(tried) / 2, 4.5))
-            lift = direction * (gap + np.abs(direction) @ size)
-            place = unit * point + lift
-            if tried and not (np.abs(places - place) < sizes + size).all(axis=1).any():
-                places = np.vstack((places, place))
+            lifts = _AROUND * gap + np.sign(_AROUND.round(9)) * size
+            at = unit * point + lifts
+            # 2 pt apart: a dot is as large, and two numbers side by side would be read as one
+            free = ~(np.abs(places - at[:, None]) < sizes + size + 2).all(axis=2).any(axis=1)
+            if free.any():
+                crossed = (np.abs(unit * along - at[:, None]) < size + 1).all(axis=2).any(axis=1)
+                beyond = ((at - size < edge[0]) | (at + size > edge[1])).any(axis=1)
+                away = np.linalg.norm(unit * points - at[:, None], axis=2)
+                another = away.min(axis=1) < away[:, number] - 1e-6  # is nearer than its own
+                cost = 4 * crossed + 3 * beyond + 2 * another - _AROUND @ _unit(outside)
+                best = int(np.where(free, cost, np.inf).argmin())
+                places = np.vstack((places, at[best]))
                 sizes = np.vstack((sizes, size))
                 where: Style = {"textcoords": "offset points", "ha": "center", "va": "center"}
-                ax.annotate(tried, point, tuple(lift), fontsize=7.5, zorder=6, **where)
+                ax.annotate(tried, point, tuple(lifts[best]), fontsize=7.5, zorder=6, **where)
                 break
 
 
@@ -382,11 +397,16 @@ def _as_passed(path: Path, scenario: Scenario) -> list[int]:
 
 
 def plot_route(
-    ax: Axes, path: Path, scenario: Scenario, name: str, names: Sequence[str] = ()
+    ax: Axes,
+    path: Path,
+    scenario: Scenario,
+    name: str,
+    names: Sequence[str] = (),
+    known: str = "",
 ) -> None:
     """A path by its turns, with the via points and both poses of a scenario.
 
-    `names` are those of the stops, in the order of the scenario.
+    `names` are those of the stops, in the order of the scenario; `known` ends the title.
 
     Lines and points are thinner where points lie close, and of many points some have numbers.
     Faint circles are those that the path drives on, for few points; arrows are headings, that at
@@ -420,17 +440,20 @@ def plot_route(
     ax.plot(*via.T, "o", color=INK, markersize=dot, markeredgewidth=0, zorder=5)
     order = _as_passed(path, scenario)
     points = np.vstack((scenario.points[:1], scenario.points[1:][order]))
-    _write(ax, points, _texts(scenario, order, names), unit)
     target = (float(points[-1, 0]), float(points[-1, 1]))
     final = None if scenario.target is None else scenario.stops[-1].heading
+    drawn_places = [path.sample(_CROSSINGS)[:, :2]]
+    reach = np.linspace(0, 1, 50)[:, None] * max(ax.dataLim.size) / 9  # of both arrows
+    for place, heading in ((path.start[:2], path.start.heading), (target, final)):
+        if heading is not None:
+            drawn_places.append(place + reach * (math.cos(heading), math.sin(heading)))
+    _write(ax, points, _texts(scenario, order, names), unit, np.concatenate(drawn_places))
     plot_start_and_target(ax, path.start, target, final)
     if lines := _legend_of_names(order, names):
         ax.set_xlabel(f"x\n\n{lines}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(_MARGIN)
-    title = f"{name}: length {digits(6)(path.length)}"
-    if scenario.speed != 1:
-        title = f"{title}, time {digits(4)(path.length / scenario.speed)}"
+    title = f"{name}: length {digits(6)(path.length)}{known}"
     ax.legend(
         handles=[kinds[letter] for letter in _TURNS if letter in kinds],
         loc="lower left",
