@@ -37,7 +37,7 @@ class Size(NamedTuple):
 BUDGETS = {
     "study": 87_000,
     "solvers": 73_500,
-    "asking": 5_650,
+    "asking": 5_500,
     "experiments": 34_450,
     "conformance": 11_800,
     "report": 73_700,

@@ -90,6 +90,29 @@ def test_an_answer_prints_in_ten_lines():
         assert str(answer.verdict) in repr(answer)
 
 
+def test_an_answer_prints_first_what_a_planner_reads():
+    """Length and time, then verdict and proof; the solver is last."""
+    lines = repr(solve(Scenario(target_x=9, target_y=4, speed=2))).splitlines()
+
+    assert [line.split()[0] for line in lines[1:3]] == ["length", "verdict"]
+    assert "proof proved" in lines[2]
+    assert lines[-1].split()[0] == "solver"
+
+
+def test_an_answer_lists_what_a_planner_needs():
+    """Every listed name is there; the certificate has its fields, which stay the answer's too."""
+    answer = solve(Scenario(target_x=9, target_y=4))
+    certificate = answer.certificate
+
+    assert {"length", "path", "order", "visits", "certificate"} <= set(dir(answer))
+    assert len(dir(answer)) < 16
+    assert all(hasattr(answer, name) for name in dir(answer))
+    assert vars(certificate) == {name: getattr(answer, name) for name in vars(certificate)}
+    assert certificate.proof == "proved"
+    assert certificate.reference_low <= answer.length
+    assert "solver" not in vars(certificate)
+
+
 def test_an_answer_of_many_legs_prints_its_length():
     """And its time, then as much of the word as fits; so does the caption of its drawing."""
     via = [(5 * i, i % 2) for i in range(1, 30)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from time import monotonic
 from typing import Any
@@ -47,11 +47,22 @@ from dubins_study.study.words import (
     short_word,
 )
 
-_REPR_CHARS = 96  # of a line of an answer's repr
-_PLANNER_NAMES = (
-    *("certificate", "claim", "length", "order", "path", "proof", "reference_high"),
-    *("reference_low", "scenario", "travel_time", "verdict", "visits", "word"),
+_FOR_A_PLANNER = (
+    "length",
+    "travel_time",
+    "path",
+    "word",
+    "verdict",
+    "proof",
+    "order",
+    "visits",
+    "reference_low",
+    "reference_high",
+    "certificate",
+    "scenario",
+    "row",
 )
+_REPR_CHARS = 96  # of a line of an answer's repr
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -82,40 +93,25 @@ class Answer(Spent, Times, Certificate, Judgement, Reported):
         via = f" via {len(scenario.via)} points{in_any_order}" if scenario.via else ""
         word = None if self.word is None else short_word(self.word, 16)
         lines = (
-            f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
-            f"from ({pose}){via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}",
-            f"verdict {self.verdict}, claim {self.claim}, proof {self.proof}",
             f"length {self.length}, travel time {self.travel_time}, word {word}",
+            f"verdict {self.verdict}, proof {self.proof}, claim {self.claim}",
+            f"from ({pose}){via} to {target}, radius {scenario.radius:g}, speed {scenario.speed:g}",
             f"gap {self.gap}, miss {self.miss}",
             *([] if self.margin is None else [f"region {self.region}, margin {self.margin:g}"]),
             f"build {self.build_s} s, solve {self.solve_s} s",
             f"message {plain(self.message)}",
+            f"solver {self.solver}, branch {self.branch}, outcome {self.outcome}",
         )
         return "\n".join(("Answer(", *(f"  {line:.{_REPR_CHARS}}" for line in lines))) + ")"
 
-    def __str__(self) -> str:
-        """What a planner reads first, in a few lines."""
-        by = f"verdict {self.verdict}, claim {self.claim} by {self.solver}"
-        if self.length is None or self.travel_time is None:
-            return f"no path\n{by}"
-        lines = [
-            f"length {self.length:.12g}, travel time {self.travel_time:.12g}",
-            f"proof {self.proof}: shortest in [{self.reference_low}, {self.reference_high}]",
-            f"word {short_word(self.word or '', 48)}",
-            by,
-        ]
-        if self.order is not None:
-            lines.insert(1, f"order of the via points, from 0: {self.order}")
-        return "\n".join(lines)
-
-    def __dir__(self) -> list[str]:
-        """The names that a planner needs; all other fields can be read too."""
-        return list(_PLANNER_NAMES)
+    def __dir__(self) -> tuple[str, ...]:
+        """What a planner needs; every other column is reached by its name."""
+        return _FOR_A_PLANNER
 
     @property
     def certificate(self) -> Certificate:
-        """What is proved of the answer, and by which numbers."""
-        return Certificate(**{each.name: getattr(self, each.name) for each in fields(Certificate)})
+        """The proof and its evidence alone."""
+        return Certificate(**{name: getattr(self, name) for name in _CERTIFICATE})
 
     @property
     def order(self) -> list[int] | None:
@@ -270,6 +266,7 @@ def controls(path: Path | None) -> tuple[list[float], list[float]] | tuple[None,
 
 
 _SCENARIO, _ANSWER = names(SCENARIO), names(ANSWER)
+_CERTIFICATE = names(columns(Certificate))
 _scenario_numbers = attrgetter(*_SCENARIO)
 
 

@@ -116,7 +116,7 @@ _ABOVE_SEA, _ABOVE_HOME = 0, 3  # frames of MAVLink
 
 
 def _frame(flight: Flight) -> int:
-    """What altitudes are above: the sea in maps and tables, home in plans and where none is given."""
+    """The frame of altitudes: above the sea, but of a plan, or if none is given, above home."""
     of_autopilot = flight.mission.source in ("QGroundControl plan", "QGC WPL 110")
     given = any(point.altitude is not None for point in flight.mission.points)
     return _ABOVE_SEA if given and not of_autopilot else _ABOVE_HOME
