@@ -108,7 +108,7 @@ def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _on_map(point: Waypoint) -> str:
     altitude = "" if point.altitude is None else f",{point.altitude}"
-    return f"{point.lon!r},{point.lat!r}{altitude}"
+    return f"{point.lon:.9f},{point.lat:.9f}{altitude}"
 
 
 _WAYPOINT = 16  # the command of MAVLink
@@ -161,9 +161,9 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Lines of QGC WPL 110: home, then the waypoints."""
     home, *flown = waypoints
-    lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat!r}\t{home.lon!r}\t0\t1"]
+    lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat:.9f}\t{home.lon:.9f}\t0\t1"]
     for number, point in enumerate(flown, 1):
-        place = f"{point.lat!r}\t{point.lon!r}\t{point.altitude!r}"
+        place = f"{point.lat:.9f}\t{point.lon:.9f}\t{point.altitude!r}"
         lines.append(f"{number}\t0\t{_frame(flight)}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"
 
