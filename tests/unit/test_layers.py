@@ -41,10 +41,10 @@ BUDGETS = {
     "experiments": 34_450,
     "conformance": 11_800,
     "report": 73_700,
-    "missions": 8_000,
-    "cli": 13_750,
-    "package": 306_000,
-    "tests": 275_000,
+    "missions": 8_450,
+    "cli": 14_200,
+    "package": 306_800,
+    "tests": 276_500,
 }
 
 _LEAVES = (

@@ -75,10 +75,10 @@ def solve(
     )
     question = question_of(words)
     for note in question.mission.notes:
-        output.note(note)
+        output.note(note, always=False)
     check_request(branch, time_limit, "--time-limit")
     files = Files(plot, geojson, out, step, altitude)
-    files.check(question.mission)
+    files.check(question.mission, [x, via_file])
     answer, in_given_order = _answers(question.scenario, solver, branch, profile, time_limit)
     _print(answer, question, in_given_order, as_json)
     flown = answer

@@ -62,10 +62,10 @@ class Flight:
         """Whether the path is known to pass all points."""
         return self.answer.gap is not None
 
-    @property
+    @cached_property
     def stops(self) -> list[Waypoint]:
         """The mission's points in the order in which they are passed; none if some are missed."""
-        return self._at([length for length, _ in self._passed], self._passed)
+        return self._at([length for length, _ in self._passed])
 
     def waypoints(self, step: float) -> list[Waypoint]:
         """The start, each stop and the end, and between two of them points evenly apart.
@@ -90,7 +90,7 @@ class Flight:
             # a last part of rounding alone is none
             parts = max(math.ceil((end - begin) / step * (1 - 1e-12)), 1)
             lengths += np.linspace(begin, end, parts, endpoint=False).tolist()
-        return self._at([*lengths, marks[-1]], self._passed)
+        return self._at([*lengths, marks[-1]])
 
     @cached_property
     def _passed(self) -> list[tuple[float, int]]:
@@ -104,18 +104,18 @@ class Flight:
             passed.append((self.path.length, len(scenario.via)))
         return passed
 
-    def _at(self, lengths: Sequence[float], passed: Sequence[tuple[float, int]]) -> list[Waypoint]:
+    def _at(self, lengths: Sequence[float]) -> list[Waypoint]:
         """The waypoints at rising lengths along the path, with the stops that are passed there."""
         x, y, heading = self.path.at(lengths).T
         compass = 0.5 * math.pi - heading
         degrees: Sequence[Sequence[float | None]] = [(None, None)] * len(lengths)
         if self.mission.plane is not None:
             points = np.column_stack((x, y))
-            compass = compass + self.mission.plane.convergence(points)
-            degrees = self.mission.plane.to_earth(points).tolist()
+            degrees = list(self.mission.plane.on_earth(points))
+            compass = compass + [convergence for _, _, convergence in degrees]
         curvatures = self.path.curvature_at(lengths)
         altitudes = self._altitudes(lengths)
-        waiting = deque(passed)
+        waiting = deque(self._passed)
         waypoints = []
         for i, length in enumerate(lengths):
             place = waiting.popleft()[1] if waiting and waiting[0][0] == length else None
@@ -157,10 +157,13 @@ class Flight:
     def _altitudes(self, lengths: Sequence[float]) -> list[float | None]:
         """The altitude at lengths along the path, between the stops that have one."""
         points = dict(enumerate(self.mission.points))
+        if self.mission.home is not None and not self.mission.above_home:
+            points |= {-1: self.mission.home, len(points): self.mission.home}
+        places = [(length, points.get(place)) for length, place in [(0.0, -1), *self._passed]]
         known = [
-            (length, points[place].altitude)
-            for length, place in self._passed
-            if place in points and points[place].altitude is not None
+            (length, point.altitude)
+            for length, point in places
+            if point and point.altitude is not None
         ]
         if not known:
             return [None] * len(lengths)
@@ -191,7 +194,7 @@ def bank_radius(speed: float, bank: float) -> float:
     if not 0 < bank < 0.5 * math.pi:
         degrees = f"{math.degrees(bank):.4g}deg"
         raise FlightError(f"bank is {degrees}; expected an angle between 0 and 90deg")
-    return speed**2 / (_GRAVITY * math.tan(bank))
+    return speed * speed / (_GRAVITY * math.tan(bank))
 
 
 def too_tight(radius: float, speed: float, bank: float) -> str | None:

@@ -45,6 +45,12 @@ class Mission:
     source: str = ""
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    speed: float | None = None  # m/s, of the whole mission, as the file has it
+
+    @property
+    def above_home(self) -> bool:
+        """Whether altitudes of points are above home, as in plans; else they are above the sea."""
+        return self.source in ("QGroundControl plan", "QGC WPL 110")
 
     def started(self) -> Mission:
         """The mission with a home: its first point where it has none."""

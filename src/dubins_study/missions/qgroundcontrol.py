@@ -37,6 +37,7 @@ _NAMES = _PLACES | {
 }
 _AT_HOME = (21, 22, 84, 85)  # takeoffs and landings, often at the home position
 _ON_EARTH = (0, 3, 5, 6, 10, 11)  # frames of coordinates in degrees
+_ABOVE_HOME = (3, 6)  # those whose altitude is above home
 
 
 def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
@@ -44,11 +45,12 @@ def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
     passed: Counter[str] = Counter()
     mission = content["mission"]
     position = mission.get("plannedHomePosition") or (0, 0)
-    home = _places({"command": 16, "coordinate": position}, Counter(), [])
+    home = _places({"command": 16, "frame": 3, "coordinate": position}, Counter(), [])
     points = each("item", mission["items"], lambda item: _places(item, passed, home))
     for shape in ("polygons", "circles"):
         passed[f"fence {shape}"] = len(content.get("geoFence", {}).get(shape, ()))
-    return reading_of(source, points, passed, home=home[0] if home else None)
+    speed = mission.get("cruiseSpeed")
+    return reading_of(source, points, passed, home=home[0] if home else None, speed=speed)
 
 
 def read_wpl(text: str, compass: bool) -> Reading:
@@ -66,7 +68,10 @@ def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[M
     """
     transects = item.get("TransectStyleComplexItem") or {}
     if corners := transects.get("VisualTransectPoints"):
-        return [point_of({"x": corner[1], "y": corner[0]}) for corner in corners]
+        height = (transects.get("CameraCalc") or {}).get("DistanceToSurface")
+        return [
+            point_of({"x": corner[1], "y": corner[0], "altitude": height}) for corner in corners
+        ]
     if "command" not in item:
         passed[str(item["complexItemType"])] += 1
         return []
@@ -75,11 +80,13 @@ def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[M
     # the first version of plans has the place beside four parameters
     parameters = [*item.get("params", [0] * 4), *item.get("coordinate", ()), None]
     latitude, longitude, altitude = parameters[4:7]
+    frame = int(item.get("frame", 0))
     # at 0 0, or null, it is where the vehicle is
-    has_place = int(item.get("frame", 0)) in _ON_EARTH and any(
-        map(float, (latitude or 0, longitude or 0))
-    )
+    has_place = frame in _ON_EARTH and any(map(float, (latitude or 0, longitude or 0)))
     if command in _PLACES and has_place:
+        if altitude is not None and frame not in _ABOVE_HOME:
+            passed["altitude that is not above home"] += 1
+            altitude = None
         point = point_of({"x": longitude, "y": latitude, "altitude": altitude})
         if command not in _AT_HOME or point[:2] not in [place[:2] for place in home]:
             return [point]

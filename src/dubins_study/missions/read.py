@@ -14,7 +14,7 @@ import numpy as np
 from dubins_study.missions.maps import read_geojson, read_xml
 from dubins_study.missions.mission import Mission, MissionError, MissionPoint
 from dubins_study.missions.qgroundcontrol import read_plan, read_wpl
-from dubins_study.missions.reading import Points, Reading, at, text_of
+from dubins_study.missions.reading import Points, Reading, at, number_of, text_of
 from dubins_study.missions.table import read_table, read_tsplib
 from dubins_study.study.tangent_plane import TangentPlane, check_place, middle_of
 from dubins_study.study.values import plain
@@ -32,6 +32,7 @@ def read_mission(
     columns: Sequence[str] | None = None,
     compass: bool = False,
     drop_repeats: bool = False,
+    closed: bool = False,
     plane: TangentPlane | None = None,
 ) -> Mission:
     """The mission of a file, its format told by what is in it.
@@ -48,6 +49,7 @@ def read_mission(
             radians (or text with a unit) counterclockwise from east.
         drop_repeats: whether to leave out points that equal the one before them, and a last point
             that equals the first.
+        closed: whether the path ends at its start: a last point that equals the first is left out.
         plane: the plane of the points; default: the one at the middle of the points and the home
             position. A file of x and y is taken to have metres on it.
 
@@ -61,7 +63,7 @@ def read_mission(
     """
     with at(str(file)):
         reading = _reading(text_of(file), columns, compass)
-        mission = _mission(reading, compass, drop_repeats, plane)
+        mission = _mission(reading, compass, drop_repeats, closed, plane)
     for warning in mission.warnings:
         _LOG.warning("dubins-study: %s", plain(f"{file}: {warning}"))
     return mission
@@ -98,7 +100,7 @@ def _reading(text: str, columns: Sequence[str] | None, compass: bool) -> Reading
 
 
 def _mission(
-    reading: Reading, compass: bool, drop_repeats: bool, plane: TangentPlane | None
+    reading: Reading, compass: bool, drop_repeats: bool, closed: bool, plane: TangentPlane | None
 ) -> Mission:
     """The points on a plane, without repeats, and what is to be said of them."""
     points = list(reading.points)
@@ -108,6 +110,8 @@ def _mission(
         raise MissionError(f"there are {len(points)} points; expected at most {_MOST_POINTS}")
     if reading.degrees:
         points, plane = _on_plane(points, plane)
+    if closed and len(points) > 2 and _same(points[0], points[-1]):
+        points.pop()
     kept, repeats = _without_repeats(points)
     if repeats and not drop_repeats:
         expected = "--drop-repeats (in Python drop_repeats=True) takes each point once"
@@ -115,7 +119,7 @@ def _mission(
     extent, distortion = _extent(kept, plane)
     notes = [extent, reading.passed, repeats and f"dropped: {repeats}"]
     if reading.home is not None:
-        notes.append("the start is the home position")
+        notes.append("the home position is where the flight starts, but for --from")
     if headings := sum(point.heading is not None for point in kept):
         how = "degrees clockwise from north" if compass else "radians counterclockwise from east"
         notes.append(f"{headings} headings, numbers in {how}")
@@ -125,6 +129,7 @@ def _mission(
         home=None if reading.home is None else kept[0],
         plane=plane,
         source=reading.source,
+        speed=None if reading.speed is None else number_of(reading.speed),
         notes=tuple(map(plain, filter(None, notes))),
         warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
     )

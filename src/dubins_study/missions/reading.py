@@ -36,6 +36,7 @@ class Reading(NamedTuple):
     passed: str = ""  # what is passed over, and how it is understood
     degrees: bool = True
     home: MissionPoint | None = None
+    speed: float | None = None  # m/s
 
 
 @contextmanager
@@ -59,7 +60,9 @@ def text_of(file: str | os.PathLike[str]) -> str:
     encoding = "utf-16" if content.startswith(_UTF_16) else "utf-8-sig"
     text = content.decode(encoding, errors="replace")
     if "\0" in text or "\N{REPLACEMENT CHARACTER}" in text:
-        message = "it is not UTF-8 text, nor marked UTF-16; a zip archive (KMZ) must be unpacked"
+        message = (
+            "it is not UTF-8 text, nor marked UTF-16: save a table as UTF-8; unpack a KMZ archive"
+        )
         raise MissionError(f"cannot be read: {message}")
     return text
 
@@ -88,13 +91,13 @@ def point_of(fields: Mapping[str, Any], compass: bool = False) -> MissionPoint:
     if math.isnan(x + y):
         written = f"{fields['x']},{fields['y']}"
         raise MissionError(f"x,y is {written!r:.60}; expected two numbers")
-    given = {name: value for name, value in fields.items() if value not in (None, "", FREE)}
-    values: dict[str, Any] = {"name": str(given.get("name", ""))}
+    given = {name: value for name, value in fields.items() if value not in (None, "")}
+    values: dict[str, Any] = {"name": plain(str(given.get("name", "")).strip())}
     for name in given.keys() & {"altitude", "speed"}:
         values[name] = number_of(given[name])
         if math.isnan(values[name]):
             raise MissionError(f"{name} is {short(given[name])}; expected a number")
-    if "heading" in given:
+    if given.get("heading", FREE) != FREE:
         with at("heading"):
             values["heading"] = heading_of(str(given["heading"]), compass)
     return MissionPoint(x, y, **values)

@@ -18,16 +18,17 @@ from dubins_study.study.values import plain
 _LOG = logging.getLogger(__name__)
 # names of columns for each field of a point, without what is no letter
 _NAMES = {
-    "x": "x xm east eastm easting eastingm",
-    "y": "y ym north northm northing northingm",
-    "longitude": "lon long lng longitude londeg lngdeg longitudedeg",
-    "latitude": "lat latitude latdeg latitudedeg",
+    "x": "x xm east eastm easting eastingm rechtswert",
+    "y": "y ym north northm northing northingm hochwert",
+    "longitude": "lon long lng longitude londeg lngdeg longitudedeg länge",
+    "latitude": "lat latitude latdeg latitudedeg breite",
     "heading": "heading",
     "name": "name",
-    "altitude": "alt altitude ele elevation altm altitudem elem elevationm",
+    "altitude": "alt altitude ele elevation altm altitudem elem elevationm höhe",
     "speed": "speed speedms",
 }
 _FIELDS = {name: field for field, names in _NAMES.items() for name in names.split()}
+_DEGREES = ("longitude", "latitude")
 _OF_A_ROUTE = ("x", "y", "name", "heading")
 
 
@@ -61,7 +62,7 @@ def read_table(
     if columns is not None:
         names = columns
         named = "--columns"
-    fields = [_FIELDS.get(re.sub(r"[\W_]", "", name.lower()), name.lower()) for name in names]
+    fields = [_field(name, used) for name in names]
     in_degrees = "longitude" in fields or "latitude" in fields
     x, y = ("longitude", "latitude") if in_degrees else ("x", "y")
     if fields.count(x) != 1 or fields.count(y) != 1:
@@ -100,6 +101,12 @@ def _split(text: str) -> tuple[Rows, list[str]]:
         lines = [number.sub(r"\1.", line) for line in lines]
     comment = comments[-1].strip("# \r\n").split(delimiter) if comments else []
     return read_rows(lines, delimiter), comment
+
+
+def _field(name: str, used: Collection[str]) -> str:
+    """The field of a column's name; the name where the field is not used."""
+    field = _FIELDS.get(re.sub(r"[\W_]", "", name.lower()), "")
+    return field if field in used or field in _DEGREES else name.lower()
 
 
 def _check_fields(fields: Sequence[str]) -> None:

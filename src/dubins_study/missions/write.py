@@ -19,10 +19,6 @@ _PROPERTIES = (
     *("word", "travel_time", "solver", "claim", "verdict", "proof", "gap", "miss"),
     *("reference_low", "reference_high"),
 )
-_COLUMNS = (
-    *("time", "length", "x", "y", "lon", "lat", "heading", "compass", "curvature", "altitude"),
-    "name",
-)
 
 
 def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -58,9 +54,7 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     text = io.StringIO()
-    rows = csv.DictWriter(text, _COLUMNS, extrasaction="ignore", lineterminator="\n")
-    rows.writeheader()
-    rows.writerows(point._asdict() for point in waypoints)
+    csv.writer(text, lineterminator="\n").writerows([Waypoint._fields, *waypoints])
     return text.getvalue()
 
 
@@ -96,6 +90,9 @@ def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     under(placemark, "name", "path")
     line = under(placemark, "LineString")
     under(line, "tessellate", "1")
+    if waypoints[0].altitude is not None:
+        above = "relativeToGround" if flight.mission.above_home else "absolute"
+        under(line, "altitudeMode", above)
     under(line, "coordinates", " ".join(map(_on_map, waypoints)))
     for stop in flight.stops:
         placemark = under(document, "Placemark")
@@ -117,9 +114,14 @@ _ABOVE_SEA, _ABOVE_HOME = 0, 3  # frames of MAVLink
 
 def _frame(flight: Flight) -> int:
     """The frame of altitudes: above the sea, but of a plan, or if none is given, above home."""
-    of_autopilot = flight.mission.source in ("QGroundControl plan", "QGC WPL 110")
     given = any(point.altitude is not None for point in flight.mission.points)
-    return _ABOVE_SEA if given and not of_autopilot else _ABOVE_HOME
+    return _ABOVE_SEA if given and not flight.mission.above_home else _ABOVE_HOME
+
+
+def _home_altitude(flight: Flight) -> float:
+    """The altitude of home above the sea; 0 where nobody says it."""
+    home = flight.mission.home
+    return (home.altitude if home else None) or 0.0
 
 
 def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -138,13 +140,13 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
         if point.name:
             item["stop"] = point.name  # a key that QGroundControl passes over
         items.append(item)
+    speed = flight.answer.scenario.speed
     mission = {
         "version": 2,
         "firmwareType": 0,
         "vehicleType": 1,  # fixed wing
-        "cruiseSpeed": flight.answer.scenario.speed,
-        "hoverSpeed": flight.answer.scenario.speed,
-        "plannedHomePosition": [home.lat, home.lon, 0.0],
+        **({} if speed == 1 else {"cruiseSpeed": speed}),  # 1 is that of no speed given
+        "plannedHomePosition": [home.lat, home.lon, _home_altitude(flight)],
         "items": items,
     }
     plan = {
@@ -161,7 +163,8 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """Lines of QGC WPL 110: home, then the waypoints."""
     home, *flown = waypoints
-    lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{home.lat:.9f}\t{home.lon:.9f}\t0\t1"]
+    place = f"{home.lat:.9f}\t{home.lon:.9f}\t{_home_altitude(flight)!r}"
+    lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1"]
     for number, point in enumerate(flown, 1):
         place = f"{point.lat:.9f}\t{point.lon:.9f}\t{point.altitude!r}"
         lines.append(f"{number}\t0\t{_frame(flight)}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
@@ -177,7 +180,7 @@ class Format(NamedTuple):
     lacks: str = ""
 
 
-_AUTOPILOT = "turns become waypoints; the autopilot flies from one to the next as it can"
+_AUTOPILOT = "takeoff, landing and camera are not in it; turns become waypoints"
 _FORMATS = {
     ".geojson": Format(_geojson, on_earth=False),
     ".json": Format(_geojson, on_earth=False),
@@ -222,11 +225,12 @@ def write_flight(
     """
     chosen = format_of(file, flight.mission)
     size = 0.25 * flight.answer.scenario.radius if step is None else step
-    waypoints = flight.waypoints(size)
+    waypoints = [] if chosen.text is _geojson else flight.waypoints(size)
     if chosen.needs_altitude:
         waypoints = [
             point._replace(altitude=altitude) if point.altitude is None else point
             for point in waypoints
         ]
-    file.write_text(chosen.text(flight, waypoints), encoding="utf-8")
+    content = chosen.text(flight, waypoints).encode()
+    file.write_bytes(content)  # nothing is written if the text cannot be made
     return chosen.lacks and f"{chosen.lacks}, {size:g} apart"

@@ -47,11 +47,11 @@ class TangentPlane:
 
     def to_earth(self, points: ArrayLike) -> FloatArray:
         """Longitudes and latitudes (degrees) of metres east and north, shape (n, 2)."""
-        return np.array([line[:2] for line in self._direct(points)]).reshape(-1, 2)
+        return np.array([line[:2] for line in self.on_earth(points)]).reshape(-1, 2)
 
     def convergence(self, points: ArrayLike) -> FloatArray:
         """How far the plane's +y lies clockwise of true north at each point (rad), shape (n,)."""
-        return np.array([line[2] for line in self._direct(points)])
+        return np.array([line[2] for line in self.on_earth(points)])
 
     def distortion(self, points: ArrayLike) -> float:
         """The largest relative error of a length near any of the points."""
@@ -59,7 +59,7 @@ class TangentPlane:
         angle = float(away.max(initial=0.0)) / _geodesic().a
         return angle / math.sin(angle) - 1 if 0 < angle < math.pi else 0.0
 
-    def _direct(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
+    def on_earth(self, points: ArrayLike) -> Iterable[tuple[float, float, float]]:
         """Longitude, latitude (degrees) and convergence (rad) at each point."""
         for x, y in np.asarray(points, dtype=float).reshape(-1, 2).tolist():
             azimuth = math.degrees(math.atan2(x, y))

@@ -45,7 +45,7 @@ REFUSALS = {
     "solve 1 2 --solver slsqp --via 3 4": "slsqp does not take: via points; it takes: free final",
     "solve 1 2 --radius": "--radius is ''; expected NUMBER: minimum turning radius, ",
     "solve 1 2 --radius 40m": "Invalid value for '--radius': '40m'; expected a number; see ",
-    "solve 1e 2": "Invalid value for 'X': '1e'; expected a number",
+    "solve 1e 2": "Invalid value for 'X': '1e' is no number",
     "solve 1 2 --json=yes": "Option '--json' does not take a value",
     "run paper --jobs 1.5": "Invalid value for '--jobs': Input should be a valid integer",
     "run paper --time-limit 5s": "Invalid value for '--time-limit': '5s'; expected a number",

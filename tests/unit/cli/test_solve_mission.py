@@ -113,11 +113,21 @@ def test_bank_and_speed_give_the_radius(tmp_path):
     assert max(turns) == pytest.approx(1 / radius)
     tight = asked(*words, "--radius", "40")
     assert "below" in tight.stderr
+    of_the_plan = json.loads(asked("solve", MEADOW, "--bank", "30deg", "--json").stdout)
+    assert of_the_plan["length"] / of_the_plan["travel_time"] == pytest.approx(15.0)
+    file = tmp_path / "points.csv"
+    file.write_text("lon,lat\n10,52\n10.01,52\n")
     with pytest.raises(DubinsStudyError, match="--bank is given without --speed"):
-        asked("solve", MEADOW, "--bank", "30deg")
+        asked("solve", str(file), "--bank", "30deg")
 
 
 REFUSED = {
+    ("solve", MEADOW, "--radius", "9", "--out", MEADOW): "is read, or is written twice",
+    ("solve", MEADOW, "--radius", "9", "--out", "a.gpx", "--step", "0"): "--step is 0.0",
+    ("solve", MEADOW, "--radius", "9", "--altitude", "nan"): "--altitude is nan",
+    ("solve", MEADOW, "--radius", "9", "--from", "10", "100", "free"): "latitude is 100",
+    ("solve", "3", "4", "--drop-repeats"): "--drop-repeats is given without a mission file",
+    ("solve", "3", "4", "--columns", "x,y"): "--columns is given without a mission file",
     ("solve", MEADOW): "the radius is missing: the points lie on Earth",
     ("solve", MEADOW, "5", "--radius", "9"): "expected the file alone",
     (*TOUR, "--out", "flight.doc"): "flight.doc",

@@ -104,3 +104,13 @@ def test_no_turn_of_such_a_speed_or_bank(speed, bank, message):
 def test_a_step_that_makes_no_waypoints_is_refused(tour, step):
     with pytest.raises(FlightError, match=r"step is .*; expected a length above 0"):
         tour.waypoints(step)
+
+
+def test_a_start_at_the_first_point_has_its_altitude():
+    """A home position of a plan has none: its altitude is above the sea."""
+    points = [MissionPoint(x, 0.0, altitude=height) for x, height in [(0, 100), (900, 200)]]
+    for source, heights in [("GPX", (100, 200)), ("QGroundControl plan", (200, 200))]:
+        mission = Mission(tuple(points[1:]), points[0], TangentPlane(52.0, 10.0), source=source)
+        flight = flight_of(solve(mission.scenario(radius=80)), mission)
+        start, *_, end = flight.waypoints(100)
+        assert (start.altitude, end.altitude) == heights

@@ -220,7 +220,7 @@ WRONG = {
     "zeros": (b"x,y\n1,2\n\0\0\0", "it is not UTF-8 text"),
     "Latin-1": ("x,y,name\n1,2,Höhe\n".encode("latin-1"), "it is not UTF-8 text"),
     "UTF-16 unmarked": ("x,y\n1,2\n".encode("utf-16-le"), "it is not UTF-8 text"),
-    "KMZ": (b"PK\x03\x04\xff\xff", "a zip archive (KMZ) must be unpacked"),
+    "KMZ": (b"PK\x03\x04\xff\xff", "save a table as UTF-8; unpack a KMZ archive"),
     "swapped": ("lon,lat\n48.1,111.5\n", "line 2: longitude is 48.1, latitude is 111.5; expected"),
     "metres as degrees": ("lon,lat\n692000,5330000\n", "are the two swapped, or metres?"),
     "mixed units": ("lon,lat\n11.5,48.1\n11500,48100\n", "line 3: longitude is 11500.0"),
@@ -398,7 +398,7 @@ def test_home_and_what_is_carried_along(mission_of):
     mission = mission_of(plan(*(item(*place) for place in LONLAT), home=[48.2, 11.5, 400]))
 
     assert mission.home.altitude == 400
-    assert "the start is the home position" in mission.notes
+    assert "the home position is where the flight starts, but for --from" in mission.notes
     assert {point.altitude for point in mission.points} == {50}
     assert [point.where for point in mission.points] == ["item 1", "item 2", "item 3"]
     assert mission.source == "QGroundControl plan"
@@ -549,3 +549,49 @@ def test_a_takeoff_and_a_landing_at_home_are_no_points_to_pass(mission_of):
 
     assert len(mission.points) == 2
     assert "1 takeoff at home, 1 land at home" in " ".join(mission.notes)
+
+
+def test_a_survey_has_its_height_and_a_plan_its_speed(mission_of):
+    """The height is above home, as those of items are in frame 3; in frame 0 it is passed over."""
+    corners = [[52.0, 10.0], [52.0, 10.01]]
+    survey = {"VisualTransectPoints": corners, "CameraCalc": {"DistanceToSurface": 80}}
+    items = [
+        {"type": "ComplexItem", "complexItemType": "survey", "TransectStyleComplexItem": survey},
+        {"command": 16, "frame": 3, "params": [0, 0, 0, None, 52.01, 10.0, 60]},
+        {"command": 16, "frame": 0, "params": [0, 0, 0, None, 52.02, 10.0, 700]},
+    ]
+    mission = mission_of(json.dumps({"mission": {"items": items, "cruiseSpeed": 17}}))
+
+    assert [point.altitude for point in mission.points] == [80, 80, 60, None]
+    assert mission.speed == 17
+    assert "1 altitude that is not above home" in " ".join(mission.notes)
+
+
+def test_a_closed_list_is_no_repeat_of_a_closed_path(tmp_path):
+    """Its last point is the start; otherwise the message says what to do."""
+    file = tmp_path / "loop.csv"
+    file.write_text("x,y\n0,0\n100,0\n100,100\n0,0\n")
+
+    assert len(read_mission(file, closed=True).points) == 3
+    with pytest.raises(DubinsStudyError, match="line 5 equals the first point; --closed"):
+        read_mission(file)
+
+
+def test_a_name_is_a_name(mission_of):
+    """Also where it is a word of ours, or has characters that no file of a map may have."""
+    collection = {
+        "type": "FeatureCollection",
+        "features": [
+            {
+                "type": "Feature",
+                "geometry": {"type": "Point", "coordinates": [10 + i, 50]},
+                "properties": {"name": name},
+            }
+            for i, name in enumerate(["free", "a\u0001b", "c\ud800"])
+        ],
+    }
+    names = [point.name for point in mission_of(json.dumps(collection)).points]
+
+    assert names[0] == "free"
+    assert all(name.isprintable() for name in names)
+    assert [name.encode() for name in names]

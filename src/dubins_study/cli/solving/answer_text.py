@@ -124,8 +124,8 @@ def _stops(flight: Flight) -> str:
             plain(stop.name),
             f"{stop.time:.1f}",
             f"{stop.length:.6g}",
-            f"{math.degrees(stop.heading):.1f}",
-            f"{stop.compass:.1f}",
+            f"{math.degrees(stop.heading):z.1f}",
+            f"{round(stop.compass, 1) % 360:.1f}",
         )
         for visit, stop in enumerate(stops[:_MOST_POINTS], 1)
     ]

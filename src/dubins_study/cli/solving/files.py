@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, NamedTuple
@@ -32,15 +33,26 @@ class Files(NamedTuple):
         options += [("--out", file) for file in self.out]
         return [(option, file) for option, file in options if file is not None]
 
-    def check(self, mission: Mission) -> None:
-        """Refuse files that cannot be written, before a solve that takes long."""
+    def check(self, mission: Mission, read: Sequence[object]) -> None:
+        """Refuse files that cannot be written, before a solve that takes long.
+
+        `read` are the files that the question was read from, which are kept.
+        """
         from dubins_study.missions.write import format_of
         from dubins_study.study.values import unwritable
 
+        if not (self.step is None or 0 < self.step < math.inf):
+            raise CommandError(f"--step is {self.step}; expected a length above 0")
+        if not math.isfinite(self.altitude):
+            raise CommandError(f"--altitude is {self.altitude}; expected a number")
+        taken = {file.resolve() for file in read if isinstance(file, FilePath)}
         for option, file in self._named:
             reason = unwritable(file)
             if reason:
                 raise CommandError(f"{option}: cannot write {file}: {reason}")
+            if file.resolve() in taken:
+                raise CommandError(f"{option}: {file} is read, or is written twice")
+            taken.add(file.resolve())
         if self.geojson is not None and self.geojson.suffix.lower() not in (".json", ".geojson"):
             raise CommandError(f"--geojson: {self.geojson}: expected a file .json or .geojson")
         for file in self.out:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -13,6 +14,8 @@ from dubins_study.cli.terminal.arguments import CommandError, Point, StopHeading
 if TYPE_CHECKING:
     from dubins_study.missions.mission import Mission, MissionPoint
     from dubins_study.study.scenario import Scenario
+
+_FAR = 500_000.0  # m from the middle of the points
 
 
 class Words(NamedTuple):
@@ -66,8 +69,11 @@ def question_of(words: Words) -> Asked:
         if words.to_last and mission.points[-1].heading is not None:
             message = "the last point has a heading, and --final-heading is given"
             raise CommandError(f"{message}; expected one of them")
-        fields["final_heading"] = _heading("final_heading", words.final_heading, words.compass)
-    speed = 1.0 if words.speed is None else words.speed
+        end = mission.points[-1] if words.to_last else mission.home
+        assert end is not None
+        last = _with_heading(end, mission, "final_heading", words.final_heading, words.compass)
+        fields["final_heading"] = last.heading
+    speed = next(each for each in (words.speed, mission.speed, 1.0) if each is not None)
     scenario = mission.scenario(
         to_last=words.to_last,
         radius=_radius(words, mission),
@@ -86,10 +92,22 @@ def _mission(words: Words) -> Mission:
     if isinstance(words.target, FilePath):
         mission = _file_mission(words.target, words)
         if words.start is None:
-            return mission.started()
+            mission = mission.started()
+            if words.to_last and not mission.points:
+                raise CommandError(f"{words.target} has one point; expected a start, and others")
+            return mission
     else:
+        _refuse_unread(words)
         mission = Mission(tuple(_points(words)))
     return replace(mission, home=_start(words.start or ("0", "0", "0"), mission, words.compass))
+
+
+def _refuse_unread(words: Words) -> None:
+    """Refuse options that only a mission file has a use for."""
+    options = {"--columns": words.columns, "--drop-repeats": words.drop_repeats}
+    for option, value in options.items():
+        if value:
+            raise CommandError(f"{option} is given without a mission file; expected one, not X Y")
 
 
 def _file_mission(file: FilePath, words: Words) -> Mission:
@@ -100,7 +118,11 @@ def _file_mission(file: FilePath, words: Words) -> Mission:
         raise CommandError(f"{message}; expected the file alone")
     columns = None if words.columns is None else words.columns.split(",")
     return read_mission(
-        file, columns=columns, compass=words.compass, drop_repeats=words.drop_repeats
+        file,
+        columns=columns,
+        compass=words.compass,
+        drop_repeats=words.drop_repeats,
+        closed=words.closed,
     )
 
 
@@ -130,11 +152,26 @@ def _points(words: Words) -> list[MissionPoint]:
 def _start(pose: tuple[str, str, str], mission: Mission, compass: bool) -> MissionPoint:
     """The start pose; of a mission on Earth it is longitude, latitude and heading."""
     from dubins_study.missions.mission import MissionPoint
+    from dubins_study.study.tangent_plane import check_place
 
     x, y, heading = start_pose(pose)
     if mission.plane is not None:
+        check_place(x, y)
         x, y = mission.plane.to_plane([x, y])[0].tolist()
-    return MissionPoint(x, y, _heading("heading", heading, compass))
+        away = math.hypot(x, y)
+        if away > _FAR:
+            output.note(f"--from is {away / 1000:.0f} km from the points; it takes LON LAT HEADING")
+    return _with_heading(MissionPoint(x, y), mission, "heading", heading, compass)
+
+
+def _with_heading(
+    point: MissionPoint, mission: Mission, name: str, text: str, compass: bool
+) -> MissionPoint:
+    """The point with a heading that counts, on Earth, from its own east or north."""
+    heading = _heading(name, text, compass)
+    if heading is not None and mission.plane is not None:
+        heading += float(mission.plane.convergence(point[:2])[0])
+    return point._replace(heading=heading)
 
 
 def _with_headings(mission: Mission, words: Words) -> Mission:
@@ -148,8 +185,8 @@ def _with_headings(mission: Mission, words: Words) -> Mission:
         if points[place - 1].heading is not None:
             message = f"via point {place} has two headings; expected one"
             raise CommandError(f"--via-heading: {message}")
-        points[place - 1] = points[place - 1]._replace(
-            heading=_heading("--via-heading", text, words.compass)
+        points[place - 1] = _with_heading(
+            points[place - 1], mission, "--via-heading", text, words.compass
         )
     return replace(mission, points=tuple(points))
 
@@ -179,12 +216,13 @@ def _radius(words: Words, mission: Mission) -> float:
             message = "the radius is missing: the points lie on Earth"
             raise CommandError(f"{message}; expected --radius in m, or --speed and --bank")
         return 1.0 if words.radius is None else words.radius
-    if words.speed is None:
+    speed = mission.speed if words.speed is None else words.speed
+    if speed is None:
         raise CommandError("--bank is given without --speed; expected both, such as 20 and 30deg")
     bank = parse_angle(words.bank)
     if words.radius is None:
-        return bank_radius(words.speed, bank)
-    warning = too_tight(words.radius, words.speed, bank)
+        return bank_radius(speed, bank)
+    warning = too_tight(words.radius, speed, bank)
     if warning:
         output.note(warning)
     return words.radius

@@ -32,7 +32,7 @@ def number_or_file(text: str) -> float | FilePath:
     except typer.BadParameter:
         if FilePath(text).exists():
             return FilePath(text)
-        raise typer.BadParameter(f"{text!r:.60}; expected a number, or a mission file") from None
+        raise typer.BadParameter(f"{text!r:.60} is no number, and no such file is there") from None
 
 
 class Point(NamedTuple):

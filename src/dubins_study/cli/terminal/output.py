@@ -60,9 +60,10 @@ class _ToStderr(logging.StreamHandler):  # type: ignore[type-arg]
         return text if text.startswith("dubins-study:") else f"dubins-study: {text}"
 
 
-def note(message: str) -> None:
-    """A line on stderr about what a command understood or left out."""
-    print(f"dubins-study: {plain(message)}", file=sys.stderr)
+def note(message: str, always: bool = True) -> None:
+    """A line on stderr about what a command left out, or understood if it is not quiet."""
+    if always or verbosity() > Verbosity.QUIET:
+        print(f"dubins-study: {plain(message)}", file=sys.stderr)
 
 
 def plain(text: str) -> str:
