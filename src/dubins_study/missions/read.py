@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import logging
 import math
-import os
 import re
 from collections.abc import Sequence
+from pathlib import Path as FilePath
 
 import numpy as np
 
@@ -27,7 +27,7 @@ _SAME = 1e-6
 
 
 def read_mission(
-    file: str | os.PathLike[str],
+    file: str | FilePath,
     *,
     columns: Sequence[str] | None = None,
     compass: bool = False,

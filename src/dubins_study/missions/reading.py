@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import math
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -51,7 +50,7 @@ def at(where: str) -> Iterator[None]:
         raise MissionError(plain(f"{where}: {message}")) from None
 
 
-def text_of(file: str | os.PathLike[str]) -> str:
+def text_of(file: str | FilePath) -> str:
     """The text of a file in UTF-8, or in UTF-16 with a byte order mark."""
     try:
         content = FilePath(file).read_bytes()

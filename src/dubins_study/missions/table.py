@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
-import os
 import re
 from collections.abc import Collection, Sequence
 from io import StringIO
 from itertools import takewhile, zip_longest
+from pathlib import Path as FilePath
 
 from dubins_study.missions.mission import MissionError
 from dubins_study.missions.reading import Points, Reading, at, number_of, point_of, text_of
@@ -32,7 +32,7 @@ _DEGREES = ("longitude", "latitude")
 _OF_A_ROUTE = ("x", "y", "name", "heading")
 
 
-def read_points(file: str | os.PathLike[str]) -> Points:
+def read_points(file: str | FilePath) -> Points:
     """The points of a route from a file with columns x and y, maybe name and heading.
 
     All other columns are named in a warning.
