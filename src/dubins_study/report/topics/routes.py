@@ -313,6 +313,11 @@ def _runs(points: FloatArray, inside: BoolArray) -> FloatArray:
     return np.insert(ends, 2 * np.flatnonzero(np.diff(parts) > 1) + 2, np.nan, axis=0)
 
 
+def _label(name: str) -> str:
+    """A name, or the beginning of a long one."""
+    return name if len(name) <= _NAME_CHARS else f"{name[: _NAME_CHARS - 1]}…"
+
+
 def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> list[str]:
     """The text beside the start and each stop, in the order of visits.
 
@@ -324,7 +329,7 @@ def _texts(scenario: Scenario, order: Sequence[int], names: Sequence[str]) -> li
     for number, stop in enumerate(order, 1):
         text = str(number) if stop < len(scenario.via) and number % step == 0 else ""
         if last <= _MOST_NAMED and stop < len(names):
-            text = f"{text} {names[stop][:_NAME_CHARS]}".strip()
+            text = f"{text} {_label(names[stop])}".strip()
         texts.append(text)
     return texts
 
@@ -378,7 +383,7 @@ def _write(
 def _legend_of_names(order: Sequence[int], names: Sequence[str]) -> str:
     """The numbers of visits with their names, in lines, where names beside points would overlap."""
     named = [
-        f"{number} {names[stop][:_NAME_CHARS]}"
+        f"{number} {_label(names[stop])}"
         for number, stop in enumerate(order, 1)
         if stop < len(names) and names[stop]
     ]
