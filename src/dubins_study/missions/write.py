@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 from dubins_study.missions.flight import Flight, FlightError, Waypoint
 from dubins_study.missions.mission import Mission
 
+_GPX = "http://www.topografix.com/GPX/1/1"
 _KML = "http://www.opengis.net/kml/2.2"
 # Properties of the path in GeoJSON, beside those of `Path.to_geojson`: of the answer.
 _PROPERTIES = (
@@ -28,15 +29,14 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     properties = {name: getattr(answer, name) for name in _PROPERTIES}
     origin = None if plane is None else (plane.latitude, plane.longitude)
     path = flight.path.to_geojson(origin=origin, kind="path", radius=scenario.radius, **properties)
-    passed = {stop.place: stop for stop in flight.stops}
-    visits = {stop.place: visit for visit, stop in enumerate(flight.stops, 1)}
+    visits = {stop.place: (visit, stop) for visit, stop in enumerate(flight.stops, 1)}
     places = scenario.points[1:]
     if plane is not None:
         places = plane.to_earth(places)
     features = [path]
     for place, coordinates in enumerate(places.tolist(), 1):
         is_via = place <= len(scenario.via)
-        stop = passed.get(place)
+        visit, stop = visits.get(place, (None, None))
         shown = {
             "kind": "via" if is_via else "target",
             "index": place,
@@ -45,7 +45,7 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             "time": stop.time if stop else None,
         }
         if answer.order is not None:
-            shown["visit"] = visits.get(place) if is_via else None
+            shown["visit"] = visit if is_via else None
         geometry = {"type": "Point", "coordinates": coordinates}
         features.append({"type": "Feature", "geometry": geometry, "properties": shown})
     collection = {"type": "FeatureCollection", "features": features}
@@ -60,45 +60,57 @@ def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """A waypoint for each stop, and the path as a track."""
-    from gpxpy.gpx import GPX, GPXTrack, GPXTrackPoint, GPXTrackSegment, GPXWaypoint
 
-    gpx = GPX()
-    gpx.creator = "dubins-study"
+    def place(parent: ElementTree.Element, name: str, point: Waypoint) -> ElementTree.Element:
+        element = _under(parent, name, lat=f"{point.lat:.9f}", lon=f"{point.lon:.9f}")
+        if point.altitude is not None:
+            _under(element, "ele", repr(point.altitude))
+        return element
+
+    root = ElementTree.Element("gpx", xmlns=_GPX, version="1.1", creator="dubins-study")
     for stop in flight.stops:
-        description = f"after {stop.time:.1f} s, heading {stop.compass:.1f} degrees"
-        mark = GPXWaypoint(stop.lat, stop.lon, stop.altitude, name=stop.name)
-        mark.description = description
-        gpx.waypoints.append(mark)
-    points = [GPXTrackPoint(point.lat, point.lon, point.altitude) for point in waypoints]
-    gpx.tracks.append(GPXTrack(name=flight.title))
-    gpx.tracks[0].segments.append(GPXTrackSegment(points))
-    return str(gpx.to_xml(version="1.1")) + "\n"
+        mark = place(root, "wpt", stop)
+        _under(mark, "name", stop.name)
+        _under(mark, "desc", f"after {stop.time:.1f} s, heading {stop.compass:.1f} degrees")
+    track = _under(root, "trk")
+    _under(track, "name", flight.title)
+    segment = _under(track, "trkseg")
+    for point in waypoints:
+        place(segment, "trkpt", point)
+    return _xml(root)
 
 
 def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     """A placemark for each stop, and one for the path."""
-
-    def under(parent: ElementTree.Element, name: str, text: str = "") -> ElementTree.Element:
-        element = ElementTree.SubElement(parent, name)
-        element.text = text
-        return element
-
     root = ElementTree.Element("kml", xmlns=_KML)
-    document = under(root, "Document")
-    under(document, "name", flight.title)
-    placemark = under(document, "Placemark")
-    under(placemark, "name", "path")
-    line = under(placemark, "LineString")
-    under(line, "tessellate", "1")
+    document = _under(root, "Document")
+    _under(document, "name", flight.title)
+    placemark = _under(document, "Placemark")
+    _under(placemark, "name", "path")
+    line = _under(placemark, "LineString")
+    _under(line, "tessellate", "1")
     if waypoints[0].altitude is not None:
         above = "relativeToGround" if flight.mission.above_home else "absolute"
-        under(line, "altitudeMode", above)
-    under(line, "coordinates", " ".join(map(_on_map, waypoints)))
+        _under(line, "altitudeMode", above)
+    _under(line, "coordinates", " ".join(map(_on_map, waypoints)))
     for stop in flight.stops:
-        placemark = under(document, "Placemark")
-        under(placemark, "name", stop.name)
-        under(placemark, "description", f"after {stop.time:.1f} s")
-        under(under(placemark, "Point"), "coordinates", _on_map(stop))
+        placemark = _under(document, "Placemark")
+        _under(placemark, "name", stop.name)
+        _under(placemark, "description", f"after {stop.time:.1f} s")
+        _under(_under(placemark, "Point"), "coordinates", _on_map(stop))
+    return _xml(root)
+
+
+def _under(
+    parent: ElementTree.Element, name: str, text: str = "", **attributes: str
+) -> ElementTree.Element:
+    """A new element with a text."""
+    element = ElementTree.SubElement(parent, name, attributes)
+    element.text = text
+    return element
+
+
+def _xml(root: ElementTree.Element) -> str:
     ElementTree.indent(root)
     return ElementTree.tostring(root, "unicode", xml_declaration=True) + "\n"
 

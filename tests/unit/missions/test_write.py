@@ -5,6 +5,7 @@ import json
 import math
 from xml.etree import ElementTree
 
+import gpxpy
 import numpy as np
 import pytest
 
@@ -47,6 +48,17 @@ def test_gpx_has_its_elements_in_order(flight, tmp_path):
         tags = [child.tag for child in mark]
         assert tags == [f"{GPX}name", f"{GPX}desc"]
     track = [(float(p.get("lon")), float(p.get("lat"))) for p in root.iter(f"{GPX}trkpt")]
+    np.testing.assert_allclose(track, places_of(flight, 20), atol=1e-9)
+
+
+def test_gpx_is_what_another_program_reads(flight, tmp_path):
+    """gpxpy finds the stops, their names, and the track."""
+    file = tmp_path / "flight.gpx"
+    write_flight(flight, file, step=20)
+    gpx = gpxpy.parse(file.read_text())
+
+    assert [mark.name for mark in gpx.waypoints] == NAMES
+    track = [(point.longitude, point.latitude) for point in gpx.walk(only_points=True)]
     np.testing.assert_allclose(track, places_of(flight, 20), atol=1e-9)
 
 
