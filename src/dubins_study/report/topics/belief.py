@@ -142,9 +142,9 @@ def belief_section(results: Results) -> Section | None:
     if len(false):
         blocks.append(_proof_table(false, names))
     text = sentences(
-        "A claim is what a solver says of its answer. It is true if it says no more than the check "
-        "finds: a local solver's longer path is a true claim of a local optimum. A claim is true "
-        "to its tolerance if its bound is too high by no more than the engine's tolerance allows.",
+        "A claim is what a solver says of its answer. It is true if the check confirms it. Some "
+        "solvers claim only that no path nearby is shorter, which can be true of a longer path. A "
+        "claim is true to its tolerance if its bound is too high by no more than that allows.",
         _liars(rows, table),
     )
     lead = "Orange: answers that claim more than is true. The number beside a bar counts them."

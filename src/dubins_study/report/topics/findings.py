@@ -218,8 +218,8 @@ def findings_section(results: Results) -> Section | None:
     if not every:
         return None
     text = (
-        "Every sentence is computed from the rows: it is said only if its 95 % interval excludes "
-        f"that there is no difference, and if at least {ENOUGH} questions carry it."
+        "Every finding is computed from the results. It is shown only if it rests on at least "
+        f"{ENOUGH} questions, and if its 95 % interval leaves out that there is no difference."
     )
     lead = (
         f"Read {some(len(every), 'sentence')} to act on, what matters most first; each names the "

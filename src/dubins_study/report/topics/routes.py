@@ -102,8 +102,8 @@ def routes_section(results: Results) -> Section | None:
     cells = in_page_order(by_size(rows), results)
     strata = stratum_order(results, cells["label"])
     lead = (
-        "Read along a line up to how many legs a method still finds the shortest route, and from "
-        "panel to panel what shorter legs cost it."
+        "Each row is a method. From left to right the routes get more legs; from panel to panel "
+        "the legs get shorter."
     )
     blocks = (_picture(cells, strata, results),)
     return Section("routes", TITLE, _text(rows), blocks, lead)
@@ -144,10 +144,10 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         cells = cells[cells["solver"].isin(kept)]
     return panels_picture(
         "routes",
-        "Above, in each cell the routes answered right of those decided (?: others are undecided), "
-        "and as colour the median gap; of each formulation and guess the surest engine. Below, "
-        "median times of each formulation's surest engine, "
-        "failures included; an engine's floor is at most that at one leg. Dotted: the limit.",
+        "Above: 5/6 means right on five of six routes (?: others are undecided); darker: longer "
+        "paths at the median. One row a formulation and guess, with its best-supported engine. "
+        "Below: median times of these engines, failures included; an engine's floor is at most its "
+        "time at one leg. Dotted: the limit.",
         plot_sizes,
         "Success, gap and time against the number of legs",
         cells,

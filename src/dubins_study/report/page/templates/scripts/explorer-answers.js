@@ -63,16 +63,16 @@ window.explorerAnswers = (root) => {
     if (word === "") return "nothing to drive";
     if (certificate.verdict === "no extremal") {
       const [a, b] = segments;
-      if (b <= Math.PI) return `not the shortest, no extremal: its second arc turns by ${degrees(b)}, not by more than 180°`;
-      if (a > b) return "not the shortest, no extremal: its first arc turns by more than its second";
-      return "not the shortest, no extremal: a turn goes the wrong way";
+      if (b <= Math.PI) return `not the shortest: its second arc turns by ${degrees(b)}, not by more than 180°`;
+      if (a > b) return "not the shortest: its first arc turns by more than its second";
+      return "not the shortest: a turn goes the wrong way";
     }
     if (certificate.verdict === SHORTEST) {
       if (word === "S") return "the shortest: a straight line";
-      if (tied) return "another word is as short: an extremal on its cut";
-      return `proved the shortest: an extremal, ${degrees(certificate.cut_margin)} before its cut`;
+      if (tied) return "another word is as short";
+      return "proved the shortest";
     }
-    return `another word is shorter: an extremal, but ${degrees(-certificate.cut_margin)} beyond its cut`;
+    return "another word is shorter";
   }
 
   function evidence(entry, found) {
