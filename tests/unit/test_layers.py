@@ -41,7 +41,7 @@ BUDGETS = {
     "experiments": 34_450,
     "conformance": 11_800,
     "report": 73_700,
-    "missions": 8_450,
+    "missions": 8_600,
     "cli": 14_200,
     "package": 306_800,
     "tests": 276_500,

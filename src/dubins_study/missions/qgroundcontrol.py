@@ -37,7 +37,7 @@ _NAMES = _PLACES | {
 }
 _AT_HOME = (21, 22, 84, 85)  # takeoffs and landings, often at the home position
 _ON_EARTH = (0, 3, 5, 6, 10, 11)  # frames of coordinates in degrees
-_ABOVE_HOME = (3, 6)  # those whose altitude is above home
+_ABOVE_SEA, _ABOVE_HOME = (0, 5), (3, 6)  # those whose altitudes are above the sea, and home
 
 
 def read_plan(content: Any, source: str = "QGroundControl plan") -> Reading:
@@ -84,7 +84,10 @@ def _places(item: Any, passed: Counter[str], home: list[MissionPoint]) -> list[M
     # at 0 0, or null, it is where the vehicle is
     has_place = frame in _ON_EARTH and any(map(float, (latitude or 0, longitude or 0)))
     if command in _PLACES and has_place:
-        if altitude is not None and frame not in _ABOVE_HOME:
+        above = home[0].altitude if home else None
+        if altitude is not None and frame in _ABOVE_SEA and above is not None:
+            altitude = float(altitude) - above
+        elif altitude is not None and frame not in _ABOVE_HOME:
             passed["altitude that is not above home"] += 1
             altitude = None
         point = point_of({"x": longitude, "y": latitude, "altitude": altitude})

@@ -17,7 +17,7 @@ from dubins_study.missions.qgroundcontrol import read_plan, read_wpl
 from dubins_study.missions.reading import Points, Reading, at, number_of, text_of
 from dubins_study.missions.table import read_table, read_tsplib
 from dubins_study.study.tangent_plane import TangentPlane, check_place, middle_of
-from dubins_study.study.values import plain
+from dubins_study.study.values import plain, short
 
 _LOG = logging.getLogger(__name__)
 _MOST_POINTS = 10_000  # the search for a path takes minutes for a thousand
@@ -129,10 +129,19 @@ def _mission(
         home=None if reading.home is None else kept[0],
         plane=plane,
         source=reading.source,
-        speed=None if reading.speed is None else number_of(reading.speed),
+        speed=_speed(reading),
         notes=tuple(map(plain, filter(None, notes))),
         warnings=(doubt,) if distortion > _MOST_DISTORTION else (),
     )
+
+
+def _speed(reading: Reading) -> float | None:
+    if reading.speed is None:
+        return None
+    speed = number_of(reading.speed)
+    if not speed > 0:
+        raise MissionError(f"cruiseSpeed is {short(reading.speed)}; expected m/s above 0")
+    return speed
 
 
 def _on_plane(points: Points, plane: TangentPlane | None) -> tuple[Points, TangentPlane]:

@@ -54,8 +54,19 @@ def _geojson(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
 def _csv(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([Waypoint._fields, *waypoints])
+    rows = [point._replace(altitude=_above_sea(flight, point)) for point in waypoints]
+    csv.writer(text, lineterminator="\n").writerows([Waypoint._fields, *rows])
     return text.getvalue()
+
+
+def _above_sea(flight: Flight, point: Waypoint) -> float | None:
+    """The altitude of a waypoint above the sea; None if it is above a home whose own is unknown."""
+    if point.altitude is None or not flight.mission.above_home:
+        return point.altitude
+    home = flight.mission.home
+    if home is None or home.altitude is None:
+        return None
+    return point.altitude + home.altitude
 
 
 def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
@@ -63,8 +74,9 @@ def _gpx(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
 
     def place(parent: ElementTree.Element, name: str, point: Waypoint) -> ElementTree.Element:
         element = _under(parent, name, lat=f"{point.lat:.9f}", lon=f"{point.lon:.9f}")
-        if point.altitude is not None:
-            _under(element, "ele", repr(point.altitude))
+        altitude = _above_sea(flight, point)
+        if altitude is not None:
+            _under(element, "ele", repr(altitude))
         return element
 
     root = ElementTree.Element("gpx", xmlns=_GPX, version="1.1", creator="dubins-study")
@@ -89,15 +101,14 @@ def _kml(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     _under(placemark, "name", "path")
     line = _under(placemark, "LineString")
     _under(line, "tessellate", "1")
-    if waypoints[0].altitude is not None:
-        above = "relativeToGround" if flight.mission.above_home else "absolute"
-        _under(line, "altitudeMode", above)
-    _under(line, "coordinates", " ".join(map(_on_map, waypoints)))
+    if _above_sea(flight, waypoints[0]) is not None:
+        _under(line, "altitudeMode", "absolute")
+    _under(line, "coordinates", " ".join(_on_map(flight, point) for point in waypoints))
     for stop in flight.stops:
         placemark = _under(document, "Placemark")
         _under(placemark, "name", stop.name)
         _under(placemark, "description", f"after {stop.time:.1f} s")
-        _under(_under(placemark, "Point"), "coordinates", _on_map(stop))
+        _under(_under(placemark, "Point"), "coordinates", _on_map(flight, stop))
     return _xml(root)
 
 
@@ -115,19 +126,14 @@ def _xml(root: ElementTree.Element) -> str:
     return ElementTree.tostring(root, "unicode", xml_declaration=True) + "\n"
 
 
-def _on_map(point: Waypoint) -> str:
-    altitude = "" if point.altitude is None else f",{point.altitude}"
-    return f"{point.lon:.9f},{point.lat:.9f}{altitude}"
+def _on_map(flight: Flight, point: Waypoint) -> str:
+    altitude = _above_sea(flight, point)
+    above = "" if altitude is None else f",{altitude}"
+    return f"{point.lon:.9f},{point.lat:.9f}{above}"
 
 
 _WAYPOINT = 16  # the command of MAVLink
-_ABOVE_SEA, _ABOVE_HOME = 0, 3  # frames of MAVLink
-
-
-def _frame(flight: Flight) -> int:
-    """The frame of altitudes: above the sea, but of a plan, or if none is given, above home."""
-    given = any(point.altitude is not None for point in flight.mission.points)
-    return _ABOVE_SEA if given and not flight.mission.above_home else _ABOVE_HOME
+_ABOVE_HOME = 3  # the frame of MAVLink whose altitudes are above home
 
 
 def _home_altitude(flight: Flight) -> float:
@@ -145,7 +151,7 @@ def _plan(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
             "type": "SimpleItem",
             "doJumpId": number,
             "command": _WAYPOINT,
-            "frame": _frame(flight),
+            "frame": _ABOVE_HOME,
             "autoContinue": True,
             "params": [0, 0, 0, None, point.lat, point.lon, point.altitude],
         }
@@ -179,7 +185,7 @@ def _wpl(flight: Flight, waypoints: Sequence[Waypoint]) -> str:
     lines = ["QGC WPL 110", f"0\t1\t0\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1"]
     for number, point in enumerate(flown, 1):
         place = f"{point.lat:.9f}\t{point.lon:.9f}\t{point.altitude!r}"
-        lines.append(f"{number}\t0\t{_frame(flight)}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
+        lines.append(f"{number}\t0\t{_ABOVE_HOME}\t{_WAYPOINT}\t0\t0\t0\t0\t{place}\t1")
     return "\n".join(lines) + "\n"
 
 
@@ -192,7 +198,9 @@ class Format(NamedTuple):
     lacks: str = ""
 
 
-_AUTOPILOT = "takeoff, landing and camera are not in it; turns become waypoints"
+_AUTOPILOT = (
+    "takeoff, landing, camera and altitudes above the sea are not in it; turns become waypoints"
+)
 _FORMATS = {
     ".geojson": Format(_geojson, on_earth=False),
     ".json": Format(_geojson, on_earth=False),
@@ -229,7 +237,7 @@ def write_flight(
     Args:
         step: from waypoint to waypoint along the path (m, or the points' unit); without one a
             quarter of the radius.
-        altitude: m above home, where the mission has none and the format needs one.
+        altitude: m above home, where the format needs one and the mission has none that is.
 
     Raises:
         FlightError: as `format_of`, and as `Flight.waypoints`.
@@ -240,7 +248,9 @@ def write_flight(
     waypoints = [] if chosen.text is _geojson else flight.waypoints(size)
     if chosen.needs_altitude:
         waypoints = [
-            point._replace(altitude=altitude) if point.altitude is None else point
+            point
+            if flight.mission.above_home and point.altitude is not None
+            else point._replace(altitude=altitude)
             for point in waypoints
         ]
     content = chosen.text(flight, waypoints).encode()

@@ -560,11 +560,16 @@ def test_a_survey_has_its_height_and_a_plan_its_speed(mission_of):
         {"command": 16, "frame": 3, "params": [0, 0, 0, None, 52.01, 10.0, 60]},
         {"command": 16, "frame": 0, "params": [0, 0, 0, None, 52.02, 10.0, 700]},
     ]
-    mission = mission_of(json.dumps({"mission": {"items": items, "cruiseSpeed": 17}}))
+    plan = {"items": items, "cruiseSpeed": 17}
+    mission = mission_of(json.dumps({"mission": plan}))
+    known = mission_of(json.dumps({"mission": plan | {"plannedHomePosition": [52, 10.1, 600]}}))
 
     assert [point.altitude for point in mission.points] == [80, 80, 60, None]
+    assert [point.altitude for point in known.points] == [80, 80, 60, 100]
     assert mission.speed == 17
     assert "1 altitude that is not above home" in " ".join(mission.notes)
+    with pytest.raises(DubinsStudyError, match="cruiseSpeed is '18 m/s'; expected m/s above 0"):
+        mission_of(json.dumps({"mission": plan | {"cruiseSpeed": "18 m/s"}}))
 
 
 def test_a_closed_list_is_no_repeat_of_a_closed_path(tmp_path):

@@ -161,17 +161,49 @@ def test_an_ending_says_what_it_needs(tmp_path):
             format_of(tmp_path / f"flight.{ending}", ON_A_PLANE)
 
 
-@pytest.mark.parametrize(
-    ("altitude", "source", "frame"),
-    [(None, "GPX", 3), (300.0, "GPX", 0), (300.0, "QGroundControl plan", 3)],
-)
-def test_an_altitude_of_a_map_is_above_the_sea(altitude, source, frame, tmp_path):
-    """Of a plan above home, and so is the one that is put in where none is given."""
-    file = tmp_path / "flight.plan"
-    points = tuple(point._replace(altitude=altitude) for point in POINTS)
-    mission = Mission(points, ON_EARTH.home, ON_EARTH.plane, source=source)
-    write_flight(flight_of(solve(mission.scenario(radius=80)), mission), file)
-    items = json.loads(file.read_text())["mission"]["items"]
+PLAN = "QGroundControl plan"
 
-    assert {item["frame"] for item in items} == {frame}
-    assert {item["params"][6] for item in items} == {altitude or 50.0}
+
+@pytest.mark.parametrize(
+    ("altitude", "source", "written"),
+    [(None, "GPX", 50), (300.0, "GPX", 50), (300.0, PLAN, 300), (None, PLAN, 50)],
+)
+def test_altitudes_of_a_plan_are_above_home(altitude, source, written, tmp_path):
+    """Those above the sea are not written: ground under a map's point is no height to fly at."""
+    file = tmp_path / "flight.plan"
+    write_flight(_flight_with(altitude, source, home=520.0), file)
+    mission = json.loads(file.read_text())["mission"]
+
+    assert {item["frame"] for item in mission["items"]} == {3}
+    assert {item["params"][6] for item in mission["items"]} == {written}
+    assert mission["plannedHomePosition"][2] == 520.0
+
+
+@pytest.mark.parametrize(
+    ("source", "home", "written"),
+    [(PLAN, 520.0, 820.0), (PLAN, None, None), ("GPX", 520.0, 300.0)],
+)
+def test_altitudes_of_a_map_are_above_the_sea(source, home, written, tmp_path):
+    """Of a plan's points the sum with home's, or none where nobody knows that."""
+    flight = _flight_with(300.0, source, home)
+    for ending in ("gpx", "kml", "csv"):
+        write_flight(flight, tmp_path / f"flight.{ending}", step=100)
+    gpx = gpxpy.parse((tmp_path / "flight.gpx").read_text())
+    kml = ElementTree.parse(tmp_path / "flight.kml").getroot()
+    with (tmp_path / "flight.csv").open(newline="") as opened:
+        row = list(csv.DictReader(opened))[-1]
+
+    assert gpx.waypoints[-1].elevation == written
+    *_, last = kml.find(f".//{KML}LineString/{KML}coordinates").text.split()
+    assert last.split(",")[2:] == ([] if written is None else [str(written)])
+    modes = [mode.text for mode in kml.iter(f"{KML}altitudeMode")]
+    assert modes == ([] if written is None else ["absolute"])
+    assert row["altitude"] == ("" if written is None else str(written))
+
+
+def _flight_with(altitude, source, home):
+    """A flight whose points all have one altitude."""
+    points = tuple(point._replace(altitude=altitude) for point in POINTS)
+    start = ON_EARTH.home._replace(altitude=home)
+    mission = Mission(points, start, ON_EARTH.plane, source=source)
+    return flight_of(solve(mission.scenario(radius=80)), mission)

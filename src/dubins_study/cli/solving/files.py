@@ -80,6 +80,8 @@ class Files(NamedTuple):
             lack = self._write(option, file, flight, names)
             if lack:
                 lacks.setdefault(lack, []).append(str(file))
+        if self.out and flight is not None and flight.answer.proof != "proved":
+            output.note("the flight is not proved to be the shortest; --time-limit gives more time")
         for lack, files in lacks.items():
             output.note(f"{', '.join(files)}: {lack}")
         return not left_out
