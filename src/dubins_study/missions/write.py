@@ -255,4 +255,6 @@ def write_flight(
         ]
     content = chosen.text(flight, waypoints).encode()
     file.write_bytes(content)  # nothing is written if the text cannot be made
+    if chosen.text is _geojson and flight.mission.plane is None:
+        return "its coordinates are x and y of the points, no longitude and latitude"
     return chosen.lacks and f"{chosen.lacks}, {size:g} apart"

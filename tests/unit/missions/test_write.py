@@ -14,6 +14,7 @@ from dubins_study.missions.flight import FlightError, flight_of
 from dubins_study.missions.mission import Mission, MissionPoint
 from dubins_study.missions.write import format_of, write_flight
 from dubins_study.study.tangent_plane import TangentPlane
+from tests.unit.missions.test_read import FILES
 
 GPX = "{http://www.topografix.com/GPX/1/1}"
 KML = "{http://www.opengis.net/kml/2.2}"
@@ -134,6 +135,27 @@ def test_a_table_has_the_path_as_it_is_sampled(mission, tmp_path):
     turned = [math.radians(float(row["compass"])) + float(row["heading"]) for row in rows]
     # north of the plane and true north are a meridian's convergence apart: 100 m at 33 degrees
     assert max(abs(math.remainder(angle - math.pi / 2, math.tau)) for angle in turned) < 2e-4
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_file_of_a_mission_becomes_a_flight(name, tmp_path):
+    """Out in each format that its coordinates allow; the stops lie where the file has them."""
+    text, places, _ = FILES[name]
+    source = tmp_path / "mission.dat"
+    source.write_bytes(text if isinstance(text, bytes) else text.encode())
+    mission = read_mission(source)
+    flown = flight_of(solve(mission.scenario(radius=10)), mission)
+    endings = ["geojson", "csv"]
+    if mission.plane is not None:
+        endings += ["plan", "waypoints", "gpx", "kml"]
+    for ending in endings:
+        write_flight(flown, tmp_path / f"flight.{ending}")
+        assert (tmp_path / f"flight.{ending}").stat().st_size > 0
+    features = json.loads((tmp_path / "flight.geojson").read_text())["features"]
+    points = [feature["geometry"]["coordinates"] for feature in features[1:]]
+
+    np.testing.assert_allclose(points, places[1:], atol=1e-6)
+    assert len(flown.stops) == len(places) - 1
 
 
 def test_what_is_written_is_read_back(flight, tmp_path):
