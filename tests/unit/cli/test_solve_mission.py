@@ -111,6 +111,7 @@ def test_bank_and_speed_give_the_radius(tmp_path):
 
     turns = [abs(piece["curvature"]) for piece in answer["segments"] if piece["curvature"]]
     assert max(turns) == pytest.approx(1 / radius)
+    assert f"the radius is {radius:.6g}: a bank of 30deg at 20 m/s" in asked(*words).stderr
     tight = asked(*words, "--radius", "40")
     assert "below" in tight.stderr
     of_the_plan = json.loads(asked("solve", MEADOW, "--bank", "30deg", "--json").stdout)

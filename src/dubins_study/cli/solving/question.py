@@ -221,7 +221,9 @@ def _radius(words: Words, mission: Mission) -> float:
         raise CommandError("--bank is given without --speed; expected both, such as 20 and 30deg")
     bank = parse_angle(words.bank)
     if words.radius is None:
-        return bank_radius(speed, bank)
+        radius = bank_radius(speed, bank)
+        output.note(f"the radius is {radius:.6g}: a bank of {words.bank} at {speed:g} m/s")
+        return radius
     warning = too_tight(words.radius, speed, bank)
     if warning:
         output.note(warning)
