@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,13 +10,14 @@ import typer
 
 from dubins_study.cli.solving.answer_text import answer_json, answer_text
 from dubins_study.cli.solving.files import Files
-from dubins_study.cli.solving.question import Asked, Words, question_of
+from dubins_study.cli.solving.question import Words, question_of
 from dubins_study.cli.terminal import arguments, output
 from dubins_study.cli.terminal.output import plain
 from dubins_study.study.words import Order, Outcome
 
 if TYPE_CHECKING:
     from dubins_study.asking.attempt import Answer
+    from dubins_study.missions.flight import Flight
     from dubins_study.study.scenario import Scenario
 
 # Share of the limit for a tour's points in their given order: a good path of thousands takes a
@@ -80,11 +82,12 @@ def solve(
     files = Files(plot, geojson, out, step, altitude)
     files.check(question.mission, [x, via_file])
     answer, in_given_order = _answers(question.scenario, solver, branch, profile, time_limit)
-    _print(answer, question, in_given_order, as_json)
-    flown = answer
-    if shortest:
-        flown = shorter_answer(answer) or answer
-    complete = files.write(flight_of(flown, question.mission), question.names)
+    flight = flight_of(answer, question.mission)
+    _print(answer, question.names, in_given_order, flight, as_json)
+    shorter = shorter_answer(answer) if shortest else None
+    if shorter is not None:
+        flight = flight_of(shorter, question.mission)
+    complete = files.write(flight, question.names)
     ended = complete and answer.outcome == Outcome.RETURNED
     if not ended or (strict and answer.verdict != "optimal"):
         raise typer.Exit(1)
@@ -106,15 +109,18 @@ def _answers(
         return answer, ask(_route_of(scenario), limit=compared_s, isolated=True)
 
 
-def _print(answer: Answer, question: Asked, in_given_order: Answer | None, as_json: bool) -> None:
+def _print(
+    answer: Answer,
+    names: Sequence[str],
+    in_given_order: Answer | None,
+    flight: Flight | None,
+    as_json: bool,
+) -> None:
     """Print an answer; refuse the request of one that no solver was asked for."""
     refused = answer.outcome in (Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
     if as_json or not refused:  # before the drawing, which may fail
         text = answer_json if as_json else answer_text
-        from dubins_study.missions.flight import flight_of
-
-        flight = flight_of(answer, question.mission)
-        print(text(answer, question.names, in_given_order, flight), flush=True)
+        print(text(answer, names, in_given_order, flight), flush=True)
     if refused:
         message = f"solver {answer.solver!r} is {answer.outcome}: {plain(answer.message)}"
         raise arguments.CommandError(message)

@@ -48,7 +48,7 @@ class Flight:
     """An answer's path beside the mission that it flies.
 
     Args:
-        answer: with a path that arrives.
+        answer: with a finite path.
         path: of the answer.
         mission: whose points are the answer's stops, in the question's order.
     """

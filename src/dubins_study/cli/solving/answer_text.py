@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dubins_study.missions.flight import Flight
 
 # Fields of an answer in the JSON object, which also has the question's, `given_order_length`,
-# `segments` and `tied_words`.
+# `segments`, `stops` and `tied_words`.
 _JSON = (
     *("word", "length", "travel_time", "gap", "verdict", "claim", "outcome", "solver", "branch"),
     *("presolved", "miss", "region", "margin", "reference", "reference_word"),
@@ -129,9 +129,12 @@ def _stops(flight: Flight) -> str:
         )
         for visit, stop in enumerate(stops[:_MOST_POINTS], 1)
     ]
-    more = len(stops) - len(rows)
-    rest = f"\nand {more} more: --json lists them" if more > 0 else ""
-    return output.table(head, rows) + rest
+    return output.table(head, rows) + _more("\nand", len(stops) - len(rows))
+
+
+def _more(begin: str, count: int) -> str:
+    """How many are left out, and where they are; empty where none is."""
+    return f"{begin} {count} more: --json lists them" if count > 0 else ""
 
 
 def _order(answer: Answer, names: Sequence[str]) -> str:
@@ -143,9 +146,7 @@ def _order(answer: Answer, names: Sequence[str]) -> str:
         number = str(place + 1)
         alone = text if texts.count(text) == 1 else f"{text} ({number})"
         shown.append(alone if text else number)
-    more = len(shown) - _MOST_POINTS
-    rest = f", and {more} more: --json lists them" if more > 0 else ""
-    return ", ".join(shown[:_MOST_POINTS]) + rest
+    return ", ".join(shown[:_MOST_POINTS]) + _more(", and", len(shown) - _MOST_POINTS)
 
 
 def _given_order(answer: Answer, route: Answer | None) -> str:
@@ -220,8 +221,7 @@ def _segments(answer: Answer) -> str:
         f"{_letter(k)} {length:.6g}" + (f" ({abs(math.degrees(k * length)):.4g} deg)" if k else "")
         for k, length in pieces[:_MOST_SEGMENTS]
     ]
-    more = len(pieces) - len(texts)
-    return ", ".join(texts) + (f", and {more} more: --json lists them" if more else "")
+    return ", ".join(texts) + _more(", and", len(pieces) - len(texts))
 
 
 def _milliseconds(seconds: float) -> str:
