@@ -141,7 +141,8 @@ def _without_path(answer: Answer) -> Iterator[_Observed]:
     there = f"there is one, {word}, of length {best.path.length:.6g}"
     if claim is Claim.INFEASIBLE:
         advice = (
-            "a search that finds nothing claims FAILED; INFEASIBLE is for a method that proves it. "
+            "INFEASIBLE is for a method that proves it; a local search that converges off the "
+            "target claims LOCALLY_INFEASIBLE, one that finds nothing FAILED. "
             "A path exists for every target"
         )
         observed = f"it claims infeasible, that no path exists; {there}"

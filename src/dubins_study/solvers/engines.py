@@ -70,7 +70,8 @@ class Engine(NamedTuple):
             return adapter
 
         def call(tol: float = 0.0, max_iter: int = 0, options: str = OPTION_SETS[0]) -> Any:
-            return adapter(self.options.of(options, tol, max_iter))
+            adapted = adapter(self.options.of(options, tol, max_iter))
+            return _resolved(_MEASURED)(adapted) if self.kind == NLP else adapted
 
         return call
 
@@ -83,6 +84,10 @@ class Engine(NamedTuple):
     def method(self, formulation: str, guess: str, options: str, tol: float) -> Method:
         """What a solver states of itself that takes these options and this tolerance."""
         return Method(formulation, self.label, guess, self.tolerance(options, tol))
+
+
+# what makes the results of engines of nonlinear programs tell of the points where they failed
+_MEASURED = "nlp_engines.violation:measured"
 
 
 @cache

@@ -37,6 +37,7 @@ class EngineResult(NamedTuple):
     evaluations: int | None = None
     status: str = ""
     message: str = ""
+    slope: Callable[[], float | None] | None = None  # of the violation (`nlp_engines.violation`)
 
 
 def no_point(n: int, claim: Claim, status: str, message: str) -> EngineResult:
@@ -133,6 +134,10 @@ def settled(
     return best, Claim.FAILED if off else claim
 
 
+# of an engine that ended by itself, without a path
+_WITHOUT_PATH = (Claim.FAILED, Claim.LOCALLY_INFEASIBLE)
+
+
 def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, Any]:
     """The fields of a solution that say what all runs of a question cost, and its best one."""
     fields: dict[str, Any] = {
@@ -142,6 +147,8 @@ def spent(runs: Sequence[Run[Any]], best: Run[Any] | None = None) -> dict[str, A
     }
     if best is not None:
         fields |= {"best_run": best.effort, "native_status": best.result.status}
+        if best.claim in _WITHOUT_PATH and best.result.slope is not None:
+            fields["violation_slope"] = best.result.slope()
     return fields
 
 

@@ -8,8 +8,9 @@ from dubins_study.study.words import Claim
 # `pyomo` and `ampl` are those of interfaces with statuses of their own.
 #
 # `optimal`, `local`: solved, to the tolerances that were asked for. `feasible`: a point, and no
-# more. `infeasible`: no point exists, of a local engine: near its guess. `limit`: a limit ended the
-# run, whatever the engine says of its point by then. What is not named is `failed`: also a problem
+# more. `infeasible`: no point exists. `locally infeasible`: none near the point at which a local
+# engine ended. `limit`: a limit ended the run, whatever the engine says of its point by then. What
+# is not named is `failed`: also a problem
 # that is solved, or proved infeasible, to less than was asked ("almost", "close to"), and one that
 # is called unbounded or dual infeasible, as no problem here is.
 STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
@@ -30,7 +31,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
         # the acceptable level is its makers' second accuracy, 1e-6: what arriving needs
         "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
         "feasible": ("Feasible_Point_Found",),
-        "infeasible": ("Infeasible_Problem_Detected",),
+        "locally infeasible": ("Infeasible_Problem_Detected",),
         "limit": (
             *("Maximum_Iterations_Exceeded", "Maximum_CpuTime_Exceeded"),
             *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
@@ -43,29 +44,30 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
             "Converged with feasible FJ point",
             "Terminated with feasible small step",
         ),
-        "infeasible": ("Converged with infeasible stationary point",),
+        "locally infeasible": ("Converged with infeasible stationary point",),
     },
     "uno-filtersqp": {
         "local": ("FEASIBLE_KKT_POINT",),
         "feasible": ("FEASIBLE_FJ_POINT", "FEASIBLE_SMALL_STEP"),
-        "infeasible": ("INFEASIBLE_STATIONARY_POINT",),
+        "locally infeasible": ("INFEASIBLE_STATIONARY_POINT",),
         "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
     },
     "fatrop": {"failed": ("1",)},  # of every kind; 0 is a success
     "alpaqa": {},
-    "bonmin": {"infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
+    # its node is Ipopt
+    "bonmin": {"locally infeasible": ("INFEASIBLE",), "limit": ("LIMIT_EXCEEDED",)},
     # casadi calls every ending a success, the dead point (SLEQP_STATUS_ABORT_DEADPOINT) too
     "sleqp": {
         "local": ("optimal",),
         "feasible": ("feasible",),
-        "infeasible": ("infeasible",),
+        "locally infeasible": ("infeasible",),
         "limit": ("iteration limit", "time limit"),
         "failed": ("deadpoint", "unbounded"),
     },
     # its last words
     "apopt": {
         "local": ("Successful solution",),
-        "infeasible": ("No feasible solution",),
+        "locally infeasible": ("No feasible solution",),
         "limit": ("Maximum iterations", "time limit"),
         "failed": ("Requested accuracy unachievable",),
     },
@@ -78,7 +80,8 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     # termination conditions, pyomo.contrib.solver.common.results
     "pyomo": {
         "local": ("convergenceCriteriaSatisfied",),
-        "infeasible": ("provenInfeasible", "locallyInfeasible", "infeasibleOrUnbounded"),
+        "infeasible": ("provenInfeasible", "infeasibleOrUnbounded"),
+        "locally infeasible": ("locallyInfeasible",),
         "limit": ("maxTimeLimit", "iterationLimit"),
     },
     # solve_result_num by the hundred (Fourer, Gay and Kernighan, AMPL, 2nd ed., sec. 14.2):
@@ -86,7 +89,7 @@ STATUSES: dict[str, dict[str, tuple[str, ...]]] = {
     "ampl": {
         "local": ("0",),
         "feasible": ("1",),
-        "infeasible": ("2",),
+        "locally infeasible": ("2",),  # as JuMP reads it: these files come from local engines
         "limit": ("4",),
     },
     "scip": {

@@ -214,9 +214,14 @@ class Claim(StrEnum):
     LOCAL = "local"
     FEASIBLE = "feasible"
     INFEASIBLE = "infeasible"
+    LOCALLY_INFEASIBLE = "locally infeasible"  # no path near the engine's last point
     LIMIT = "limit"
     FAILED = "failed"
     NONE = "none"
+
+
+# claims that there is no path: a proof of it, or the end of a local search
+DENIALS = (Claim.INFEASIBLE, Claim.LOCALLY_INFEASIBLE)
 
 
 class Verdict(StrEnum):

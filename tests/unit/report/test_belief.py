@@ -133,9 +133,21 @@ def test_the_section(load_rows):
     names = [block.name for block in section.blocks]
     assert names == ["belief-claims", "belief-false"]
     assert "infeasible, but has a path" in section.blocks[1].texts()[0]
-    assert "Of 1 method 1 made 1 false claim in 1 attempt, 1 by denying" in section.text
+    assert "1 method of 1 made 1 false claim (1 infeasible, but has a path)" in section.text
     assert "No method makes a false claim" in belief_section(good).text
     assert len(belief_section(good).blocks) == 1
+
+
+def test_a_denial_is_no_false_claim(load_rows):
+    """A local engine's word of its last point is counted apart, and only where a path exists."""
+    local = load_rows("local", [honest(PLAIN, "ipopt", Claim.LOCALLY_INFEASIBLE, None)])
+
+    section = belief_section(local)
+
+    assert [block.name for block in section.blocks] == ["belief-claims"]
+    assert "No method makes a false claim" in section.text
+    assert "1 denial" in section.text
+    assert claims(compared(local))["truth"].tolist() == ["denial"]
 
 
 PROVED = {

@@ -18,6 +18,7 @@ CLAIMS = tomllib.loads(FILE.read_text(encoding="utf-8"))["claims"]
 KINDS = {
     "false bound": lambda answer: answer.false_bound,
     "false optimal": lambda answer: answer.false_claim and answer.claim is Claim.OPTIMAL,
+    "denial": lambda answer: answer.claim is Claim.LOCALLY_INFEASIBLE,
     "false infeasible": lambda answer: answer.false_claim and answer.claim is Claim.INFEASIBLE,
 }
 

@@ -108,9 +108,9 @@ def test_a_word_without_a_path_is_not_claimed(name):
 
     assert point.claim is not Claim.LOCAL
     if name in SAY_INFEASIBLE:
-        assert point.claim is Claim.INFEASIBLE
+        assert point.claim is Claim.LOCALLY_INFEASIBLE
     if name in NEVER_SAY_INFEASIBLE:
-        assert point.claim is not Claim.INFEASIBLE
+        assert point.claim is not Claim.LOCALLY_INFEASIBLE
 
 
 @pytest.mark.parametrize("name", [n for n in AVAILABLE if ENGINES[n].keeps_limit])
@@ -130,11 +130,11 @@ def test_without_time_a_run_ends(name):
 FROM_ZERO = {
     "slsqp": Claim.FAILED,
     "cobyqa": Claim.LOCAL,
-    "ipopt": Claim.INFEASIBLE,
-    "uno": Claim.INFEASIBLE,
+    "ipopt": Claim.LOCALLY_INFEASIBLE,
+    "uno": Claim.LOCALLY_INFEASIBLE,
     "fatrop": Claim.FAILED,
     "alpaqa": Claim.LIMIT,
-    "bonmin": Claim.INFEASIBLE,
+    "bonmin": Claim.LOCALLY_INFEASIBLE,
     "sqpmethod": Claim.FAILED,
     "qrsqp": Claim.FAILED,
 }
@@ -142,7 +142,7 @@ FROM_ZERO = {
 
 @pytest.mark.parametrize("name", FROM_ZERO)
 def test_what_an_engine_says_from_zero(name):
-    """A path exists, so that "infeasible" is false: a finding, which no option hides."""
+    """A path exists, which a local engine denies: a finding, which no option hides."""
     point = run(name, "LRS", PAPER["problem 1"], (0.0, 0.0, 0.0))
 
     assert point.claim is FROM_ZERO[name]

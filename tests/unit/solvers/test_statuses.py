@@ -44,7 +44,7 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     "ipopt": {
         "local": ("Solve_Succeeded", "Solved_To_Acceptable_Level"),
         "feasible": ("Feasible_Point_Found",),
-        "infeasible": ("Infeasible_Problem_Detected",),
+        "locally infeasible": ("Infeasible_Problem_Detected",),
         "limit": (
             *("Maximum_Iterations_Exceeded", "Maximum_CpuTime_Exceeded"),
             *("Maximum_WallTime_Exceeded", "User_Requested_Stop"),
@@ -60,7 +60,7 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     "uno": {
         "local": ("Converged with feasible KKT point",),
         "feasible": ("Converged with feasible FJ point", "Terminated with feasible small step"),
-        "infeasible": ("Converged with infeasible stationary point",),
+        "locally infeasible": ("Converged with infeasible stationary point",),
         "failed": (
             *("Terminated with infeasible small step", "Terminated with unbounded problem"),
             "Terminated with an unknown status",
@@ -69,7 +69,7 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     "uno-filtersqp": {
         "local": ("FEASIBLE_KKT_POINT",),
         "feasible": ("FEASIBLE_FJ_POINT", "FEASIBLE_SMALL_STEP"),
-        "infeasible": ("INFEASIBLE_STATIONARY_POINT",),
+        "locally infeasible": ("INFEASIBLE_STATIONARY_POINT",),
         "limit": ("ITERATION_LIMIT", "TIME_LIMIT"),
         "failed": (
             *("NOT_OPTIMAL", "INFEASIBLE_SMALL_STEP", "DIVERGING_ITERATE", "UNBOUNDED_OBJECTIVE"),
@@ -79,20 +79,20 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     "fatrop": {"failed": ("1",)},
     "alpaqa": {},
     "bonmin": {
-        "infeasible": ("INFEASIBLE",),
+        "locally infeasible": ("INFEASIBLE",),
         "limit": ("LIMIT_EXCEEDED",),
         "failed": ("CONTINUOUS_UNBOUNDED", "USER_INTERRUPT", "MINLP_ERROR"),
     },
     "sleqp": {
         "local": ("optimal",),
         "feasible": ("feasible",),
-        "infeasible": ("infeasible",),
+        "locally infeasible": ("infeasible",),
         "limit": ("iteration limit", "time limit"),
         "failed": ("deadpoint", "unbounded"),
     },
     "apopt": {
         "local": ("Successful solution",),
-        "infeasible": ("No feasible solution",),
+        "locally infeasible": ("No feasible solution",),
         "limit": ("Maximum iterations", "time limit"),
         "failed": ("Requested accuracy unachievable",),
     },
@@ -106,7 +106,8 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "pyomo": {
         "local": ("convergenceCriteriaSatisfied",),
-        "infeasible": ("provenInfeasible", "locallyInfeasible", "infeasibleOrUnbounded"),
+        "infeasible": ("provenInfeasible", "infeasibleOrUnbounded"),
+        "locally infeasible": ("locallyInfeasible",),
         "limit": ("maxTimeLimit", "iterationLimit"),
         "failed": (
             *("objectiveLimit", "minStepLength", "unbounded", "error", "interrupted"),
@@ -116,7 +117,7 @@ MEANS: dict[str, dict[str, tuple[str, ...]]] = {
     "ampl": {
         "local": ("0",),
         "feasible": ("1",),
-        "infeasible": ("2",),
+        "locally infeasible": ("2",),
         "limit": ("4",),
         "failed": ("3", "5", "6", "-1"),
     },

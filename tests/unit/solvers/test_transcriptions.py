@@ -144,9 +144,9 @@ def test_given_guesses_are_the_only_ones():
 @pytest.mark.parametrize(
     ("claims", "branch", "expected"),
     [
-        ([Claim.INFEASIBLE], "best", Claim.INFEASIBLE),
-        ([Claim.INFEASIBLE], "LS", Claim.FAILED),  # rates of one sign reach every target
-        ([Claim.INFEASIBLE, Claim.LIMIT], "best", Claim.FAILED),
+        ([Claim.LOCALLY_INFEASIBLE], "best", Claim.LOCALLY_INFEASIBLE),
+        ([Claim.LOCALLY_INFEASIBLE, Claim.LIMIT], "best", Claim.FAILED),
+        ([Claim.INFEASIBLE], "best", Claim.FAILED),  # of a transcription, not of the problem
         ([Claim.FEASIBLE], "best", Claim.FAILED),
         ([Claim.OPTIMAL], "best", Claim.FAILED),
     ],
@@ -164,7 +164,7 @@ def test_a_miss_is_no_solution_and_infeasible_only_if_all_runs_say_so(claims, br
     solution = solver.solve(model._replace(template=Template(None, straight)), 10.0)
 
     assert solution.claim is expected
-    assert (solution.path is None) == (expected is Claim.INFEASIBLE)
+    assert (solution.path is None) == (expected is Claim.LOCALLY_INFEASIBLE)
 
 
 def test_numbers_that_are_not_finite_are_a_failure(monkeypatch):

@@ -21,18 +21,20 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, sentences, some
 from dubins_study.report.elements.plots import Mark, stacked_shares
-from dubins_study.report.elements.style import BLUE, RULE, VERMILION
+from dubins_study.report.elements.style import BLUE, ORANGE, RULE, VERMILION
 from dubins_study.report.statistics.methods import Compared, compared, once
 from dubins_study.report.topics.failures import plainest
 from dubins_study.study.scenario_frame import solve_command
-from dubins_study.study.words import Outcome
+from dubins_study.study.words import Claim, Outcome
 
 # What a claim is worth, the check being right: it says no more than what is so; it says less than
 # the answer allows (no claim of a path that arrives, or of an optimal one only that it is
 # feasible); it says nothing and there is nothing; it, or its bound, says more than what is so. A
-# bound that is too high by no more than the engine's tolerance explains has a name of its own.
-TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "false")
-TRUE, TOLERATED, LESS, NOTHING, FALSE = TRUTHS
+# bound that is too high by no more than the engine's tolerance explains has a name of its own. So
+# has a local engine's word that it found no path near its last point, where one exists: it is no
+# claim about the question.
+TRUTHS = ("true", "true to its tolerance", "less than known", "says nothing", "denial", "false")
+TRUE, TOLERATED, LESS, NOTHING, DENIAL, FALSE = TRUTHS
 # Two equations that are each off by the tolerance move the length by a small multiple of it.
 _TOLERANCES = 10.0
 _SILENT = ("failed", "limit", "none")
@@ -42,6 +44,7 @@ MARKS = (
     Mark(TOLERATED, colour="#3f8fc4", hatch="||"),
     Mark(LESS, colour="#86bce0", hatch="///"),
     Mark(NOTHING, colour=RULE),
+    Mark(DENIAL, colour=ORANGE, hatch=".."),
     Mark(FALSE, colour=VERMILION, hatch="xx"),
 )
 # Fewer than this share of the questions that others met is worth a note.
@@ -75,7 +78,9 @@ def claims(compared: Compared) -> pd.DataFrame:
     silent = claim.isin(_SILENT)
     less = silent & verdict.isin(["optimal", "longer"])
     less |= (claim == "feasible") & (verdict == "optimal")
-    truth = np.select([false, high, less, silent], [FALSE, TOLERATED, LESS, NOTHING], TRUE)
+    denial = rows["answerable"] & (claim == Claim.LOCALLY_INFEASIBLE)
+    worths = [false, high, denial, less, silent]
+    truth = np.select(worths, [FALSE, TOLERATED, DENIAL, LESS, NOTHING], TRUE)
     kinds = [
         high & false,
         high,
@@ -142,45 +147,57 @@ def belief_section(results: Results) -> Section | None:
     if len(false):
         blocks.append(_proof_table(false, names))
     text = sentences(
-        "A claim is what a solver says of its answer. It is true if the check confirms it. Some "
-        "solvers claim only that no path nearby is shorter, which can be true of a longer path. A "
-        "claim is true to its tolerance if its bound is too high by no more than that allows.",
+        "A claim is what a solver says of its answer. It is true if the check confirms it.",
+        "Local engines claim only that no path nearby is shorter, which can be true of a longer "
+        "path.",
         _liars(rows, table),
     )
-    lead = "Orange: answers that claim more than is true. The number beside a bar counts them."
+    lead = (
+        "Red, and counted beside the bar: answers that claim more than is true. Brown: local "
+        "engines that found no path near their last point, though there is one."
+    )
     return Section("belief", "Whom one can believe", text, tuple(blocks), lead)
 
 
 def _liars(rows: pd.DataFrame, table: pd.DataFrame) -> str:
-    """How many methods make false claims, and how many of these deny a path."""
-    false = rows.loc[rows["truth"] == FALSE, "proof"]
-    if false.empty:
-        questions = int(table["questions"].max())
-        return f"No method makes a false claim at any of up to {some(questions, 'question')}."
-    number, denials = int((table["attempts"] > 0).sum()), int((false == PROOFS[3]).sum())
+    """How many false claims there are, by kind; how many denials, and claims of an optimum."""
     made = int((rows["outcome"] != Outcome.NOT_ASKED).sum())
-    claimed = f"{some(len(false), 'false claim')} in {some(made, 'attempt')}"
-    return (
-        f"Of {some(len(table), 'method')} {count(number)} made {claimed}, {count(denials)} by "
-        "denying that there is a path, for which only some engines have a status."
+    false = rows.loc[rows["truth"] == FALSE, "proof"]
+    claimed = some(len(false), "false claim")
+    kinds = [f"{count(n)} {_SHORT[str(kind)]}" for kind, n in false.value_counts().items()]
+    listed = f" ({', '.join(kinds)})" if kinds else ""
+    number = some(int((table["attempts"] > 0).sum()), "method")
+    denials = int((rows["truth"] == DENIAL).sum())
+    optima = rows[rows["claim"] == Claim.OPTIMAL]
+    wrong = int((optima["proof"] == PROOFS[2]).sum())
+    liars = f"In {some(made, 'attempt')} {number} of {count(len(table))} made {claimed}{listed}."
+    return sentences(
+        liars if len(false) else f"No method makes a false claim in {some(made, 'attempt')}.",
+        f"{some(denials, 'denial')} more are local engines' words of their last point."
+        if denials
+        else "",
+        f"Of {some(len(optima), 'claim')} that a path is optimal {count(wrong)} are false."
+        if len(optima)
+        else "",
     )
 
 
 def _picture(table: pd.DataFrame) -> Picture:
     mine = own(table.index)  # beside what is shown without them
-    engines = table[~table.index.isin([EXACT, *mine])].sort_values("false", ascending=False)
+    engines = table[~table.index.isin([EXACT, *mine])].sort_values([FALSE, DENIAL], ascending=False)
     shown = (engines if len(engines) else table).groupby("formulation", sort=False).head(_MOST_BARS)
     left_out = len(engines) - len(shown)
     shown = table[table.index.isin([*mine, *shown.index])]
     rest = (
-        f" {count(left_out)} methods with fewer false claims are left out." if left_out > 0 else ""
+        f" Of each formulation the {_MOST_BARS} with most of these; {count(left_out)} are left out."
+        if left_out > 0
+        else ""
     )
     few = shown["questions"] < FEW * shown["askable"]
-    star = " A dagger: asked less than half as many questions as others." if few.any() else ""
+    star = " A dagger: asked a sample only." if few.any() else ""
     caption = (
-        "What the claims are worth, as shares of the questions, those without a path included; "
-        f"at the right the number of attempts with a false claim.{star}{rest} A narrow "
-        "screen shows those with false claims alone."
+        "What the claims are worth, as shares of the questions, those without a path included. "
+        f"The number counts false claims.{rest}{star} A narrow screen shows those alone."
     )
     alt = "Stacked bars of true, weak, silent and false claims, by formulation"
     numbers = zip(shown["attempts"], few, strict=True)
@@ -209,11 +226,9 @@ def _proof_table(false: pd.DataFrame, names: pd.DataFrame) -> Table:
         *columns(kind="command", command="ask again"),
     )
     caption = (
-        "False claims by name, each with the example of the nearest target. Above the shortest "
-        "length by its tolerance: relative to it by at most ten times the feasibility that the "
-        "engine was asked for, which counts as true to its tolerance. Lengths in the scenario's "
-        "unit; the shortest length is the upper end of its proven bounds. The command repeats the "
-        "example."
+        "False claims by name, each with the example of the nearest target; the command repeats "
+        "it. A bound too high by its tolerance: by at most ten times the feasibility that was "
+        "asked for, which counts as true to its tolerance. Lengths in the scenario's unit."
     )
     return Table("belief-false", caption, frame, shown, dense=True)
 

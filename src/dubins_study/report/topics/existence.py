@@ -16,13 +16,14 @@ from dubins_study.report.data.attempts import (
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns, marks
 from dubins_study.report.elements.content import General, Section, Table, Topic
-from dubins_study.report.elements.formats import seconds, sentences, share, some
+from dubins_study.report.elements.formats import count, seconds, sentences, share, some
 from dubins_study.report.elements.identity import method_columns, with_share
 from dubins_study.report.elements.identity import questions as question_count
 from dubins_study.report.statistics.methods import methods_of
 from dubins_study.report.topics.summary import share_keys
+from dubins_study.study.words import DENIALS, Claim
 
-_ANSWERS = ("right", "silent", "wrong")
+_ANSWERS = ("right", "local", "silent", "wrong")
 KINDS = ("presolved", "unasked", *_ANSWERS)
 
 
@@ -30,21 +31,24 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
     """One row per solver that was asked a question without a path, or that denied a path.
 
     Columns of `methods_of`; of the questions without a path: presolved, unasked (the solver is not
-    installed), reached (that reached the engine), and of these right, wrong (a false claim) and
-    silent (no claim); wall_s (median of the attempts that reached the engine, s); of those that
-    have a path: questions, denied (claimed infeasible); those of `with_share` for right, silent and
-    wrong, shares of `reached`, and for denied, a share of `questions`.
+    installed), reached (that reached the engine), and of these right, local (a local engine found
+    none near its last point), wrong (a false claim) and silent (no claim); wall_s (median of the
+    attempts that reached the engine, s); of those that have a path: questions, denied (claimed
+    infeasible, locally or not); those of `with_share` for right, local, silent and wrong, shares of
+    `reached`, and for denied, a share of `questions`.
     """
     there, verdict, false = attempts["answerable"], attempts["verdict"], attempts["false_claim"]
+    local = attempts["claim"].eq(Claim.LOCALLY_INFEASIBLE)
     conditions = {
         "": there | verdict.eq(UNDECIDED),
         "presolved": verdict.eq(PRESOLVED),
         "unasked": attempts["outcome"].eq("unavailable"),
-        "right": verdict.isin(SUCCESSES),
+        "right": verdict.isin(SUCCESSES) & ~local,
+        "local": verdict.isin(SUCCESSES),
         "wrong": is_true(false),
     }
     kind = pd.Series(np.select([*conditions.values()], [*conditions], "silent"), attempts.index)
-    denied = there & attempts["claim"].eq("infeasible") & is_true(false)
+    denied = there & attempts["claim"].isin(DENIALS)
     chosen = {name: kind.eq(name) for name in KINDS} | {"questions": there, "denied": denied}
     counts = pd.DataFrame({name: questions(attempts, which) for name, which in chosen.items()})
     times = attempts["wall_s"].where(kind.isin(_ANSWERS))
@@ -61,7 +65,8 @@ def existence(attempts: pd.DataFrame) -> pd.DataFrame:
 _LEAD = "See who proves that no path exists, who says nothing, and who is wrong."
 _COLUMNS = (
     *columns(question_count, presolved="by presolve"),
-    *columns(kind="cell", right_text="right", silent_text="silent", wrong_text="wrong"),
+    *columns(kind="cell", right_text="right", local_text="locally"),
+    *columns(kind="cell", silent_text="silent", wrong_text="wrong"),
     *columns(seconds, wall_s="median time"),
     *columns(kind="cell", denied_text="denies a path"),
 )
@@ -77,15 +82,69 @@ def existence_section(results: Results) -> Section | None:
     frame = existence(results.attempts)
     if not (frame[["reached", "presolved"]].any(axis=None)):
         return None
-    text = _text(frame)
-    return Section("existence", "Where no path exists", text, (_table(frame),), _LEAD)
+    points = last_points(results.attempts)
+    text = sentences(_text(frame), _points_text(points))
+    tables = [_table(frame)]
+    if len(points):
+        tables.append(_points_table(points))
+    return Section("existence", "Where no path exists", text, tuple(tables), _LEAD)
+
+
+_STATIONARY = 1e-3
+"""Slopes of the violation below it are of stationary points: of the points where engines end, those
+that converge lie below 1e-4, the others above 1e-2."""
+
+
+def last_points(attempts: pd.DataFrame) -> pd.DataFrame:
+    """By engine and claim: attempts that ended off the points, and how many at a stationary point.
+
+    Stationary: no small change of the unknowns lowers the violation of the equations. Columns
+    engine, claim, ends, with_path (at a question that has a path), stationary, those of
+    `with_share` for it.
+    """
+    ended = attempts[attempts["violation_slope"].notna()]
+    stationary = ended["violation_slope"] <= _STATIONARY
+    kept = ended.assign(stationary=stationary, with_path=ended["answerable"])
+    groups = kept.groupby(["engine", "claim"], observed=True)
+    sums = groups[["with_path", "stationary"]].sum()
+    frame = sums.assign(ends=groups.size()).reset_index()
+    return with_share(frame, "stationary", frame["stationary"], frame["ends"])
+
+
+def _points_text(points: pd.DataFrame) -> str:
+    """How often local engines' word of their last point is so."""
+    said = points[points["claim"] == Claim.LOCALLY_INFEASIBLE]
+    ends = int(said["ends"].sum())
+    if not ends:
+        return ""
+    return (
+        f"Local engines called {some(ends, 'last point')} locally infeasible; at "
+        f"{share(said['stationary'].sum() / ends)} no small change lowers what it misses by."
+    )
+
+
+def _points_table(points: pd.DataFrame) -> Table:
+    caption = (
+        "Where local engines end without a path. Stationary: no small change of the unknowns "
+        f"lowers the violation (a slope of at most {_STATIONARY:g}, by our derivatives). That is "
+        "what `locally infeasible` says; other engines end there too, and have no word for it."
+    )
+    shown = (
+        *columns(kind="text", engine="engine", claim="it says"),
+        *columns(count, ends="last points", with_path="where a path exists"),
+        *columns(kind="cell", stationary_text="stationary"),
+    )
+    numbers = ("stationary", *share_keys("stationary"))
+    return Table("last-points", caption, points, shown, numbers=numbers, dense=True)
 
 
 def _text(frame: pd.DataFrame) -> str:
     reached, presolved = frame["reached"].sum(), frame["presolved"].sum()
     total = reached + presolved
-    names = ("right", "silent", "wrong") if reached else ()
-    parts = [f"{name}: {share(frame[name].sum() / reached)}" for name in names]
+    names = {"right": "right", "local": "right of the last point alone"}
+    names |= {"silent": "silent", "wrong": "wrong"}
+    sums = frame[list(names)].sum()
+    parts = [f"{text}: {share(sums[name] / max(reached, 1))}" for name, text in names.items()]
     denied = frame[frame["denied"] > 0]
     worst = denied.sort_values("denied_share", kind="stable").tail(1).to_dict("records")
     return sentences(
@@ -94,7 +153,7 @@ def _text(frame: pd.DataFrame) -> str:
         f"The presolve alone answers {share(presolved / total)} of the questions without a path."
         if presolved
         else "",
-        f"Of those that reached an engine, {', '.join(parts)}." if parts else "",
+        f"Of those that reached an engine, {', '.join(parts)}." if reached else "",
         *(
             f"{len(denied)} of {len(frame)} solvers call a question infeasible that has a path, "
             f"most often {row['name']}: {share(row['denied_share'])} of "
@@ -106,12 +165,10 @@ def _text(frame: pd.DataFrame) -> str:
 
 def _table(frame: pd.DataFrame) -> Table:
     caption = (
-        "Questions without a path, solver by solver. By presolve: elementary geometry excluded "
-        "them, and no engine was asked. Of those that reached the engine, right: it claims that "
-        "none exists; silent: it failed, reached a limit or claims nothing; wrong: it claims a "
-        "path; and the median time of these attempts, whatever they say. Denies a path: of the "
-        "questions that have one, the share that it calls infeasible. Shares with their 95 % "
-        "interval (Wilson), for as many trials as there are questions; a repeat is a part of one."
+        "Questions without a path, solver by solver. By presolve: geometry excluded them, and no "
+        "engine was asked. Right: it claims that none exists; locally: that none is near its last "
+        "point; silent: it failed, reached a limit or claims nothing; wrong: it claims a path. "
+        "Denies a path: of the questions that have one. Shares with their 95 % interval (Wilson)."
     )
     bad = frame.assign(wrong_text=frame["wrong"] > 0, denied_text=frame["denied"] > 0)
     return Table(

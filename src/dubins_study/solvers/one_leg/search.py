@@ -23,7 +23,7 @@ from dubins_study.solvers.runs import (
     tried,
 )
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.words import Claim
+from dubins_study.study.words import DENIALS, Claim
 
 
 def searched(
@@ -71,7 +71,7 @@ def _chosen(posed: PosedLeg, runs: list[Run[FloatArray]]) -> Solution:
         multipliers = in_world(scenario, np.multiply(sides, duals[:2]))
     # a point that its engine calls infeasible is no path, and some engines return no numbers when
     # they fail
-    pathless = claim is Claim.INFEASIBLE or bool(np.isnan(best.point).all())
+    pathless = claim in DENIALS or bool(np.isnan(best.point).all())
     return Solution(
         claim,
         path=None if pathless else as_path(scenario, subproblem, best.point),

@@ -240,13 +240,10 @@ def _answer(model: PosedCourse, runs: list[Run[Elements]], in_time: bool) -> Sol
         # the engine gave up, or wrongly called it infeasible, but the corrected path arrives
         claim = Claim.FEASIBLE
     elif claim is not Claim.LOCAL:
-        # of LS and RS it is the engine's word of its own neighbourhood: rates of one sign may still
-        # reach the target by longer turns
-        none = {run.claim for run in runs} == {Claim.INFEASIBLE}
-        said = none and model.question.branch == "best"
-        claim = Claim.INFEASIBLE if said else Claim.FAILED
+        none = {run.claim for run in runs} == {Claim.LOCALLY_INFEASIBLE}
+        claim = Claim.LOCALLY_INFEASIBLE if none else Claim.FAILED
     path = None
-    if math.isfinite(best.miss) and claim is not Claim.INFEASIBLE:
+    if math.isfinite(best.miss) and claim is not Claim.LOCALLY_INFEASIBLE:
         rate = np.clip(best.point.rate, rates.lower, rates.upper)
         path = Path(scenario.start, rate / scenario.radius, best.point.length * scenario.radius)
         if claim in (Claim.LOCAL, Claim.FEASIBLE) and course.target is not None:

@@ -137,7 +137,7 @@ class Sequence:
                 claim, status = Claim.LOCAL, "converged"
                 break
         if claim is Claim.LOCAL and not self._arrived():
-            claim, status = Claim.FEASIBLE, "a dead end off the target"
+            claim, status = Claim.LOCALLY_INFEASIBLE, "a dead end off the target"
         elements, _, used, _ = corrected(self.now, self.rates, self.course)
         self.rollouts += used
         result = EngineResult(

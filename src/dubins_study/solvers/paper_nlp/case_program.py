@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
@@ -14,9 +15,14 @@ from dubins_study.solvers.nlp_engines.program import (
     NlpCall,
     Program,
 )
+from dubins_study.solvers.nlp_engines.violation import violation_slope
 from dubins_study.solvers.one_leg.model import Case, end_point, equations, hessian, jacobian
 from dubins_study.solvers.runs import EngineResult
 from dubins_study.study.arrays import FloatArray
+
+# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the end of the run,
+# whose point is z and whose duals are those of the two equations
+Solve = Callable[[Case, FloatArray, float], EngineResult]
 
 
 def program(case: Case) -> Program:
@@ -46,6 +52,17 @@ def solve(case: Case, guess: FloatArray, seconds: float, engine: NlpCall) -> Eng
     z = np.full(3, np.nan if np.isnan(result.x).all() else 0.0)  # NaN where there is no point
     z[free] = result.x / case.unit
     return result._replace(x=z)
+
+
+def measured(solve: Solve) -> Solve:
+    """What solves a case, whose result can tell the slope of the violation at its point."""
+
+    def run(case: Case, guess: FloatArray, seconds: float) -> EngineResult:
+        result = solve(case, guess, seconds)
+        x = case.unit * result.x[list(case.subproblem.free)]
+        return result._replace(slope=partial(violation_slope, program(case), x))
+
+    return run
 
 
 @cache

@@ -34,9 +34,8 @@ from dubins_study.solvers.one_leg.model import (
     posed_leg,
 )
 from dubins_study.solvers.one_leg.search import searched
-from dubins_study.solvers.paper_nlp.case_program import solve
+from dubins_study.solvers.paper_nlp.case_program import Solve, measured, solve
 from dubins_study.solvers.paper_nlp.pyomo_model import (
-    Adapter,
     ipopt_in_pyomo,
     solve_by_ampl,
     solve_in_pyomo,
@@ -60,7 +59,7 @@ class PosedNlp(NamedTuple):
     """A question, translated for `solve`, and what solves its cases."""
 
     leg: PosedLeg
-    adapter: Adapter
+    adapter: Solve
 
 
 @dataclass(frozen=True)
@@ -106,7 +105,7 @@ class PaperNlp(EngineSolver):
         tol = getattr(self, self.limits[0])
         return self.library.method(posed, self.initial_guess, self.options, tol)
 
-    def adapter(self) -> Adapter:
+    def adapter(self) -> Solve:
         """The function that solves one case from one initial guess."""
         tol, max_iter = (getattr(self, name) for name in self.limits)
         return partial(solve, engine=self.library.load()(tol, max_iter, self.options))
@@ -180,11 +179,11 @@ class Ipopt(PaperNlp):
     packages = ("pyomo", "casadi")
     summary = "the paper's model (4.12) in Pyomo by Ipopt"
 
-    def adapter(self) -> Adapter:
+    def adapter(self) -> Solve:
         chosen = self.library.options.of(self.options, self.tol, self.max_iter)
         if self.mu_target:
             chosen["ipopt.mu_target"] = self.mu_target
-        return ipopt_in_pyomo(tuple(chosen.items()), self.units)
+        return measured(ipopt_in_pyomo(tuple(chosen.items()), self.units))
 
 
 # A path would let whoever writes an experiment choose the file that is run.
@@ -253,9 +252,9 @@ class Nlp(PaperNlp, _Named):
         engines = f"{did_you_mean(self.engine, _ENGINES)}there are: {', '.join(NLP_ENGINES)}"
         return f"no executable {self.engine!r} on PATH, and no engine of that name; {engines}"
 
-    def adapter(self) -> Adapter:
+    def adapter(self) -> Solve:
         if self.runs:
-            return partial(solve_by_ampl, executable=self.runs)
+            return measured(partial(solve_by_ampl, executable=self.runs))
         if self.engine == _KNITRO:
-            return partial(solve_in_pyomo, interface="knitro_direct")
+            return measured(partial(solve_in_pyomo, interface="knitro_direct"))
         return super().adapter()

@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, lru_cache
 from pathlib import Path as FilePath
@@ -19,14 +18,11 @@ import numpy as np
 from dubins_study.solvers.nlp_engines.casadi_nlpsol import nlpsol
 from dubins_study.solvers.nlp_engines.pyomo_program import PyomoProgram, asked
 from dubins_study.solvers.one_leg.model import Case, end_point
+from dubins_study.solvers.paper_nlp.case_program import Solve
 from dubins_study.solvers.runs import EngineResult, no_point
 from dubins_study.solvers.statuses import claim_of
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.words import Claim
-
-# (the case, an initial guess z of shape (3,) in radii, the seconds left) -> the end of the run,
-# whose point is z and whose duals are those of the two equations
-Adapter = Callable[[Case, FloatArray, float], EngineResult]
+from dubins_study.study.words import DENIALS, Claim
 
 
 def pyomo_model(units: str = "radius") -> Any:
@@ -53,7 +49,7 @@ def pyomo_model(units: str = "radius") -> Any:
 
 
 @lru_cache(maxsize=64)
-def ipopt_in_pyomo(options: tuple[tuple[str, Any], ...], units: str) -> Adapter:
+def ipopt_in_pyomo(options: tuple[tuple[str, Any], ...], units: str) -> Solve:
     """Ipopt on Pyomo's model, whose NL file is written once.
 
     The target is two variables, and the radius one more in the scenario's `units`, that each case
@@ -152,7 +148,7 @@ def _ended(
         values = loader.get_vars(free)
     except (PyomoException, AssertionError, LookupError):
         # each loader has its own way to say that there is no point, which some claims do not need
-        pointless = claim if claim in (Claim.INFEASIBLE, Claim.LIMIT) else Claim.FAILED
+        pointless = claim if claim in (*DENIALS, Claim.LIMIT) else Claim.FAILED
         return no_point(3, pointless, status, message)
     z = np.array([0.0 if z.fixed else values[z] for z in model.z.values()])
     try:

@@ -169,14 +169,12 @@ def _answer(model: PosedRoute, runs: list[Run[FloatArray]]) -> Solution:
     """The shortest point that the engine calls a solution, or the one that misses least."""
     if not runs:
         return nothing_found(runs)
-    question, route, places, program, known = model
+    question, route, places, program, _ = model
     scenario, equations = question.scenario, program.functions.equations
     best, claim = settled(runs, lambda run: float(np.abs(equations(run.point)).sum()))
-    if claim is Claim.INFEASIBLE and known is not None:
-        claim = Claim.FAILED  # of these words: others may have a path
     n, duals = route.legs, best.result.duals
     path = None
-    if claim is not Claim.INFEASIBLE and np.isfinite(best.point).all():
+    if claim is not Claim.LOCALLY_INFEASIBLE and np.isfinite(best.point).all():
         arcs = _driven(_arcs(best.point, places))
         path = path_of(scenario, _TURNS * n, arcs.ravel().tolist())
     return Solution(

@@ -9,7 +9,7 @@ from dubins_study.study.path import Path, drivable
 from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.tolerances import DEFAULT, HEADED, Tolerances, allowed_miss
-from dubins_study.study.words import Claim, Order, Verdict
+from dubins_study.study.words import DENIALS, Claim, Order, Verdict
 
 
 def judge(
@@ -29,7 +29,7 @@ def judge(
     if path is None or not drivable(path):
         verdict = Verdict.NONE if path is None else Verdict.MISSES
         # the best path always exists, and nothing has to be searched for
-        denied = path is None and claim is Claim.INFEASIBLE and branch != "best"
+        denied = path is None and claim in DENIALS and branch != "best"
         if denied and kind.reference(scenario, branch, tolerances).enclosure.absent:
             verdict = Verdict.NONE_EXISTS
         return Judgement(verdict=verdict, false_claim=is_false(claim, verdict), **known)

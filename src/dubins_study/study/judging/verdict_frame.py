@@ -41,7 +41,7 @@ from dubins_study.study.rows.schema import Judgement
 from dubins_study.study.scenario import NUMBERS, Scenario
 from dubins_study.study.scenario_frame import with_final_headings
 from dubins_study.study.tolerances import DEFAULT, DRIVEN, HEADED, Tolerances, arrives
-from dubins_study.study.words import Claim, Verdict
+from dubins_study.study.words import DENIALS, Claim, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +61,7 @@ _OPTIMAL, _NONE, _NONE_EXISTS = map(
     VERDICTS.index, (Verdict.OPTIMAL, Verdict.NONE, Verdict.NONE_EXISTS)
 )
 _FALSE = np.array([[is_false(claim, verdict) for verdict in VERDICTS] for claim in CLAIMS])
-_INFEASIBLE = CLAIMS.index(Claim.INFEASIBLE)
+_DENIALS = list(map(CLAIMS.index, DENIALS))
 
 
 class FrameJudgement(NamedTuple):
@@ -161,7 +161,7 @@ def judge_frame(
     _name_rows(n, best, arcs[1], legs.radius, limits.cut, result.word)
     _judge_rows(n, legs, *arcs, free, best, limits, result)
     if paths.returned is not None:
-        denied = (codes == _INFEASIBLE) & (branch != "best")
+        denied = np.isin(codes, _DENIALS) & (branch != "best")
         _judge_nothing(~paths.returned, denied, best, free, result)
     result = result._replace(travel_time=result.length / columns["speed"])
     for row in np.flatnonzero(result.verdict == ODD).tolist():

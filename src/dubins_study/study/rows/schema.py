@@ -91,6 +91,9 @@ class Reported:
     message: str = column(
         "the backend's own message, or the error", default="", detail=True, plotted=True
     )
+    violation_slope: float | None = column(
+        "0: no small change of the unknowns lowers what the last point misses by", "1"
+    )
     point: FloatArray | None = None
     presolved: bool = column(
         "the presolve answered, and no engine was asked", default=False, plotted=True

@@ -1,0 +1,58 @@
+"""Whether a point is stationary for the violation, beside geometry and a minimiser."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares, minimize
+
+from dubins_study.solvers.nlp_engines.violation import violation_slope
+from dubins_study.solvers.one_leg.model import case_of
+from dubins_study.solvers.paper_nlp.case_program import program
+from dubins_study.study.body_coordinates import Local, local
+from dubins_study.study.scenario import Scenario
+
+
+def ls_program(x: float, y: float):
+    """LS to a target: its unknowns are the arc and the straight."""
+    target: Local = local(Scenario(0, 0, 0, x, y, 1))
+    return program(case_of("LS", target))
+
+
+@pytest.mark.parametrize("polar", [(0.3, 1.0), (0.8, -2.0), (0.5, 3.0)])
+def test_the_point_of_the_circle_nearest_to_a_target_inside_is_stationary(polar):
+    """LS reaches no point inside its circle; the nearest that it comes is the foot on the rim."""
+    r, at = polar
+    posed = ls_program(r * math.cos(at), 1 + r * math.sin(at))
+    foot = np.array([(at + math.pi / 2) % (2 * math.pi), 0.0])
+
+    assert violation_slope(posed, foot) < 1e-12
+    assert violation_slope(posed, foot + np.array([0.3, 0.0])) > 0.01
+    assert violation_slope(posed, foot + np.array([0.0, 0.3])) > 0.01
+
+
+def test_no_minimiser_of_either_norm_leaves_a_stationary_point():
+    """SciPy's minimisers of both norms end at points whose slope is small, from anywhere."""
+    posed = ls_program(0.2, 1.3)
+    g = posed.functions.equations
+    rng = np.random.default_rng(1)
+    box = [(0.0, 2 * math.pi), (0.0, 10.0)]
+    for guess in rng.uniform((0.5, 0.5), (5.5, 3.0), size=(6, 2)):
+        euclidean = least_squares(g, guess, bounds=np.transpose(box), xtol=1e-14, ftol=1e-14).x
+        total = minimize(lambda x: abs(g(x)).sum(), guess, method="Nelder-Mead", bounds=box)
+        polished = minimize(
+            lambda x: abs(g(x)).sum(),
+            total.x,
+            method="Nelder-Mead",
+            bounds=box,
+            options={"xatol": 1e-12, "fatol": 1e-14},
+        ).x
+
+        assert violation_slope(posed, euclidean) < 1e-4
+        assert violation_slope(posed, polished) < 1e-4
+        assert violation_slope(posed, guess) > 1e-2
+
+
+def test_no_point_has_no_slope():
+    """NaN is what an engine without a point returns."""
+    assert violation_slope(ls_program(1.0, 1.0), np.full(2, np.nan)) is None
