@@ -48,6 +48,10 @@ MILP = "MILP"
 CONSTRAINTS = "constraint programming"
 ROUTING = "routing library"
 
+# Engines that are the code of another one: both are one unit where a sentence speaks of engines in
+# general. Bonmin solves its nodes by Ipopt, and has one node without integers.
+SAME_CODE = MappingProxyType({"Bonmin": "Ipopt", "NLopt SLSQP": "SLSQP", "Uno filterSQP": "Uno"})
+
 
 class Formulation(NamedTuple):
     """A mathematical problem that is handed to engines."""

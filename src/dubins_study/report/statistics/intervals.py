@@ -19,6 +19,7 @@ from dubins_study.study.arrays import FloatArray
 
 LEVEL = 0.95
 RESAMPLES = 1000
+_OF_SEVERAL = 4000
 # The counts of all resamples: beyond some 80 MB fewer are drawn, since the interval of that many
 # scenarios is narrow and its ends need no third digit.
 _MOST_COUNTS, _FEWEST_RESAMPLES = 10**7, 100
@@ -95,6 +96,7 @@ def bootstrap(
     base: str | None = None,
     *,
     resamples: int | None = None,
+    of: int = 1,
 ) -> pd.DataFrame:
     """A statistic of each column with its percentile interval, by the cluster bootstrap.
 
@@ -115,6 +117,7 @@ def bootstrap(
         base: a column to divide by, without failures. Both statistics are then over the rows that
             have a value in both columns.
         resamples: number of resamples; None: `RESAMPLES`, or fewer of very many scenarios.
+        of: of how many intervals this is one: all of them hold at once with 95 % (Bonferroni).
 
     Returns:
         Indexed by solver; columns estimate, low, high, in the unit of the statistic. NaN for a
@@ -122,7 +125,7 @@ def bootstrap(
     """
     scenario, names = pd.factorize(table.index)
     affordable = max(_FEWEST_RESAMPLES, _MOST_COUNTS // max(1, len(names)))
-    drawn = min(RESAMPLES, affordable) if resamples is None else resamples
+    drawn = min(_resamples(of), affordable) if resamples is None else resamples
     counts = scenario_counts(len(names), drawn)
     # The first line is the data, each row once.
     weights = np.vstack([np.ones(len(table)), counts[:, scenario]])
@@ -136,7 +139,7 @@ def bootstrap(
             statistic(np.where(missing, np.nan, side), weights) for side in (values, rival)
         )
         statistics = above / below
-    return _with_ends(statistics, table.columns.rename("solver"))
+    return _with_ends(statistics, table.columns.rename("solver"), of)
 
 
 def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) -> pd.DataFrame:
@@ -155,13 +158,18 @@ def bootstrap_of_both(table: pd.DataFrame, engines: Sequence[str], of: int = 1) 
     weights = []
     for seed, units in enumerate((table.index, pd.Index(engines))):
         place, names = pd.factorize(units)
-        counts = scenario_counts(len(names), RESAMPLES, seed)
+        counts = scenario_counts(len(names), _resamples(of), seed)
         weights.append(np.vstack([np.ones(len(place)), counts[:, place]]))
     rows, columns = weights
     with np.errstate(invalid="ignore"):  # 0 / 0: a resample without a value
         sums = ((rows @ np.where(known, values, 0.0)) * columns).sum(axis=1)
         means = sums / ((rows @ known) * columns).sum(axis=1)
     return _with_ends(means[:, np.newaxis], pd.Index(["all"]), of)
+
+
+def _resamples(of: int) -> int:
+    """How many resamples the interval of one of several needs: its tails hold fewer of them."""
+    return RESAMPLES if of == 1 else _OF_SEVERAL
 
 
 def _with_ends(statistics: FloatArray, names: pd.Index[Any], of: int = 1) -> pd.DataFrame:

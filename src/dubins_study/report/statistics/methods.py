@@ -214,13 +214,19 @@ class Compared:
         return self.methods[self.methods.index != EXACT]
 
     def bootstrap(
-        self, table: pd.DataFrame, statistic: Statistic, name: str, base: str | None = None
+        self,
+        table: pd.DataFrame,
+        statistic: Statistic,
+        name: str,
+        base: str | None = None,
+        *,
+        of: int = 1,
     ) -> pd.DataFrame:
         """`intervals.bootstrap` over the scenarios of a table of questions by solvers.
 
         Indexed by solver; columns `name`, `name`_low and `name`_high.
         """
-        frame = bootstrap(self.by_scenario(table), statistic, base)
+        frame = bootstrap(self.by_scenario(table), statistic, base, of=of)
         return frame.set_axis([name, f"{name}_low", f"{name}_high"], axis=1)
 
     def by_scenario(self, table: pd.DataFrame) -> pd.DataFrame:

@@ -40,8 +40,9 @@ def overlapping_shares(attempts: Compared) -> Caution | None:
     low, high = wilson_intervals(_TYPICAL_SHARE * questions, questions)
     points = 100 * (high - low) / 2
     return Caution(
-        "Do not rank methods by shares whose intervals overlap: a share of "
-        f"{share(_TYPICAL_SHARE)} is known to ±{digits(2)(points)} percentage points.",
+        f"Do not rank methods by their shares alone: one of {share(_TYPICAL_SHARE)} is known to "
+        f"±{digits(2)(points)} percentage points. Overlapping intervals decide nothing; the paired "
+        "tests do.",
         f"{some(questions, 'question')} with a path, the fewest of an experiment",
         "Summary",
     )
@@ -71,7 +72,7 @@ def stopped_attempts(attempts: Compared) -> Caution | None:
         return None
     return Caution(
         f"Do not conclude that a method cannot solve what it did not: {some(number, 'attempt')} "
-        f"ended at a limit, {seconds(attempts.limit_s)} at most, or at a limit of iterations.",
+        f"ended at a limit of time ({seconds(attempts.limit_s)} at most) or of iterations.",
         f"{some(len(rows), 'attempt')} of engines at questions with a path",
         "Success and gaps",
     )
@@ -85,9 +86,8 @@ def proved_routes(attempts: Compared) -> Caution | None:
     if len(widths) < ENOUGH or not (widths <= _CLOSED).all():
         return None
     return Caution(
-        "Do not expect that the search closes such a share of all routes: those that it leaves "
-        "open are not among these, each of which has a shortest length that is proved to a "
-        f"relative {_CLOSED:.0e}.",
+        "Do not expect that the search closes such a share of all routes: these are only routes "
+        f"that it closes, to a relative {_CLOSED:.0e}.",
         some(len(widths), "route"),
         TITLE,
     )

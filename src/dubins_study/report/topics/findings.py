@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ from dubins_study.report.data.results import Results
 from dubins_study.report.elements.columns import columns
 from dubins_study.report.elements.content import General, Place, Section, Table, Topic
 from dubins_study.report.elements.formats import some
-from dubins_study.report.statistics.methods import compared, once
+from dubins_study.report.statistics.methods import compared
 from dubins_study.report.statistics.metrics import parse_spec
 from dubins_study.report.topics.comparison import evaluations
 from dubins_study.report.topics.findings_evidence import (
@@ -64,17 +64,18 @@ def words_against_joint(evidence: Evidence) -> Finding | None:
         better, worse = worse, better
         known = {guess: points.turned() for guess, points in known.items()}
         kinds[head] = [pair[::-1] for pair in kinds[head]]
-    others = ""
+    others = []
     for guess, points in known.items():
         if guess != head:
-            others += f"; from {guess} by {points.text()}"
-            others += "" if points.is_clear() else ", which these rows do not decide"
+            undecided = "" if points.is_clear() else ", which is not decided"
+            others.append(f"from {guess} {points.text()}{undecided}")
     return _in_pairs(
         evidence,
         kinds[head],
         known[head],
-        f"Pose {better}: begun from {head}, the same engines are right on {known[head].text()} "
-        f"percentage points more of the questions than with {worse}{others}.",
+        f"Pose {better}: from {head}, the same engines are right on {known[head].text()} "
+        f"percentage points more of the questions than with {worse}.",
+        others,
     )
 
 
@@ -93,8 +94,8 @@ def blind_start(evidence: Evidence) -> Finding | None:
         evidence,
         pairs,
         points,
-        f"Begin from {better}: from {worse} the same engines on the same formulations are right on "
-        f"{points.text()} percentage points fewer of the questions.",
+        f"Begin from {better}: from {worse} the same engines are right on {points.text()} "
+        "percentage points fewer of the questions.",
     )
 
 
@@ -113,24 +114,30 @@ def _points(evidence: Evidence, pairs: list[Pair], of: int = 1) -> Estimate | No
     return evidence.estimate_over_engines(_apart(evidence, pairs), of)
 
 
-def _in_pairs(evidence: Evidence, pairs: list[Pair], points: Estimate, sentence: str) -> Finding:
+def _in_pairs(
+    evidence: Evidence,
+    pairs: list[Pair],
+    points: Estimate,
+    sentence: str,
+    others: Sequence[str] = (),
+) -> Finding:
     """A finding on pairs, of which the first is right more often: by `points`.
 
-    To the sentence it adds how far the pairs, or the formulations, differ among themselves.
+    It says what `others` say, and how far the pairs, or the formulations, differ among themselves.
     """
     each = _apart(evidence, pairs).mean()
     by = each.groupby(evidence.methods["formulation"][each.index]).mean()
+    asked = [
+        f"{some(points.questions, 'question')} with a path",
+        f"{some(len(pairs), 'method')} in pairs",
+        *others,
+    ]
     if len(by) > 1:
-        sentence += (
-            f" By formulation the difference is {by.min():z.0f} ({by.idxmin()}) to {by.max():z.0f} "
-            f"({by.idxmax()})."
-        )
+        most = f"{by.min():z.0f} ({by.idxmin()}) to {by.max():z.0f} ({by.idxmax()})"
+        asked.append(f"by formulation {most} points")
     elif len(pairs) > 1:
-        sentence += (
-            f" Pair by pair the difference is {each.min():z.0f} to {each.max():z.0f} points."
-        )
-    asked = f"{some(points.questions, 'question')} with a path, {some(len(pairs), 'method')}"
-    return Finding(sentence, points, f"{asked}, in pairs", MATRIX)
+        asked.append(f"pair by pair {each.min():z.0f} to {each.max():z.0f} points")
+    return Finding(sentence, points, "; ".join(asked), MATRIX)
 
 
 def presolve_pairs(methods: pd.DataFrame) -> list[Pair]:
@@ -166,11 +173,10 @@ def presolve(evidence: Evidence) -> Finding | None:
             parts.append(f"{each.text()} with {evidence.name(str(solver))}")
     return Finding(
         "Drop the words that geometry excludes before any engine is called: that divides the "
-        f"function evaluations of a question by {factor.text()} in the "
-        f"geometric mean over questions and methods; in the median by {' and by '.join(parts)}.",
+        f"evaluations of a question by {factor.text()}.",
         factor,
-        f"{some(factor.questions, 'question')} with a path, "
-        f"{some(len(ratios.columns), 'method')} with and without it",
+        f"{some(factor.questions, 'question')} with a path; geometric mean of "
+        f"{some(len(ratios.columns), 'method')} with and without it; medians {', '.join(parts)}",
         "Cost where it arises",
     )
 
@@ -189,14 +195,13 @@ def price_of_proof(evidence: Evidence) -> Finding | None:
     if ratio is None or right is None or not ratio.low > 1 or ratio.questions < ENOUGH_TO_CHOOSE:
         return None
     known = evidence.knows(local)
-    knows = f" knows {' and '.join(known.split())}," if known else ""
+    knows = f" and knows {' and '.join(known.split())}" if known else ""
     return Finding(
-        "Buy a proof only where a wrong answer costs more than time: "
-        f"{evidence.name(prover)} takes {ratio.text()} times the median time of "
-        f"{evidence.name(local)}, which{knows} proves nothing and is right on "
-        f"{right.percent_text()} of the questions that the other answers.",
+        "Buy a proof only where errors cost more than time: "
+        f"{evidence.name(prover)} takes {ratio.text()} times as long as {evidence.name(local)}.",
         ratio,
-        f"{evidence.medians_of(prover, local)}; the fastest with and without a proof",
+        f"{evidence.medians_of(prover, local)}; the fastest with and without a proof. The latter "
+        f"is right on {right.percent_text()} of what the other answers{knows}",
         RANKS,
     )
 
@@ -214,54 +219,61 @@ FINDINGS: tuple[Callable[[Evidence], Finding | None], ...] = (
 
 def findings_section(results: Results) -> Section | None:
     """Sentences to act on, each computed from the rows; None if the rows carry none."""
-    every = [finding for find in FINDINGS for finding in _of_suites(results, find)]
+    every = simultaneous(lambda of: _found(results, of))
     if not every:
         return None
     text = (
-        "Every finding is computed from the results. It is shown only if it rests on at least "
-        f"{ENOUGH} questions, and if its 95 % interval leaves out that there is no difference."
+        "Every finding is computed from the results, and rests on at least "
+        f"{ENOUGH} questions. All intervals hold at once with 95 %, and each leaves out that there "
+        "is no difference."
     )
-    lead = (
-        f"Read {some(len(every), 'sentence')} to act on, what matters most first; each names the "
-        "section that shows its numbers."
-    )
+    lead = f"Read {some(len(every), 'sentence')} to act on, what matters most first."
     return Section("findings", "What the study found", text, (_table(every),), lead)
 
 
-_evidence = once(Evidence)  # its tables serve all findings
+def simultaneous(find: Callable[[int], list[Finding]]) -> list[Finding]:
+    """The findings whose intervals all hold at once with 95 %.
+
+    `find` takes the number that the intervals are corrected for: of those that are clear without.
+    """
+    return find(len(find(1)))
 
 
-def _of_suites(results: Results, find: Callable[[Evidence], Finding | None]) -> Iterator[Finding]:
-    """A finding of each experiment apart, which it names where there are several.
+def _found(results: Results, of: int) -> list[Finding]:
+    """The findings of each experiment apart, which they name where there are several.
 
     Not of frozen problems: a few of each size, which have a section of their own.
     """
     paths = results.attempts[~results.attempts["branch"].isin(BRANCHES_WITHOUT_PATH)]
     asked = set(paths["experiment"])
     names = dict.fromkeys(run.name for run in results.folders if run.name in asked)
+    suites: dict[str, Evidence] = {}
     for name in names:
         attempts = compared(results.only({name}))
-        finding = None if attempts is None else find(_evidence(attempts))
-        if finding is None:
-            continue
-        if len(names) > 1:
-            title = finding.shown_in.partition(":")[0]
-            sentence = f"{name}: {finding.sentence}"
-            finding = finding._replace(sentence=sentence, shown_in=f"{title}: {name}")
-        yield finding
+        if attempts is not None:
+            suites[name] = Evidence(attempts, max(of, 1))
+    every = []
+    for find in FINDINGS:
+        for name, evidence in suites.items():
+            finding = find(evidence)
+            if finding is not None:
+                several = f": {name}" if len(names) > 1 else ""
+                title = finding.shown_in.partition(":")[0]
+                every.append(finding._replace(shown_in=f"{title}{several}"))
+    return every
 
 
 def _table(findings: list[Finding]) -> Table:
     shown = (
         *columns(kind="prose", sentence="finding"),
-        *columns(kind="prose", question="asked of"),
+        *columns(kind="prose", question="from what"),
         *columns(kind="section", shown_in="shown in"),
     )
     caption = (
-        "Intervals: Wilson's for shares, bootstrap over scenarios for all others, over engines too "
-        "where none is named; of the most extreme of several, that of all at once. A ratio of "
-        "times is that of two medians over the questions that both methods answer; of routes it is "
-        "a geometric mean."
+        "Intervals: of shares Wilson's, of all others by bootstrap over scenarios, over engines "
+        "too where none is named. They are corrected for the number of sentences (Bonferroni). A "
+        "ratio of times divides medians over the questions that both answer, of routes geometric "
+        "means."
     )
     return Table("findings", caption, pd.DataFrame(findings), shown, stacked=True)
 

@@ -23,9 +23,10 @@ from dubins_study.report.topics.comparison import (
     mean_ranks,
     times,
 )
+from dubins_study.study.words import SAME_CODE
 
 # Fewer questions than this carry no finding: a bootstrap of so few scenarios is no guide.
-ENOUGH = 10
+ENOUGH = 20
 
 _MOST_FLOOR = 0.5  # of a time that is compared
 _THREE = digits(3)
@@ -57,10 +58,10 @@ class Estimate(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """A sentence that a practitioner can act on, with its number and interval in it.
+    """A sentence that a practitioner can act on, with one number and its interval in it.
 
-    `question` says what was asked, of how many questions and methods; `shown_in` names the section,
-    and the table or figure, that shows it.
+    `question` says what was asked, of how many questions and methods, and what else the rows say;
+    `shown_in` names the section, and the table or figure, that shows it.
     """
 
     sentence: str
@@ -88,10 +89,15 @@ Pair = tuple[str, str]
 
 
 class Evidence:
-    """Tables of the engines' attempts at questions with a path."""
+    """Tables of the engines' attempts at questions with a path.
 
-    def __init__(self, compared: Compared) -> None:
-        self.compared = compared
+    Args:
+        compared: the attempts.
+        of: of how many findings an estimate is one: their intervals all hold at once.
+    """
+
+    def __init__(self, compared: Compared, of: int = 1) -> None:
+        self.compared, self.of = compared, of
         rows = compared.rows.groupby("solver", observed=True)
         self.methods = compared.engines.join(rows[["guesses", "presolve", "knows"]].first())
 
@@ -162,27 +168,34 @@ class Evidence:
         known = values.dropna().to_frame("value")
         if len(known) < ENOUGH:
             return None
-        return estimate_of(self.compared.bootstrap(known, medians, "value"), len(known))
+        ends = self.compared.bootstrap(known, medians, "value", of=self.of)
+        return estimate_of(ends, len(known))
 
     def estimate_over_engines(self, table: pd.DataFrame, of: int = 1) -> Estimate | None:
         """The mean of a table, questions by solvers, with an interval over scenarios and engines.
 
-        If it is one of several, the interval is that of all at once. None if fewer than `ENOUGH`
-        questions have a value.
+        Engines that are one code are one unit. The interval holds the means without any one of
+        them. If the mean is one of several, the interval is that of all at once. None if fewer than
+        `ENOUGH` questions have a value.
         """
         known = table.dropna(how="all")
         if len(known) < ENOUGH:
             return None
-        engines = self.methods["engine"].reindex(table.columns).tolist()
-        frame = bootstrap_of_both(self.compared.by_scenario(known), engines, of)
-        return estimate_of(frame, len(known))
+        engines = self.methods["engine"].reindex(table.columns)
+        codes = engines.map(SAME_CODE).fillna(engines)
+        frame = bootstrap_of_both(self.compared.by_scenario(known), codes.tolist(), of * self.of)
+        whole = estimate_of(frame, len(known))
+        without = [known.loc[:, (codes != code).to_numpy()] for code in codes.unique()]
+        means = [np.nanmean(part) for part in without if part.notna().any(axis=None)]
+        low, high = min([whole.low, *means]), max([whole.high, *means])
+        return whole._replace(low=float(low), high=float(high))
 
     def share_of(self, rates: pd.Series[float]) -> Estimate | None:
         """The mean of rates, with Wilson's interval for as many trials as questions."""
         known = rates.dropna()
         if len(known) < ENOUGH:
             return None
-        return chosen_share(float(known.mean()), len(known), 1)
+        return chosen_share(float(known.mean()), len(known), self.of)
 
     def time_ratio(self, solver: str, base: str) -> Estimate | None:
         """Median time of a solver over that of another, where both are right.
@@ -195,7 +208,7 @@ class Evidence:
         both = self._both_right(solver, base)
         if len(both) < ENOUGH:
             return None
-        ratios = self.compared.bootstrap(both, medians, "value", base)
+        ratios = self.compared.bootstrap(both, medians, "value", base, of=self.of)
         return estimate_of(ratios.loc[[solver]], len(both))
 
     def medians_of(self, solver: str, base: str) -> str:

@@ -22,6 +22,7 @@ from dubins_study.study.arrays import FloatArray
 
 _LONG = 5  # legs from which engines are asked where they stop
 _SIZES = 4  # numbers of legs that an exponent is of, at least
+_AT_ENDS = 20  # routes of the least and of the largest number of legs, at least
 _BEND = 10  # legs; on shorter routes a call costs more than its legs, which bends the line
 _RESAMPLES, _SEED = 2000, 0
 # Rows of an engine that began before this time (UTC) say nothing of how its time grows: our adapter
@@ -82,28 +83,26 @@ def proof_of_routes(evidence: Evidence) -> Finding | None:
             continue
         # times are compared, and the ratio is had, by geometric means
         fastest = np.log(part[names]).mean().idxmin()
-        each = evidence.compared.bootstrap(part, geometric_means(0.0), "value", fastest)
+        means = geometric_means(0.0)
+        each = evidence.compared.bootstrap(part, means, "value", fastest, of=evidence.of)
         ratio = estimate_of(each.loc[[EXACT]], len(part))
         ratios.append(ratio)
         compared.append(
-            f"{ratio.text()} times the time of {short[fastest]} on {some(len(part), 'route')} with "
+            f"{ratio.text()} times as long as {short[fastest]} on {some(len(part), 'route')} with "
             f"{spacing}"
         )
     if not any(ratio.is_clear(1.0) for ratio in ratios):
         return None
-    rival = chosen_share(line["share"], int(line["trials"]), len(surest))
+    rival = chosen_share(line["share"], int(line["trials"]), len(surest) * evidence.of)
     most = own["legs"].max()
     longest = own.loc[own["legs"] == most, "wall_s"].median()
-    finds, proves = ("find", "prove") if len(names) > 1 else ("finds", "proves")
     return Finding(
-        "Ask for a proof of a route, not only of a leg: the search with a proof closes "
-        f"{proved.percent_text()} of the routes of 2 to {most} legs within its limit, those of "
-        f"{most} in {seconds(longest)}. Of the engines {_named(evidence, *names)} {finds} most, "
-        f"{rival.percent_text()}, and {proves} none; where all are right the search takes "
-        f"{' and '.join(compared)} (geometric means).",
-        ratios[0],
-        f"{some(proved.questions, 'route')}; {len(both)} that all of them answer, medians "
-        f"{', '.join(map(seconds, both.median()))}",
+        f"Use the search for a route: it proves {proved.percent_text()} of those of 2 to {most} "
+        "legs within its limit.",
+        proved,
+        f"{some(proved.questions, 'route')}; those of {most} legs take it {seconds(longest)}. Of "
+        f"engines without a proof {_named(evidence, *names)} find most, {rival.percent_text()}. "
+        f"Where all are right, the search takes {' and '.join(compared)}",
         TITLE,
     )
 
@@ -117,7 +116,8 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
         surest = _surest(evidence, of_label)
         if len(surest) and surest["trials"].iloc[0] >= ENOUGH:
             line = surest.iloc[0]
-            hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), len(surest))
+            several = len(surest) * evidence.of
+            hardest[str(label)] = chosen_share(line["share"], int(line["trials"]), several)
     if not hardest:
         return None
     label = min(hardest, key=hardest.__getitem__)
@@ -132,11 +132,11 @@ def where_engines_stop(evidence: Evidence) -> Finding | None:
     named = f", {_named(evidence, surest.index[0])}," if enough else ""
     routes = some(share.questions, "route")
     return Finding(
-        f"Do not trust any engine alone with routes of many {label}: of {legs} the surest{named} "
-        f"finds the shortest on {share.percent_text()} of {routes}; the search proves "
-        f"{proved.sum()} of {len(proved)}.",
+        f"Do not trust an engine alone with routes of many {label}: the best supported finds the "
+        f"shortest on {share.percent_text()}.",
         share,
-        f"{routes} of {legs}, the surest of {some(len(surest), 'method')}",
+        f"{routes} of {legs}; the best supported{named} of {some(len(surest), 'method')}; the "
+        f"search proves {proved.sum()} of {len(proved)}",
         TITLE,
     )
 
@@ -161,10 +161,15 @@ def growth(evidence: Evidence) -> Finding | None:
         done = mine["right"] & mine["claim"].ne("limit")
         share = done.groupby(mine["legs"]).mean()
         sizes = share.index[share > 0.5]
-        if len(sizes) >= _SIZES and sizes.max() == largest:
-            answered[solver] = mine[done & mine["legs"].isin(sizes)]
+        if len(sizes) < _SIZES or sizes.max() < largest:
+            continue
+        routes = mine[done & mine["legs"].isin(sizes)]
+        at_ends = routes.groupby("legs")["question"].nunique()[[sizes.min(), largest]]
+        if at_ends.min() >= _AT_ENDS:
+            answered[solver] = routes
+    several = len(answered) * evidence.of
     powers = {
-        solver: exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), len(answered))
+        solver: exponent(mine["legs"].to_numpy(float), mine["wall_s"].to_numpy(), several)
         for solver, mine in answered.items()
     }
     if len(powers) < 2:
@@ -186,18 +191,16 @@ def growth(evidence: Evidence) -> Finding | None:
         factor = slope._replace(value=2**slope.value, low=2**slope.low, high=2**slope.high)
         return factor.text(digits(2))
 
-    proof = ""
+    others = [f"{named(least)} by {doubled(least)}"]
     if EXACT in powers and EXACT not in (least, most):
-        proof = f", that of {named(EXACT)} by {doubled(EXACT)}"
-    asked = rows.loc[rows["legs"] == largest, "question"].nunique()
+        others.append(f"{named(EXACT)} by {doubled(EXACT)}")
     return Finding(
-        f"Plan for more legs: with {label}, from {rows['legs'].min()} to {largest} legs, twice as "
-        f"many legs multiply the time of {named(most)} by {doubled(most)}, that of {named(least)} "
-        f"by {doubled(least)}{proof}.",
+        f"Plan for more legs: twice as many multiply the time of {evidence.name(most)} by "
+        f"{doubled(most)}.",
         power,
-        f"{some(power.questions, 'route')} that the first one answers; "
-        f"{some(len(powers), 'method')} still right on most of the "
-        f"{some(asked, 'route')} of {largest} legs",
+        f"{some(power.questions, 'route')} with {label}, of {rows['legs'].min()} to {largest} "
+        f"legs, that {named(most)} answers; the steepest of {some(len(powers), 'method')} that are "
+        f"still right on most of the longest; {'; '.join(others)}",
         TITLE,
     )
 
