@@ -7,7 +7,7 @@ import pytest
 from dubins_study.report.paper.routes import LONGER, SHORTEST
 from dubins_study.report.topics.anytime import FLOOR, anytime
 from dubins_study.report.topics.audit_tables import printed_routes, printed_section
-from dubins_study.report.topics.routes import by_size, routes_section, with_legs
+from dubins_study.report.topics.routes import by_size, data_profiles, routes_section, with_legs
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -45,7 +45,7 @@ def test_numbers_by_hand(load_rows):
     results = load_rows("routes", rows())
     cells = by_size(with_legs(results.rows)).set_index(["solver", "label", "legs"])
     section = routes_section(results)
-    (picture,) = section.blocks
+    picture, _ = section.blocks
     three, one = cells.loc[("a", SHORT, 3)], cells.loc[("a", SHORT, 1)]
 
     assert (three["successes"], three["trials"], three["undecided"]) == (1, 2, 1)
@@ -136,3 +136,14 @@ def test_each_solver_and_number_of_legs_has_its_curve():
 
     ends = table.groupby(["legs", "solver"])["gap"].last()
     assert ends.to_dict() == pytest.approx({(1, "a"): 0.1, (2, "a"): FLOOR, (2, "b"): 0.5})
+
+
+def test_a_data_profile_counts_what_is_within_its_target_in_time(load_rows):
+    """Two routes of three to 1e-4, one of them late; of the longest path only to 1e-2."""
+    made = [row(0, "a", 2, gap=1e-9, wall_s=0.1), row(1, "a", 2, gap=5e-3, wall_s=0.2)]
+    made += [row(2, "a", 2, gap=1e-5, wall_s=0.3)]
+    panels = data_profiles(with_legs(load_rows("routes", made).rows))
+    ends = {title: round(float(table["a"].iloc[-1]), 6) for title, table in panels.items()}
+
+    assert ends == {"gap up to 1e-2": 1.0, "gap up to 1e-4": 0.666667, "gap up to 1e-8": 0.333333}
+    assert panels["gap up to 1e-2"]["a"][:0.15].iloc[-1] == pytest.approx(1 / 3)

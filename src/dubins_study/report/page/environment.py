@@ -43,9 +43,9 @@ EXPLORER_SCRIPTS = tuple(
 
 
 def breakable(text: str) -> Markup:
-    """A solver's name as HTML in which a line may break between settings."""
+    """A solver's name as HTML in which a line may break between settings, and before a value."""
     escaped = str(Markup.escape(text))
-    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>"))
+    return Markup(escaped.replace("[", "<wbr>[").replace(",", ",<wbr>").replace("=", "=<wbr>"))
 
 
 def choice(text: str, kind: str) -> Markup:

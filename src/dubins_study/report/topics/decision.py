@@ -26,6 +26,23 @@ _MOST_LINES = 12  # solvers beside a reader's own, up to which each has a line
 _SHARES = ("longer", "misses", "none", "late", "not asked")
 
 
+_NEAR = 0.1  # radii from a turning circle
+
+
+def suites(rows: pd.DataFrame) -> pd.Series[str]:
+    """The experiment of each row; one with targets near and far from a circle counts as two.
+
+    How many targets lie where the problem is hard was chosen, so that a share of all is none of the
+    engine's.
+    """
+    near = rows["margin"].abs() <= _NEAR * (1 + 1e-6)
+    where = near.map({True: ", near a circle", False: ", elsewhere"})
+    parts = rows["question"].groupby([rows["experiment"], near]).nunique().unstack(fill_value=0)
+    enough = rows["experiment"].map(parts.min(axis=1)) >= ENOUGH_TO_CHOOSE
+    several = rows["experiment"].map(parts.gt(0).sum(axis=1)) > 1
+    return rows["experiment"].astype(str).str.cat(where.where(enough & several, ""))
+
+
 def surest(rows: pd.DataFrame) -> pd.DataFrame:
     """Of each formulation, its guesses and each experiment, the method that is most surely right.
 
@@ -91,6 +108,7 @@ def decision_section(results: Results) -> Section | None:
     if attempts is None or attempts.answerable.empty:
         return Section("decision", TITLE, "", (), "Nothing can be compared here.")
     rows = attempts.answerable
+    rows = rows.assign(experiment=suites(rows))
     few = bool(rows.groupby("experiment")["question"].nunique().min() < ENOUGH_TO_CHOOSE)
     mine = rows["solver"].map(own_name).ne("")
     each = few or bool(mine.any() and len(attempts.methods) <= _MOST_LINES)
@@ -154,6 +172,8 @@ def _table(attempts: Compared, rows: pd.DataFrame, *, few: bool, each: bool) -> 
             f" Fewer than {ENOUGH_TO_CHOOSE} questions choose no engine: every method has a line."
         )
     caption += " None: no path in time. False claims: of attempts made."
+    if any("circle" in name for name in experiments):
+        caption += f" Near a circle: the target lies within {_NEAR:g} R of a turning circle."
     if stop:
         caption += (
             " Legs: up to which an engine is right on most routes of each size, by spacing, long "
@@ -192,6 +212,7 @@ def _line(methods: pd.DataFrame, end: Mapping[Any, float]) -> dict[str, Any]:
     }
     for method in methods.to_dict("records"):
         text = with_interval(share, method["share"], method["low"], method["high"])
+        text = text.replace(" to ", "\u00a0to\u00a0")  # an interval stays on one line
         line[f"suite_{method['place']}"] = text if mine else f"{method['solver']}\n{text}"
     return line
 

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import NullLocator
 
-from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, legs_of, own
+from dubins_study.report.data.attempts import EXACT, TRIAL, UNDECIDED, is_true, legs_of, own
 from dubins_study.report.data.results import Results
 from dubins_study.report.elements.content import (
     General,
@@ -29,7 +29,7 @@ from dubins_study.report.elements.content import (
 from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.identity import questions
 from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
-from dubins_study.report.elements.plots import HIGHEST, Mark
+from dubins_study.report.elements.plots import HIGHEST, Mark, share_curves
 from dubins_study.report.elements.style import (
     BLUE,
     HALF,
@@ -46,7 +46,7 @@ from dubins_study.report.elements.style import (
 )
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import best_methods, methods_of, stratum_order
-from dubins_study.report.statistics.metrics import success, upper_quantile
+from dubins_study.report.statistics.metrics import gaps, success, upper_quantile
 from dubins_study.report.topics.maps import draw_kinds
 from dubins_study.report.topics.paper_figures import plot_start_and_target
 from dubins_study.report.topics.summary import solver_summary
@@ -105,8 +105,55 @@ def routes_section(results: Results) -> Section | None:
         "Each row is a method. From left to right the routes get more legs; from panel to panel "
         "the legs get shorter."
     )
-    blocks = (_picture(cells, strata, results),)
+    timed = _timed(results)
+    blocks = (_picture(cells, strata, results, timed), _profiles(rows, results, timed))
     return Section("routes", TITLE, _text(rows), blocks, lead)
+
+
+# minus the powers of ten of the largest gaps that data profiles ask for
+TARGETS = (2, 4, 8)
+_TIMES = np.geomspace(1e-4, 1e2, 121)  # s, twenty to a decade
+
+
+def data_profiles(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """By target: shares of the questions reached within a time (s), the best solver first.
+
+    Reached: an answer in time whose proven gap is at most the target; what is undecided has an
+    upper bound as its gap. (Moré and Wild 2009, SIAM J. Optim. 20, with targets of the truth.)
+    """
+    in_time = rows["wall_s"].mask(is_true(rows["late"]))
+    panels = {}
+    for power in TARGETS:
+        reached = in_time.where(gaps(rows) <= 10.0**-power, np.inf)
+        groups = reached.groupby(rows["solver"], observed=True)
+        shares = {
+            str(name): np.searchsorted(np.sort(times), _TIMES, "right") / len(times)
+            for name, times in groups
+        }
+        best = sorted(shares, key=lambda name: -shares[name][-1])
+        panels[f"gap up to 1e-{power}"] = pd.DataFrame(shares, pd.Index(_TIMES, name="s"))[best]
+    return panels
+
+
+def _profiles(rows: pd.DataFrame, results: Results, timed: set[str]) -> Picture:
+    """Data profiles of the methods that have a curve of times."""
+    chosen = rows[rows["solver"].isin(timed)]
+    panels = data_profiles(chosen)
+    names = short_labels(methods_of(results.rows)) | {EXACT: "search with a proof"}
+    palette = palette_of(results, names)
+    return panels_picture(
+        "routes-profile",
+        "The share of routes that a method answers within a time, to three targets. Higher is more "
+        "often, further left faster. A route that nobody can prove counts once its interval is "
+        "narrow enough.",
+        share_curves,
+        "Share of routes against time, for three largest gaps",
+        panels,
+        {str(name): palette.label(str(name)) for name in chosen["solver"].unique()},
+        palette,
+        "time",
+        "share of routes",
+    )
 
 
 def _text(rows: pd.DataFrame) -> str:
@@ -132,12 +179,21 @@ def _text(rows: pd.DataFrame) -> str:
     )
 
 
-def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
-    """A map of success and gap for each stratum, and below it the times of some methods."""
+def _engines(results: Results) -> pd.DataFrame:
     summary = solver_summary(results.attempts)
-    summary = summary[summary["solver"] != EXACT]
-    timed = {*own(summary["solver"]), EXACT, *best_methods(summary, ["formulation"])["solver"]}
+    return summary[summary["solver"] != EXACT]
+
+
+def _timed(results: Results) -> set[str]:
+    """The methods whose times are drawn: plug-ins', the search and the best of each formulation."""
+    engines = _engines(results)
+    return {*own(engines["solver"]), EXACT, *best_methods(engines, ["formulation"])["solver"]}
+
+
+def _picture(cells: pd.DataFrame, strata: list[str], results: Results, timed: set[str]) -> Picture:
+    """A map of success and gap for each stratum, and below it the times of some methods."""
     if cells["solver"].nunique() > _LINES:
+        summary = _engines(results)
         known = results.rows.groupby("solver", observed=True)["guesses"].first()
         kinds = summary.assign(guesses=summary["solver"].map(known).fillna(""))
         kept = {*timed, *best_methods(kinds, ["formulation", "guesses"])["solver"]}
