@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 # one worker a core where no time is quoted
 JOBS := $(shell nproc 2> /dev/null || echo 2)
-STUDIES := paper radius-sweep-full random plane basins bias convergence ladder routes kaya convex anytime
+STUDIES := paper radius-sweep-full random plane basins bias convergence ladder routes kaya convex
 
 .DEFAULT_GOAL := help
 .PHONY: help study studies benchmark test test-all adversary rooms check docs bench lock clean

@@ -1,13 +1,13 @@
-"""The sections on routes: numbers by hand, what is undecided, published lengths, anytime curves."""
+"""The sections on routes: numbers by hand, what is undecided, published lengths, searches."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from dubins_study.report.paper.routes import LONGER, SHORTEST
-from dubins_study.report.topics.anytime import FLOOR, anytime
 from dubins_study.report.topics.audit_tables import printed_routes, printed_section
 from dubins_study.report.topics.routes import by_size, data_profiles, routes_section, with_legs
+from dubins_study.report.topics.searches import reached, runtimes
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -105,37 +105,34 @@ def traced(evaluations, lengths, solver="a"):
         "closed": None,
         "verdict": "longer",
         "presolved": False,
+        "answerable": True,
         "late": False,
     }
     known = {"reference_low": 10.0, "radius": 1.0, "solver": solver}
     return {**via, **known, "trace_evaluations": evaluations, "trace_lengths": lengths}
 
 
-def test_curves_are_medians_of_the_best_path_so_far():
-    """By hand: three attempts, of which one never has a path, at 1, 10 and 100 evaluations."""
-    rows = pd.DataFrame(
-        [traced([1.0, 10.0], [12.0, 11.0]), traced([5.0, 100.0], [14.0, 10.0]), traced(None, None)]
-    )
+def test_a_target_is_reached_by_the_first_path_within_it():
+    """By hand: gaps of 0.2 and 0.05 after 1 and 10 evaluations; without a trace, at its end."""
+    first = reached(traced([1.0, 10.0], [12.0, 10.5]) | {"evaluations": 99.0, "end_gap": 1.0})
+    last = reached(traced(None, None) | {"evaluations": 50.0, "end_gap": 1e-3})
 
-    curve = anytime(rows).set_index("evaluations")["gap"]
-
-    assert curve.index.min() == 1
-    assert curve.index.max() == pytest.approx(100)
-    assert np.isinf(curve[curve.index < 4.9]).all()  # most have no path yet
-    assert curve[(curve.index > 5) & (curve.index < 9.9)].unique() == pytest.approx([0.4])
-    assert curve[(curve.index > 10.1) & (curve.index < 99)].unique() == pytest.approx([0.4])
-    assert curve.iloc[-1] == pytest.approx(0.1)
+    assert first.tolist() == [10.0] + [np.inf] * 7
+    assert last.tolist() == [50.0] * 3 + [np.inf] * 5
 
 
-def test_each_solver_and_number_of_legs_has_its_curve():
-    """A gap of rounding is drawn at the floor."""
-    rows = pd.DataFrame([traced([1.0], [10.0]), traced([20.0], [15.0], "b")])
-    one_leg = pd.DataFrame([traced([2.0], [11.0])]).assign(via_x=None, via_y=None)
+def test_curves_count_targets_of_all_attempts():
+    """One attempt of two reaches all targets at 20 evaluations; the routes have their own panel."""
+    made = [traced([20.0], [10.0]), traced([5.0], [15.0])]
+    rows = pd.DataFrame(made).assign(evaluations=100.0, gap=[0.0, 0.5])
+    one_leg = pd.DataFrame([traced(None, None)]).assign(via_x=None, evaluations=9.0, gap=1e-4)
 
-    table = anytime(pd.concat([rows, one_leg]))
+    panels = runtimes(pd.concat([rows, one_leg]))
 
-    ends = table.groupby(["legs", "solver"])["gap"].last()
-    assert ends.to_dict() == pytest.approx({(1, "a"): 0.1, (2, "a"): FLOOR, (2, "b"): 0.5})
+    assert list(panels) == ["1 leg", "2 legs"]
+    assert panels["2 legs"]["a"].loc[:19.0].max() == 0
+    assert panels["2 legs"]["a"].iloc[-1] == 0.5
+    assert panels["1 leg"]["a"].iloc[-1] == 0.5  # four of eight targets
 
 
 def test_a_data_profile_counts_what_is_within_its_target_in_time(load_rows):

@@ -36,7 +36,7 @@ _MODULES = (
     # studies of one thing each
     "topics.radius",
     "topics.convergence",
-    "topics.anytime",
+    "topics.searches",
     "topics.plane",
     "topics.basins",
     "topics.bias",

@@ -1,0 +1,95 @@
+"""Searches at equal evaluations: how many targets they reach, against what they evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.content import Section, Topic, panels_picture
+from dubins_study.report.elements.formats import count, sentences, some
+from dubins_study.report.elements.looks import Palette, labels_of
+from dubins_study.report.elements.plots import share_curves
+from dubins_study.report.statistics.metrics import gaps
+from dubins_study.report.topics.routes import with_legs
+from dubins_study.study.arrays import FloatArray
+
+TARGETS = 10.0 ** -np.arange(1, 9)  # gaps
+_A_DECADE = 8  # points of a curve
+
+
+def reached(row: dict[Hashable, Any]) -> FloatArray:
+    """The evaluations after which an attempt's best path is within each target; else infinite.
+
+    Of an attempt without a trace the evaluations of all of it, with the gap at its end.
+    """
+    if np.ndim(row["trace_evaluations"]) and len(row["trace_evaluations"]):
+        spent = np.asarray(row["trace_evaluations"], np.float64)
+        low, radius = float(row["reference_low"]), float(row["radius"])
+        off = (np.asarray(row["trace_lengths"], np.float64) - low) / max(low, radius)
+    else:
+        spent = np.array([row["evaluations"]], np.float64)
+        off = np.array([row["end_gap"]], np.float64)
+    within = off[:, None] <= TARGETS
+    return np.where(within.any(axis=0), spent[within.argmax(axis=0)], np.inf)
+
+
+def runtimes(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """By number of legs: shares of all targets, attempts and questions reached, by evaluations.
+
+    Indexed by evaluations, a column per solver, the best first: empirical runtime distributions
+    (Hansen, Auger, Ros, Mersmann, Tusar and Brockhoff 2021, Optim. Methods Softw. 36).
+    """
+    rows = with_legs(rows).assign(end_gap=gaps(rows))
+    most = max(10.0, float(rows["evaluations"].max()))
+    budgets = np.geomspace(1.0, most, 1 + round(_A_DECADE * np.log10(most)))
+    ends = budgets * (1 + 1e-12)
+    panels = {}
+    for legs, group in rows.groupby(rows["legs"].astype(int)):
+        shares = {}
+        for solver, attempts in group.groupby("solver", observed=True):
+            spent = np.sort([reached(row) for row in attempts.to_dict("records")], axis=None)
+            shares[str(solver)] = np.searchsorted(spent, ends, "right") / spent.size
+        best = sorted(shares, key=lambda name: -shares[name][-1])
+        table = pd.DataFrame(shares, pd.Index(budgets, name="evaluations"))
+        panels[some(int(str(legs)), "leg")] = table[best]
+    return panels
+
+
+def searches_section(results: Results) -> Section | None:
+    """The curves, a panel for each number of legs."""
+    rows = results.rows[results.rows["evaluations"].notna()]
+    if rows.empty:
+        return None
+    palette, labels = Palette.of_page(results), labels_of(results)
+    seeds = int(rows["repeat"].nunique())
+    questions = rows["scenario_id"].nunique()
+    caption = (
+        f"Share of {count(len(TARGETS))} targets (gaps of 1e-1 to 1e-8) over {count(questions)} "
+        f"questions and {count(seeds)} seeds that are reached within so many evaluations. Higher "
+        "is better. A flat line has come to rest, most often in another basin."
+    )
+    picture = panels_picture(
+        "searches",
+        caption,
+        share_curves,
+        "Rising curves of the share of targets reached against evaluations",
+        runtimes(rows),
+        {str(solver): labels[str(solver)] for solver in rows["solver"].unique()},
+        palette,
+        "evaluations",
+        "share of targets",
+    )
+    text = sentences(
+        "Of several legs each engine varies the headings at the points, so that all it evaluates "
+        "is a path that arrives, and its best path so far counts.",
+        "Of one leg it minimises the length and a penalty of the miss, and only its end counts.",
+    )
+    lead = "Read up from a budget of evaluations: which engine reaches most by then?"
+    return Section("searches", "Searches at equal evaluations", text, (picture,), lead)
+
+
+TOPIC = Topic("searches at equal evaluations", searches_section, "searches")
