@@ -1,15 +1,13 @@
-"""Convex problems as texts that other programs read: QPS (a QP) and CBF (a QP, or with cones).
+"""Convex problems as texts that other programs read: QPS (a QP) and CBF (with cones or without).
 
 Each finite end of a row is a row of its own, so that numbers stay as they are: none is a difference
-of two. Numbers are written with 17 digits. In CBF the diagonal of the quadratic term is rounded: it
-becomes a cone, with its square roots.
+of two. Only in CBF the diagonal of the quadratic term is rounded, since it becomes a cone with its
+square roots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array, vstack
@@ -17,24 +15,19 @@ from scipy.sparse import coo_array, csr_array, eye_array, vstack
 from dubins_study.study.arrays import FloatArray
 from dubins_study.study.convex.problem import Problem, ProblemError
 
-
-class Rows(NamedTuple):
-    """Rows A x = b, A x <= b or A x >= b, by the kind."""
-
-    kind: str  # E, L or G, as in QPS
-    A: csr_array
-    b: FloatArray
+# rows of one kind: = b, <= b or >= b
+_Part = tuple[str, csr_array, FloatArray]
 
 
-def one_sided(problem: Problem) -> tuple[Rows, Rows, Rows]:
-    """The rows of a problem, each with one end."""
-    upper = ~problem.equal & np.isfinite(problem.u)
-    lower = ~problem.equal & np.isfinite(problem.l)
-    return (
-        Rows("E", problem.A[problem.equal], problem.u[problem.equal]),
-        Rows("L", problem.A[upper], problem.u[upper]),
-        Rows("G", problem.A[lower], problem.l[lower]),
-    )
+def _one_sided(problem: Problem) -> list[_Part]:
+    """The rows of a problem by their kinds as in QPS, each with one end."""
+    ends = {"E": problem.u, "L": problem.u, "G": problem.l}
+    chosen = {"E": problem.equal, "L": ~problem.equal, "G": ~problem.equal}
+    parts = []
+    for kind, values in ends.items():
+        rows = chosen[kind] & np.isfinite(values)
+        parts.append((kind, problem.A[rows], values[rows]))
+    return parts
 
 
 def qps_text(problem: Problem, name: str) -> str:
@@ -45,23 +38,24 @@ def qps_text(problem: Problem, name: str) -> str:
     """
     if problem.cones.size:
         raise ProblemError(f"{name} has cones, which QPS cannot say; expected a QP, or write CBF")
-    rows = one_sided(problem)
-    kinds = "".join(part.kind * part.b.size for part in rows)
-    A = vstack([part.A for part in rows]).tocsc()
-    b = np.concatenate([part.b for part in rows])
+    kinds, rows, ends = zip(*_one_sided(problem), strict=True)
+    A = coo_array(vstack(rows).tocsc())  # column by column
+    b = np.concatenate(ends)
     lines = [f"NAME {name}", "ROWS", " N cost"]
-    lines += [f" {kind} r{row}" for row, kind in enumerate(kinds)]
+    each = "".join(kind * values.size for kind, values in zip(kinds, ends, strict=True))
+    lines += [f" {kind} r{row}" for row, kind in enumerate(each)]
     lines.append("COLUMNS")
-    for column, cost in enumerate(problem.q.tolist()):
-        lines.append(f" x{column} cost {cost!r}")
-        places = slice(*A.indptr[column : column + 2].tolist())
-        entries = zip(A.indices[places].tolist(), A.data[places].tolist(), strict=True)
-        lines += [f" x{column} r{row} {value!r}" for row, value in entries]
+    entries = [(column, "cost", value) for column, value in enumerate(problem.q.tolist())]
+    entries += [(column, f"r{row}", value) for row, column, value in _numbered(A)]
+    entries.sort(key=lambda entry: entry[0])  # a column's entries stand together
+    lines += [f" x{column} {row} {value!r}" for column, row, value in entries]
     lines.append("RHS")
     lines += [f" rhs r{row} {value!r}" for row, value in enumerate(b.tolist())]
     lines.append("BOUNDS")
-    for column, (low, high) in enumerate(_pairs(problem.lb, problem.ub)):
-        lines += [f" LO bnd x{column} {low!r}", f" UP bnd x{column} {high!r}"]
+    for bound, values in (("LO", problem.lb), ("UP", problem.ub)):
+        lines += [
+            f" {bound} box x{column} {value!r}" for column, value in enumerate(values.tolist())
+        ]
     lines.append("QUADOBJ")
     lines += [f" x{i} x{i} {value!r}" for i, value in enumerate(problem.p.tolist()) if value]
     return "\n".join([*lines, "ENDATA", ""])
@@ -70,53 +64,52 @@ def qps_text(problem: Problem, name: str) -> str:
 def cbf_text(problem: Problem) -> str:
     """The text of a CBF file (Conic Benchmark Format, version 3).
 
-    Where there is a quadratic term, a last variable v with 2 v >= sum p_i x_i^2 stands for it.
+    A last variable v with 2 v >= sum p_i x_i^2 stands for the quadratic term, if there is one.
     """
     n = problem.q.size
-    bent = np.flatnonzero(problem.p)
     unit = eye_array(n, format="csr")
-    equal, upper, lower = one_sided(problem)
-    parts = [
-        ("L=", equal.A, -equal.b),
-        ("L-", vstack([upper.A, unit]), -np.concatenate((upper.b, problem.ub))),
-        ("L+", vstack([lower.A, unit]), -np.concatenate((lower.b, problem.lb))),
-    ]
-    ends = np.cumsum(problem.cones)
-    for end, size in zip(ends.tolist(), problem.cones.tolist(), strict=True):
-        parts.append(("Q", problem.C[end - size : end], problem.d[end - size : end]))
+    bounds = [("L", unit, problem.ub), ("G", unit, problem.lb)]
+    names = {"E": "L=", "L": "L-", "G": "L+"}
+    parts = [(names[kind], A, -b) for kind, A, b in (*_one_sided(problem), *bounds)]
+    for end, size in zip(np.cumsum(problem.cones), problem.cones, strict=True):
+        cone = slice(end - size, end)
+        parts.append(("Q", problem.C[cone], problem.d[cone]))
     cost = problem.q
-    if bent.size:
+    bent = np.flatnonzero(problem.p)
+    if bent.size:  # v, 1, and the roots in the cone 2 a b >= |c|^2
+        places = np.append(0, 2 + np.arange(bent.size)), np.append(n, bent)
+        values = np.append(1.0, np.sqrt(problem.p[bent]))
+        cone = csr_array((values, places), shape=(2 + bent.size, n + 1))
+        parts = [(name, _wider(A), b) for name, A, b in parts]
+        parts.append(("QR", cone, np.eye(1, 2 + bent.size, 1)[0]))
         cost = np.append(cost, 1.0)
-        roots = coo_array(
-            (np.sqrt(problem.p[bent]), (2 + np.arange(bent.size), bent)), (2 + bent.size, n)
-        )
-        parts.append(("QR", roots, np.eye(1, 2 + bent.size, 1)[0]))
     parts = [part for part in parts if part[2].size]
-    A = coo_array(vstack([rows for _, rows, _ in parts]))
-    entries = [*_pairs(A.row, A.col, A.data)]
-    if bent.size:
-        entries.append((A.shape[0] - 2 - bent.size, n, 1.0))
     b = np.concatenate([ends for _, _, ends in parts])
-    lines = ["VER", "3", "", "OBJSENSE", "MIN", ""]
-    lines += ["VAR", f"{cost.size} 1", f"F {cost.size}", ""]
-    lines += ["CON", f"{b.size} {len(parts)}"]
-    lines += [f"{cone} {ends.size}" for cone, _, ends in parts]
-    lines += _coordinates("OBJACOORD", _some(cost))
-    lines += _coordinates("ACOORD", entries)
-    lines += _coordinates("BCOORD", _some(b))
-    return "\n".join([*lines, ""])
+    sections = {
+        "VER": ["3"],
+        "OBJSENSE": ["MIN"],
+        "VAR": [f"{cost.size} 1", f"F {cost.size}"],
+        "CON": [f"{b.size} {len(parts)}", *(f"{name} {ends.size}" for name, _, ends in parts)],
+        "OBJACOORD": _coordinates(coo_array(cost)),
+        "ACOORD": _coordinates(coo_array(vstack([rows for _, rows, _ in parts]))),
+        "BCOORD": _coordinates(coo_array(b)),
+    }
+    return "\n".join("\n".join([name, *lines, ""]) for name, lines in sections.items())
 
 
-def _pairs(*arrays: Any) -> Iterator[tuple[Any, ...]]:
-    return zip(*(array.tolist() for array in arrays), strict=True)
+def _wider(matrix: csr_array) -> csr_array:
+    """The matrix with a column of zeros more."""
+    rows, columns = matrix.shape
+    parts = matrix.data, matrix.indices, matrix.indptr
+    return csr_array(parts, shape=(rows, columns + 1))
 
 
-def _some(values: FloatArray) -> list[tuple[Any, ...]]:
-    places = np.flatnonzero(values)
-    return list(_pairs(places, values[places]))
+def _numbered(entries: Any) -> list[tuple[Any, ...]]:
+    """Places and value of each entry of a sparse array."""
+    parts = [*entries.coords, entries.data]
+    return list(zip(*(part.tolist() for part in parts), strict=True))
 
 
-def _coordinates(section: str, entries: list[tuple[Any, ...]]) -> Iterable[str]:
-    """A section with a line an entry: its places, and its value."""
-    lines = (" ".join(map(repr, entry)) for entry in entries)
-    return chain(("", section, str(len(entries))), lines)
+def _coordinates(entries: Any) -> list[str]:
+    """A line for the number of entries, then one for each."""
+    return [str(entries.nnz), *(" ".join(map(repr, entry)) for entry in _numbered(entries))]
