@@ -118,7 +118,7 @@ def frozen_rows():
     ]
 
 
-FALSE = {"dual_residual": 1e-3, "false_claim": True}
+FALSE = {"dual_residual": 1e-3, "false_claim": True, "claim": "optimal"}
 
 
 def test_convex_problems_by_hand(load_rows):
