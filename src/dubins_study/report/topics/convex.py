@@ -146,9 +146,11 @@ def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
     """Performance profiles of QPs and of programs with cones, at each tolerance."""
     timed = rows[rows["wall_s"].notna()]
     kinds = timed["family"].eq(FAMILIES["qp"]).map({True: "QP", False: "with cones"})
+    panels = kinds + ", " + timed["tolerance"].map(power)
+    order = pd.DataFrame({"kind": kinds, "tolerance": timed["tolerance"], "title": panels})
+    order = order.drop_duplicates().sort_values(["kind", "tolerance"], ascending=[True, False])
     profiles = {
-        f"{kind}, {power(-tolerance)}": performance_profile(time_table(part))
-        for (kind, tolerance), part in timed.groupby([kinds, -timed["tolerance"]])
+        title: performance_profile(time_table(timed[panels == title])) for title in order["title"]
     }
     engines = dict(zip(timed["name"], timed["engine"], strict=True))
     palette = Palette(Palette.of(results.rows["engine"].unique()).hues, engines)
@@ -174,7 +176,7 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
     )
     values = {"at": "at", "right_share": "right", "mean_s": "mean_s"}
     by_tolerance = cells.pivot(index=["family", "name"], columns="tolerance", values=[*values])
-    by_tolerance.columns = [f"{values[key]}_{t:g}" for key, t in by_tolerance.columns]
+    by_tolerance.columns = by_tolerance.columns.map(lambda key: f"{values[key[0]]}_{key[1]:g}")
     frame = frame.join(by_tolerance).reset_index()
     frame = frame.sort_values(["family", "low"], ascending=[True, False], ignore_index=True)
     tolerances = sorted(methods["tolerance"].unique(), reverse=True)

@@ -142,7 +142,9 @@ def read(name: str) -> Problem:
     """
     if name not in listed():
         near = did_you_mean(name, listed())
-        raise ProblemError(f"no convex problem named {name!r}; {near}expected one of problems/")
+        raise ProblemError(
+            f"no convex problem named {name!r}; {near}expected one such as qp-50-random-6-0"
+        )
     content = _FOLDER.joinpath(f"{name}.npz").read_bytes()
     if hashlib.sha256(content).hexdigest() != listed()[name]["sha256"]:
         raise ProblemError(f"{name}.npz was changed: its SHA-256 is not that of {__package__}")
