@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.freeze_convex import best_drive, chosen, fastest
+from cases import FROZEN_ROUTE
 from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.convex.adapters import ENGINES, Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES, Convex
@@ -14,6 +15,7 @@ from dubins_study.solvers.protocol import Question
 from dubins_study.solvers.setting_checks import missing_package
 from dubins_study.study.convex.problem import matching, read
 from dubins_study.study.convex.proof import reference, residuals, upper_bound
+from dubins_study.study.kinds.frozen import FROZEN_PROBLEM
 from dubins_study.study.path import Path
 from dubins_study.study.scenario import Pose
 from dubins_study.study.words import FROZEN, Claim, Outcome, Verdict
@@ -57,6 +59,13 @@ def test_tuned_options_are_those_that_the_makers_advise(engine, least):
     assert reply.claim is Claim.OPTIMAL
     assert max(residuals(read(QP), reply.point)) <= least
     assert "expected one of: osqp, proxqp" in Convex(engine="piqp", options="tuned").unavailable()
+
+
+def test_the_questions_of_the_kit_are_packaged_problems():
+    """Each example is the route of the problem that its name tells."""
+    for name, scenario in FROZEN_PROBLEM.examples.items():
+        assert route(name) == replace(scenario, label=name)
+    assert route(FROZEN_ROUTE.label) == FROZEN_ROUTE
 
 
 def test_an_attempt_is_judged_by_the_proof():

@@ -24,8 +24,8 @@ FROZEN_PROBLEM = Pathless(
     fields={"order": False, "closed": False},
     branches=(FROZEN,),
     examples={
-        "qp-50-survey-3-3": Scenario(target_x=2, target_y=2.5, via=[(2, 0), (14, 0)]),
-        "tube-50-survey-3-3": Scenario(target_x=2, target_y=2.5, via=[(2, 0), (14, 0)]),
+        "qp-50-survey-3-3": Scenario(target_x=14, target_y=2.5, via=[(2, 0), (14, 0)]),
+        "qp-50-survey-4-1": Scenario(target_x=2, target_y=2.5, via=[(2, 0), (14, 0), (14, 2.5)]),
     },
     judge=_judge,
 )
