@@ -5,9 +5,9 @@ from itertools import product
 
 import numpy as np
 import pytest
+from cases import FROZEN_ROUTE
 
 from benchmarks.freeze_convex import best_drive, chosen, fastest
-from cases import FROZEN_ROUTE
 from dubins_study.asking.attempt import attempt
 from dubins_study.solvers.convex.adapters import ENGINES, Ask, prepare
 from dubins_study.solvers.convex.solver import INTERFACES, Convex
