@@ -188,9 +188,9 @@ def _engines(methods: pd.DataFrame, shift: float) -> Table:
     )
     caption = (
         "Share of problems solved right, its 95 % interval (Wilson), and the mean time: shifted "
-        f"geometric, shift {seconds(shift)} (the lower quartile of all times), failures at the "
-        "limit, and problems not asked. *: the floor, the time of a problem of one variable, is "
-        "more than half of it."
+        f"geometric, shift {seconds(shift)} (the lower quartile of all times); failures, and "
+        "problems not asked, count as the limit. *: the floor, the time of a problem of one "
+        "variable, is more than half of it."
     )
     numbers = tuple(f"{name}_{t:g}" for t in tolerances for name in ("right", "mean_s"))
     flags = marks(frame, "false_claim")
