@@ -1,179 +1,299 @@
-"""Make the frozen problems: what successive convexification of a route's turn rates meets.
+"""Make the frozen problems: those of `turn-rate-qp` along 50 routes, and two families.
 
-The route is driven in n steps of constant turn rate, the same number on each leg. Unknowns are the
-changes z of the headings at the ends of the steps, and the relative changes t of the legs' lengths:
+Three families, each of three sizes; docs/convex.md has the mathematics:
 
-    minimise    sum_j t_j T_j / T + 1/2 sum_k c_k z_k^2 + penalty * miss
-    subject to  |(z_k - z_{k-1}) / h_k + turn_k / h_k| <= 1 + t_j    the turn rates, exact
-                |z_k| <= reach,  |t_j| <= stretch                    the trust region
+    qp    a QP of a sequence: each leg ends in a box around its point
+    tube  the same step with Euclidean radii: legs end in discs, and so do their quarters
+    time  the fastest drive along the path of a sequence (Verscheure et al. 2009, "Time-optimal path
+          tracking for robots: a convex optimization approach", IEEE Trans. Autom. Control 54)
 
-where leg j ends at its point but for the linearised miss, counted in units of T: its coordinates'
-sum by a pair of slacks each (QP), or its Euclidean length (SOCP, whose trust region is a ball for
-each leg). `python -m benchmarks.freeze_convex` writes the files anew.
+No problem has a penalty. Every row counts in units of its own limit: turn rates in 1 / radius,
+positions in the mean leg's length, the cost in the path's length.
+`python -m benchmarks.freeze_convex` writes the files anew.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
-from scipy.sparse import block_diag, bmat, csr_array, diags_array, eye_array, hstack, vstack
+from scipy.optimize import linprog
+from scipy.sparse import block_array, csr_array, diags_array, eye_array, kron, vstack
 
-from dubins_study.solvers.arcs import Elements, rollout
+from dubins_study.solvers.arcs import Rollout
 from dubins_study.solvers.convex.adapters import Ask, prepare
+from dubins_study.solvers.optimal_control.turn_rate_qp import Sequence as QpSequence
+from dubins_study.solvers.optimal_control.turn_rate_qp import TurnRateQp
+from dubins_study.solvers.optimal_control.turn_rate_template import Numbers, QpTemplate
+from dubins_study.solvers.protocol import Question
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.convex import digests, problem
-from dubins_study.study.convex.problem import CSR, MATRICES, Point, Problem
+from dubins_study.study.convex import problem
+from dubins_study.study.convex.problem import CSR, MATRICES, Point, Problem, ProblemError
 from dubins_study.study.convex.proof import lower_bound, upper_bound
+from dubins_study.study.path import Path
+from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 
-SIZES = (50, 500, 5000)
-_MARGIN, _CONE_MARGIN = 1e-3, 1e-6  # by which rows and cones hold at the interior
-_PENALTY = 10.0  # of a sequence as long as it makes progress
-
-
-class Case(NamedTuple):
-    """A route in units of the radius, from (0, 0, 0), and where in its sequence it is frozen."""
-
-    points: tuple[tuple[float, float], ...]
-    steps: int  # QPs that are solved before
-    penalty: float
-    ease: float  # the share of the curvature that is kept
-    reach: float  # rad, of the trust region
-    ball: float  # root mean square of a leg's changes in its ball, as a share of the reach
-
-
-# The first problem of a route with long legs; and one near the end of a sequence on short legs,
-# with the largest penalty and the least curvature that `turn-rate-qp` uses.
-CASES = {
-    "well": Case(((6, 3), (9, -4), (15, -2), (18, 5), (25, 6)), 0, _PENALTY, 1.0, 1.0, 0.2),
-    "bad": Case(((2, 1), (3.5, 2.5), (5.5, 2), (7, 0.5), (9, 1)), 3, 1e4, 1e-3, 0.1, 0.5),
+LEGS = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 20)
+# size -> problems of each family
+WANTED = {
+    50: {"qp": 24, "tube": 8, "time": 8},
+    500: {"qp": 24, "tube": 8, "time": 8},
+    5000: {"qp": 12, "tube": 4, "time": 4},
 }
+_LEAST_STEPS, _MOST_STEPS = 5, 2000  # of a leg
+_BEGINNINGS, _EVERY = 6, 12  # sequences are entered at one of six QPs, then at every twelfth
+_MARGINS = (1e-5, 1e-6, 1e-7)  # by which all holds at the interior, the first that can be
+_PART = 0.8  # of the trust region, which the nearest step may use (Nocedal and Wright, sec. 18.5)
+_EASE = 1.25  # boxes and discs are a quarter larger than the nearest step needs
+_LEAST_WIDTH = 1e-3  # mean legs
+_TOP = 9.0  # largest squared speed; 1 where the path turns by the radius
+_FASTER, _SLOWER = 0.5, 1.0  # accelerations; 1 is the largest to the side
+_BEGIN = 0.01  # squared speed at both ends
+
+Points = list[tuple[float, float]]
 
 
-class Iterate(NamedTuple):
-    """Headings at the ends of the steps (n,), rad; lengths of the legs (m,), radii."""
-
-    heading: FloatArray
-    length: FloatArray
-
-
-class Linear(NamedTuple):
-    """A linearised route: gradients (2m, n) and (2m, m), what is missing (2m,), chords (2, n)."""
-
-    by_heading: csr_array
-    by_length: csr_array
-    missing: FloatArray
-    chords: FloatArray
-
-
-def first_iterate(case: Case, n: int) -> Iterate:
-    """Turn towards the next point as far as its bearing, then straight as far as it is away."""
-    heading, headings, lengths = 0.0, [], []
-    here = np.zeros(2)
-    for point in case.points:
-        away = np.array(point) - here
-        turn = math.remainder(math.atan2(away[1], away[0]) - heading, 2 * math.pi)
-        length = math.hypot(*away) + abs(turn)
-        driven = length * np.arange(1, n // len(case.points) + 1) / (n // len(case.points))
-        headings.append(heading + math.copysign(1, turn) * np.minimum(driven, abs(turn)))
-        lengths.append(length)
-        heading, here = heading + turn, np.array(point)
-    return Iterate(np.concatenate(headings), np.array(lengths))
+def routes() -> dict[str, Scenario]:
+    """50 routes from (0, 0, 0), by name: their layout and number of legs; lengths in radii."""
+    named = {}
+    for legs in LEGS:
+        random = np.random.default_rng([2026, legs])
+        named[f"random-{legs}"] = _random(random, legs)
+        named[f"tour-{legs}"] = _nearest_first(4 * math.sqrt(legs) * random.random((legs, 2)))
+        centres = 12 * math.sqrt(legs) * random.random(((legs + 3) // 4, 2))
+        points = centres[np.arange(legs) % len(centres)] + random.normal(size=(legs, 2))
+        named[f"cluster-{legs}"] = _nearest_first(points)
+        named[f"survey-{legs}"] = _rows(legs)
+    del named["tour-1"], named["cluster-1"]  # one point is as random as another
+    return {name: _scenario(points) for name, points in named.items()}
 
 
-def linearised(case: Case, now: Iterate) -> Linear:
-    """The legs' end points by the headings and the legs' lengths."""
-    n, legs = now.heading.size, len(case.points)
-    each = n // legs
-    turns = np.diff(now.heading, prepend=0.0)
-    rolled = rollout(Elements(turns, np.repeat(now.length / each, each)))
-    ends = rolled.chords.reshape(2, legs, each).sum(axis=2).T
-    # a chord depends on the headings at its step's end and at the end of the step before
-    steps = np.arange(n)
-    row = 2 * (steps // each) + np.arange(2)[:, None]
-    values = np.hstack((rolled.by_after, rolled.by_before[:, 1:])).ravel()
-    rows = np.hstack((row, row[:, 1:])).ravel()
-    columns = np.tile(np.concatenate((steps, steps[:-1])), 2)
-    return Linear(
-        csr_array((values, (rows, columns)), shape=(2 * legs, n)),
-        csr_array(block_diag(ends[:, :, None])),
-        (np.diff(case.points, axis=0, prepend=[[0.0, 0.0]]) - ends).ravel(),
-        rolled.chords,
-    )
+def _random(random: np.random.Generator, legs: int) -> Points:
+    lengths = random.uniform(2, 8, legs)
+    bearings = random.uniform(-math.pi, math.pi, legs)
+    steps = lengths[:, None] * np.column_stack((np.cos(bearings), np.sin(bearings)))
+    return list(map(tuple, np.cumsum(steps, axis=0).tolist()))
 
 
-def subproblem(case: Case, now: Iterate, pulls: FloatArray, cone: bool) -> Problem:
-    """The QP or SOCP at an iterate, without a witness; `pulls` (m, 2) are the ends' multipliers."""
-    linear, reach = linearised(case, now), case.reach
-    n, legs = now.heading.size, now.length.size
-    each, total = n // legs, float(now.length.sum())
-    along = np.maximum((np.repeat(pulls, each, axis=0) * linear.chords.T).sum(axis=1), 0.0) / total
-    curvature = along / 2
-    curvature[:-1] += along[1:] / 2
-    curvature = np.maximum(curvature * case.ease, 1e-6 / n)
-    stretch = min(reach, 0.5)
-    step = np.repeat(now.length / each, each)
-    rate = np.diff(now.heading, prepend=0.0) / step
-    turn = diags_array([1 / step, -1 / step[1:]], offsets=[0, -1], shape=(n, n))
-    own = block_diag([np.ones((each, 1))] * legs)
-    rows = bmat([[turn, -own], [-turn, -own]])
-    room = np.concatenate((1 - rate, 1 + rate))
-    G, Q, r = linear.by_heading / total, linear.by_length / total, linear.missing / total
-    box = case.ball * reach * math.sqrt(each) if cone else reach
-    most = np.abs(r) + box * np.abs(G).sum(axis=1) + stretch * np.abs(Q).sum(axis=1) + 1
-    slacks = legs if cone else 4 * legs
-    highest = 2 * most.reshape(legs, 2).sum(axis=1) if cone else np.tile(most, 2)
-    empty = csr_array((2 * n, slacks))
-    A, low, high = hstack([rows, empty]), np.full(2 * n, -np.inf), room
-    C, d, cones = csr_array((0, n + legs + slacks)), np.zeros(0), np.zeros(0, dtype=int)
-    if cone:
-        C, d = _cones(G, Q, r, legs, each, box)
-        cones = np.concatenate((np.full(legs, 3), np.full(legs, each + 1)))
-    else:
-        pair = eye_array(2 * legs)
-        A = vstack([A, hstack([G, Q, pair, -pair])])
-        low, high = np.concatenate((low, r)), np.concatenate((high, r))
+def _nearest_first(points: FloatArray) -> Points:
+    """Each time the nearest point that is left; a tour's usual first guess."""
+    left = list(map(tuple, points.tolist()))
+    here: tuple[float, float] = (0.0, 0.0)
+    order = []
+    while left:
+        here = min(left, key=lambda point: math.dist(point, here))
+        left.remove(here)
+        order.append(here)
+    return order
+
+
+def _rows(legs: int) -> Points:
+    """Rows of a survey, 12 radii long and 2.5 apart, driven to and fro."""
+    ends = [(2.0, 14.0), (14.0, 2.0)]
+    return [(ends[k // 2 % 2][k % 2], 2.5 * (k // 2)) for k in range(legs)]
+
+
+def _scenario(points: Points) -> Scenario:
+    *via, (x, y) = [(round(x, 3), round(y, 3)) for x, y in points]
+    return Scenario(via=via, target_x=x, target_y=y)
+
+
+class Step(NamedTuple):
+    """A QP that `turn-rate-qp` solves: its numbers, and what they were taken from."""
+
+    numbers: Numbers
+    rolled: Rollout
+    scale: float  # the mean leg, radii
+
+
+def sequence(route: Scenario, n: int) -> tuple[list[Step], Path | None]:
+    """All QPs that `turn-rate-qp` with n steps a leg solves for a route, and the path it finds."""
+    steps: list[Step] = []
+    running: list[QpSequence] = []
+    ask, solve = QpSequence._ask, QpTemplate.solve
+
+    def noted(self: QpSequence) -> Any:
+        running[:] = [self]
+        return ask(self)
+
+    def recorded(self: QpTemplate, numbers: Numbers, *others: Any) -> Any:
+        steps.append(Step(numbers, running[0].rolled, running[0].scale))
+        return solve(self, numbers, *others)
+
+    solver = TurnRateQp(n=n, initial_guess="one")
+    model = solver.build(Question(route))
+    with patch.object(QpSequence, "_ask", noted), patch.object(QpTemplate, "solve", recorded):
+        return steps, solver.solve(model, limit=300.0).path
+
+
+def positions(step: Step, parts: FloatArray) -> csr_array:
+    """How points of the legs move, x and y in turn, in mean legs: columns z, then t.
+
+    A point is the end of so many steps of its leg; `parts` has their numbers.
+    """
+    legs = step.numbers.w.size
+    N = step.numbers.c.size
+    n = N // legs
+    until = (np.arange(n) < np.array(parts)[:, None]).astype(float)
+    added = kron(eye_array(legs), until)  # adds up a leg's first steps
+    by_leg = kron(eye_array(legs), np.ones((n, 1)))
+    blocks = []
+    rolled = step.rolled
+    for after, before, chord in zip(rolled.by_after, rolled.by_before, rolled.chords, strict=True):
+        by_heading = diags_array([after, before[1:]], offsets=[0, -1], shape=(N, N))
+        blocks.append([added @ by_heading, added @ diags_array(chord) @ by_leg])
+    both = csr_array(block_array(blocks)) / step.scale
+    points = legs * len(parts)
+    return both[np.arange(2 * points).reshape(2, -1).T.ravel()]
+
+
+def rates(step: Step) -> tuple[csr_array, FloatArray]:
+    """Rows in z and t, and their upper ends: turn rates within 1 / radius, in that unit."""
+    numbers = step.numbers
+    N, legs = numbers.c.size, numbers.w.size
+    turn = diags_array([1 / numbers.upper, -1 / numbers.upper[1:]], offsets=[0, -1], shape=(N, N))
+    stretched = kron(eye_array(legs), np.ones((N // legs, 1)))
+    rows = block_array([[turn, -stretched], [-turn, -stretched]])
+    ends = np.concatenate((numbers.above / numbers.upper, numbers.below / numbers.upper))
+    return csr_array(rows), ends
+
+
+def nearest(step: Step, ends: csr_array, missing: FloatArray) -> tuple[FloatArray, float]:
+    """The step (z, t) with the least largest miss in a part of the trust region, and that miss."""
+    A, high = rates(step)
+    ones = np.ones((missing.size, 1))
+    rows = block_array([[A, None], [ends, -ones], [-ends, -ones]])
+    box = _PART * trust(step)
+    bounds = [*zip(-box, box, strict=True), (0, None)]
+    cost = np.append(np.zeros(box.size), 1.0)
+    found = linprog(cost, rows, np.concatenate((high, missing, -missing)), bounds=bounds)
+    return found.x[:-1], float(found.fun)
+
+
+def trust(step: Step) -> FloatArray:
+    """The largest changes of headings and lengths."""
+    numbers = step.numbers
+    reach, stretch = numbers.reach[0], numbers.stretch[0]
+    return np.repeat((reach, stretch), (numbers.c.size, numbers.w.size))
+
+
+def box_qp(step: Step) -> Problem:
+    """The QP of a step: its legs end in boxes around their points."""
+    N, legs = step.numbers.c.size, step.numbers.w.size
+    ends, missing = positions(step, [N // legs]), step.numbers.r.T.ravel()
+    _, miss = nearest(step, ends, missing)
+    width = max(_EASE * miss, _LEAST_WIDTH)
+    return _step_problem(step, ends, missing, np.full(2 * legs, width), [])
+
+
+def tube(step: Step) -> Problem:
+    """The SOCP of a step: discs around the points, and around the quarters of the present legs.
+
+    Each leg's changes of headings lie in a ball, too.
+    """
+    N, legs = step.numbers.c.size, step.numbers.w.size
+    n = N // legs
+    parts = [n // 4, n // 2, 3 * n // 4, n]
+    missing = np.zeros((legs, 4, 2))
+    missing[:, 3] = step.numbers.r.T
+    of_parts = positions(step, parts)
+    near, miss = nearest(step, positions(step, [n]), missing[:, 3].ravel())
+    moved = np.hypot(*(of_parts @ near).reshape(-1, 2).T).reshape(legs, 4)
+    moved[:, 3] = math.sqrt(2) * miss
+    radius = np.maximum(_EASE * moved, _LEAST_WIDTH).ravel()
+    bent = np.linalg.norm(near[:N].reshape(legs, n), axis=1)
+    balls = np.maximum(_EASE * bent, 0.1 * step.numbers.reach[0] * math.sqrt(n))
+    first = N + legs
+    cones = [(r, np.arange(first + 2 * k, first + 2 * k + 2)) for k, r in enumerate(radius)]
+    cones += [(r, np.arange(k * n, k * n + n)) for k, r in enumerate(balls)]
+    return _step_problem(step, of_parts, missing.ravel(), np.repeat(radius, 2), cones)
+
+
+def _step_problem(
+    step: Step, moves: csr_array, missing: FloatArray, width: FloatArray, balls: Sequence[Any]
+) -> Problem:
+    """Length and curvature over z, t and s, where s are the points' places off their centres."""
+    numbers = step.numbers
+    N, legs, k = numbers.c.size, numbers.w.size, width.size
+    A, high = rates(step)
+    box = np.concatenate((trust(step), width))
+    sizes = np.array([1 + columns.size for _, columns in balls], dtype=int)
+    heads = np.cumsum(sizes) - sizes
+    d = np.zeros(sizes.sum())
+    d[heads] = [radius for radius, _ in balls]
+    others = np.delete(np.arange(d.size), heads)
+    columns = np.concatenate([np.zeros(0, dtype=int), *(columns for _, columns in balls)])
+    C = csr_array((np.ones(others.size), (others, columns)), shape=(d.size, box.size))
     return Problem(
-        p=np.concatenate((curvature, np.zeros(legs + slacks))),
-        q=np.concatenate((np.zeros(n), now.length / total, np.full(slacks, case.penalty))),
-        A=_sorted(A),
-        l=low,
-        u=high,
-        lb=np.concatenate((np.full(n, -box), np.full(legs, -stretch), np.zeros(slacks))),
-        ub=np.concatenate((np.full(n, box), np.full(legs, stretch), highest)),
+        p=np.concatenate((numbers.c / legs, np.zeros(legs + k))),
+        q=np.concatenate((np.zeros(N), numbers.w / legs, np.zeros(k))),
+        A=_sorted(block_array([[A, None], [moves, -eye_array(k)]])),
+        l=np.concatenate((np.full(2 * N, -np.inf), missing)),
+        u=np.concatenate((high, missing)),
+        lb=-box,
+        ub=box,
         C=_sorted(C),
         d=d,
-        cones=cones,
+        cones=sizes,
         **dict.fromkeys(("interior", *Point._fields), np.zeros(0)),
     )
 
 
-def _cones(G: Any, Q: Any, r: FloatArray, legs: int, each: int, radius: float) -> tuple[Any, Any]:
-    """Rows of the misses' cones, then of the trust regions' balls."""
-    n, blocks, ends = legs * each, [], []
-    unit = eye_array(legs, format="csr")
-    for leg in range(legs):
-        two = slice(2 * leg, 2 * leg + 2)
-        none = csr_array((1, n + legs))
-        blocks.append(
-            hstack(
-                [
-                    vstack([none, hstack([-G[two], -Q[two]])]),
-                    vstack([unit[[leg]], csr_array((2, legs))]),
-                ]
-            )
-        )
-        ends.append(np.concatenate(([0.0], r[two])))
-    all_of = eye_array(n, n + 2 * legs, format="csr")
-    for leg in range(legs):
-        blocks.append(vstack([csr_array((1, n + 2 * legs)), all_of[leg * each : (leg + 1) * each]]))
-        ends.append(np.concatenate(([radius], np.zeros(each))))
-    return vstack(blocks), np.concatenate(ends)
+def fastest(path: Path) -> Problem:
+    """The fastest drive along a path: squared speeds b, their roots c, 1 / speeds d, accelerations.
+
+    Between the N + 1 ends of the steps b is linear. Each speed is in units of that at which a turn
+    by the radius takes the largest acceleration to the side; the cost is the time over that of this
+    speed.
+    """
+    some = path.lengths > 1e-9
+    length, bend = path.lengths[some], np.abs(path.curvatures[some])
+    N = length.size
+    sharp = np.maximum(np.append(bend, 0.0), np.append(0.0, bend))
+    top = np.minimum(_TOP, 1 / np.maximum(sharp, 1 / _TOP))
+    top[[0, -1]] = _BEGIN
+    ones, none = np.ones(N), np.zeros(N + 1)
+    rise = diags_array([-ones, ones], offsets=[0, 1], shape=(N, N + 1))
+    both = diags_array([ones, ones], offsets=[0, 1], shape=(N, N + 1))
+    A = block_array([[diags_array(0.5 / length) @ rise, csr_array((N, 2 * N + 1)), -eye_array(N)]])
+    unit, each = eye_array(N + 1), eye_array(N)
+    no_b, no_d = csr_array((N, N + 1)), csr_array((N + 1, N))
+    C = block_array(
+        [
+            [unit, None, None, no_d],  # |(2 c, b - 1)| <= b + 1: c <= sqrt(b)
+            [None, 2 * unit, None, None],
+            [unit, None, None, None],
+            [no_b, both, each, csr_array((N, N))],  # |(2, c + c' - d)| <= c + c' + d
+            [no_b, None, None, None],
+            [None, both, -each, None],
+        ]
+    )
+    d = np.concatenate((none + 1, none, none - 1, 0 * ones, 2 * ones, 0 * ones))
+    of_roots = np.arange(3 * N + 3).reshape(3, -1).T.ravel()
+    of_inverses = 3 * N + 3 + np.arange(3 * N).reshape(3, -1).T.ravel()
+    rows = np.concatenate((of_roots, of_inverses))
+    slow = 1 / (2 * math.sqrt(_BEGIN))
+    return Problem(
+        p=np.zeros(4 * N + 2),
+        q=np.concatenate((none, none, 2 * length / length.sum(), 0 * ones)),
+        A=_sorted(A),
+        l=0 * ones,
+        u=0 * ones,
+        lb=np.concatenate((none, none, 0 * ones, np.full(N, -_SLOWER))),
+        ub=np.concatenate((top, np.sqrt(top), np.full(N, 2 * slow), np.full(N, _FASTER))),
+        C=_sorted(csr_array(C)[rows]),
+        d=d[rows],
+        cones=np.full(2 * N + 1, 3),
+        **dict.fromkeys(("interior", *Point._fields), np.zeros(0)),
+    )
 
 
 def _sorted(matrix: Any) -> csr_array:
@@ -184,65 +304,112 @@ def _sorted(matrix: Any) -> csr_array:
     return result
 
 
-def frozen(case: Case, n: int, cone: bool) -> Problem:
-    """The problem that the sequence of a route meets after `case.steps` QPs, with a witness."""
-    now, legs = first_iterate(case, n), len(case.points)
-    away = np.diff(np.vstack((np.zeros(2), case.points)), axis=0)
-    pulls = away / np.linalg.norm(away, axis=1)[:, None]
-    early = case._replace(penalty=_PENALTY, ease=1.0, reach=1.0)
-    for _ in range(case.steps):
-        qp = subproblem(early, now, pulls, cone=False)
-        point = prepare("piqp", "own", qp)(Ask(1e-9, 60.0)).point
-        assert point is not None
-        now = Iterate(now.heading + point.x[:n], now.length * (1 + point.x[n : n + legs]))
-        pulls = -point.y[2 * n :].reshape(legs, 2)
-    # the present path keeps the turn rates exactly, in floating point too
-    step = np.repeat(now.length * legs / n, n // legs)
-    turns = np.clip(np.diff(now.heading, prepend=0.0), -step, step)
-    now = Iterate(np.cumsum(turns), now.length)
-    qp = witnessed(subproblem(case, now, pulls, cone=False))
-    if not cone:
-        return qp
-    # where the balls do not bind and nothing is missed, both have the same optimum
-    bare, ends = subproblem(case, now, pulls, cone=True), qp.y[2 * n :].reshape(legs, 2)
-    shared, slacks, m = n + legs, np.zeros(legs), 2 * n
-    x, z = np.append(qp.x[:shared], slacks + 1e-16), np.append(qp.z[:shared], slacks)
-    w = np.zeros(bare.d.size)
-    w[: 3 * legs] = np.column_stack((np.full(legs, case.penalty), ends)).ravel()
-    return witnessed(bare, Point(x, qp.y[:m], z, w))
-
-
-def witnessed(bare: Problem, *points: Point) -> Problem:
-    """The problem with a cheap interior, and the tightest interval of engines' and given points.
-
-    The interior is the optimum of the problem whose rows and cones are tightened a little: on the
-    way to it a point becomes feasible at about the least cost.
-    """
-    engines = ("clarabel", "ecos") if bare.cones.size else ("clarabel", "piqp")
-    heads, rows = np.zeros(bare.d.size), ~bare.equal
-    heads[np.cumsum(bare.cones) - bare.cones] = 1.0
-    ends = {"l": bare.l + _MARGIN * rows, "u": bare.u - _MARGIN * rows}
-    tight = replace(bare, **ends, d=bare.d - _CONE_MARGIN * heads)
-    inner = prepare("clarabel", "own", tight)(Ask(1e-9, 60.0))
-    assert inner.point is not None
-    assert inner.claim is Claim.OPTIMAL
-    asked = [
-        prepare(engine, "own", bare)(Ask(tolerance, 60.0)).point
-        for engine in engines
-        for tolerance in (1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
-    ]
-    best, high, low = (
-        replace(bare, interior=np.clip(inner.point.x, bare.lb, bare.ub)),
-        np.inf,
-        -np.inf,
+def best_drive(bare: Problem) -> Point:
+    """The solution of `fastest`: at each place the largest speed that both ends allow."""
+    N = bare.l.size
+    top, cost = bare.ub[: N + 1], bare.q[2 * N + 2 : 3 * N + 2]
+    lengths = 0.5 / bare.A.data.reshape(N, 3)[:, 1]
+    b = top.copy()
+    for k in range(N):
+        b[k + 1] = min(b[k + 1], b[k] + 2 * lengths[k] * _FASTER)
+    for k in reversed(range(N)):
+        b[k] = min(b[k], b[k + 1] + 2 * lengths[k] * _SLOWER)
+    c = np.sqrt(b)
+    both = c[:-1] + c[1:]
+    inverse = 1 / both
+    along = cost / (2 * both)  # the multipliers of the cones lie on their boundaries
+    pull = (np.append(along * inverse, 0.0) + np.append(0.0, along * inverse)) / (2 * c)
+    of_roots = np.column_stack((b + 1, -2 * c, 1 - b)) * pull[:, None]
+    of_inverses = np.column_stack((both + inverse, -2 * np.ones(N), inverse - both))
+    w = np.concatenate((of_roots.ravel(), (of_inverses * along[:, None]).ravel()))
+    # what is left is linear in b
+    rise = bare.A[:, : N + 1]
+    found = linprog(
+        -2 * pull,
+        vstack([rise, -rise]),
+        np.repeat((_FASTER, _SLOWER), N),
+        bounds=np.column_stack((np.zeros(N + 1), top)),
     )
-    for point in (*points, *asked):
-        if point is not None:
-            if (value := upper_bound(best, point.x)) < high:
-                high, best = value, replace(best, x=point.x)
-            if (value := lower_bound(best, point)) > low:
-                low, best = value, replace(best, y=point.y, z=point.z, w=point.w)
+    faster, slower = np.split(-found.ineqlin.marginals, 2)
+    y = faster - slower
+    x = np.concatenate((b, c, inverse, rise @ b))
+    return Point(x, y, bare.C.T @ w - bare.q - bare.A.T @ y, w)
+
+
+def witnessed(bare: Problem, *known: Point) -> Problem:
+    """The problem with a cheap interior, and the tightest interval of engines' and known points."""
+    engines = ("clarabel", "ecos") if bare.cones.size else ("clarabel", "piqp")
+    points = list(known)
+    for engine in engines:
+        solve = prepare(engine, "own", bare)
+        points += [solve(Ask(10.0**-digits, 60.0)).point for digits in range(9, 14)]
+    best, high, low = replace(bare, interior=interior(bare)), np.inf, -np.inf
+    for point in points:
+        if point is None:
+            continue
+        if (value := upper_bound(best, point.x)) < high:
+            high, best = value, replace(best, x=point.x)
+        if (value := lower_bound(best, point)) > low:
+            low, best = value, replace(best, y=point.y, z=point.z, w=point.w)
     return best
+
+
+def interior(bare: Problem) -> FloatArray:
+    """The optimum of the problem whose rows, bounds and cones are tightened, all by as much.
+
+    On the way to it a point becomes feasible at about the least cost: its violation times the sum
+    of the multipliers.
+    """
+    heads = np.zeros(bare.d.size)
+    heads[np.cumsum(bare.cones) - bare.cones] = 1.0
+    for margin in _MARGINS:
+        rows = np.where(bare.equal, 0.0, margin)
+        lower = {"l": bare.l + rows, "lb": bare.lb + margin}
+        upper = {"u": bare.u - rows, "ub": bare.ub - margin}
+        tight = replace(bare, **lower, **upper, d=bare.d - margin * heads)
+        solve = prepare("clarabel", "own", tight)
+        for digits in (9, 8, 7):
+            found = solve(Ask(10.0**-digits, 60.0))
+            if found.claim is Claim.OPTIMAL and found.point is not None:
+                return np.clip(found.point.x, bare.lb, bare.ub)
+    raise ProblemError(f"no interior: {found.status}")
+
+
+class Frozen(NamedTuple):
+    """A problem, its name, and the route that it comes from."""
+
+    name: str
+    route: Scenario
+    problem: Problem
+
+
+def chosen(size: int) -> Iterator[Frozen]:
+    """The problems of a size, without witnesses.
+
+    Of each sequence every 12th QP counts; of all of them as many are taken as are wanted, evenly.
+    """
+    steps, paths = [], []
+    for place, (name, route) in enumerate(routes().items()):
+        legs = len(route.via) + 1
+        if not _LEAST_STEPS <= size // legs <= _MOST_STEPS:
+            continue
+        every, _ = sequence(route, size // legs)
+        numbers = range(place % _BEGINNINGS, len(every), _EVERY)
+        steps += [(f"{name}-{number}", route, every[number]) for number in numbers]
+        paths.append((name, route, size // legs // 3))
+    wanted = WANTED[size]
+    for name, route, step in _evenly(steps, wanted["qp"], 0.25):
+        yield Frozen(f"qp-{size}-{name}", route, box_qp(step))
+    for name, route, step in _evenly(steps, wanted["tube"], 0.75):
+        yield Frozen(f"tube-{size}-{name}", route, tube(step))
+    for name, route, n in _evenly(paths, wanted["time"], 0.5):
+        _, path = sequence(route, max(n, _LEAST_STEPS))
+        if path is not None:
+            yield Frozen(f"time-{size}-{name}", route, fastest(path))
+
+
+def _evenly(items: list[Any], number: int, shift: float) -> list[Any]:
+    return [items[int((k + shift) * len(items) / number)] for k in range(number)]
 
 
 def trivial() -> Problem:
@@ -268,21 +435,22 @@ def write(problem: Problem, file: FilePath) -> str:
 
 
 def main() -> None:
-    """Write all files and the module with their digests, and print the intervals."""
+    """Write all files and the list of them, and print the intervals."""
     folder = FilePath(problem.__file__).with_name("problems")
-    made = {"trivial": trivial()}
-    for cone in (False, True):
-        for n in SIZES:
-            for name, case in CASES.items():
-                made[f"{'socp' if cone else 'qp'}-{n}-{name}"] = frozen(case, n, cone)
-    lines = ['"""SHA-256 of the files of `problems`; written by `benchmarks.freeze_convex`."""', ""]
-    lines.append("DIGESTS = {")
-    for name, each in made.items():
-        digest = write(each, folder / f"{name}.npz")
-        lines.append(f'    "{name}": "{digest}",')
-        low, high = lower_bound(each, each.witness), upper_bound(each, each.x)
-        print(f"{name:16} [{low:.12g}, {high:.12g}]  width {high - low:.1e}")
-    FilePath(digests.__file__).write_text("\n".join([*lines, "}", ""]), encoding="utf-8")
+    listed = {"trivial": {"sha256": write(trivial(), folder / "trivial.npz")}}
+    for size in WANTED:
+        for name, route, bare in chosen(size):
+            known = [best_drive(bare)] if name.startswith("time") else []
+            made = witnessed(bare, *known)
+            digest = write(made, folder / f"{name}.npz")
+            via = [list(point) for point in route.via]
+            place = {"via": via, "target_x": route.target_x, "target_y": route.target_y}
+            listed[name] = {"sha256": digest, "route": place}
+            low, high = lower_bound(made, made.witness), upper_bound(made, made.x)
+            print(f"{name:26} [{low:.12g}, {high:.12g}]  width {high - low:.1e}", flush=True)
+    lines = [f'  "{name}": {json.dumps(entry)}' for name, entry in listed.items()]
+    text = "{\n" + ",\n".join(lines) + "\n}\n"
+    folder.joinpath("list.json").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -28,9 +28,7 @@ PAPER = {
 }
 
 # whose label names a frozen convex problem
-FROZEN_ROUTE = Scenario(
-    via=[(6, 3), (9, -4), (15, -2), (18, 5)], target_x=25, target_y=6, label="qp-50-well"
-)
+FROZEN_ROUTE = Scenario(via=[(2, 0), (14, 0)], target_x=14, target_y=2.5, label="qp-50-survey-3-3")
 
 # one engine of each kind, or way of calling it: what a run without `--slow` asks of all of them
 QUICK_ENGINES = (

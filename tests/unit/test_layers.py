@@ -35,16 +35,16 @@ class Size(NamedTuple):
 # Syntax nodes that a room with all rooms below it, the whole package and the tests may hold. A
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
-    "study": 87_000,
+    "study": 88_000,
     "solvers": 73_500,
     "asking": 5_500,
     "experiments": 34_450,
     "conformance": 11_800,
-    "report": 73_700,
+    "report": 74_000,
     "missions": 8_600,
     "cli": 14_200,
-    "package": 306_800,
-    "tests": 276_500,
+    "package": 309_000,
+    "tests": 277_800,
 }
 
 _LEAVES = (

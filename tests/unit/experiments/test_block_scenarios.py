@@ -284,3 +284,14 @@ def test_what_older_scenarios_do_not_have_leaves_their_ids():
 
     assert scenario_id(closed) == hashlib.sha256(numbers + points + more).hexdigest()[:16]
     assert scenario_id(given) == scenario_id(Scenario(1, 2, 0.1, 3, 4, 2, via=[(5, 6)]))
+
+
+def test_frozen_problems_are_asked_as_their_routes():
+    """A pattern stands for all problems that it matches, each a route with the name as label."""
+    block = Block(frozen=["tube-5000-*", "time-50-survey-6"])
+
+    asked = list(scenarios(block, "scenarios.0"))
+
+    assert len(asked) == block_size(block) == 5
+    assert {scenario.label.rsplit("-", 2)[0] for scenario in asked} > {"time-50"}
+    assert all(scenario.via for scenario in asked)

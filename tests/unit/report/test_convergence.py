@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from dubins_study.report.data.results import load
@@ -12,7 +13,7 @@ from dubins_study.report.topics.convergence import (
     refined,
     series,
 )
-from dubins_study.report.topics.convex import by_size, convex_section, with_parts
+from dubins_study.report.topics.convex import by_method, convex_section, shift_of, with_parts
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, paper_scenarios, write_folder
@@ -94,54 +95,61 @@ def frozen(engine, label, wall_s, interface="own", verdict="optimal", repeat=0, 
     named = {"scenario_id": label, "label": label, "branch": "frozen", "verdict": verdict}
     given = {"engine": engine, "formulation": "frozen convex problem", "tolerance": 1e-6}
     found = {"miss": 1e-9, "dual_residual": 1e-9, "duality_gap": 1e-9, "reference_low": 0.0}
-    times = {"wall_s": wall_s, "floor_s": 1e-4, "repeat": repeat, "claim": Claim.OPTIMAL}
-    return attempt(paper_scenarios()[0], spec, **(named | given | found | times | changes))
+    times = {"wall_s": wall_s, "floor_s": 1e-4, "repeat": repeat, "limit_s": 2.0}
+    return attempt(
+        paper_scenarios()[0],
+        spec,
+        **(named | given | found | times | {"claim": Claim.OPTIMAL} | changes),
+    )
 
 
 def frozen_rows():
-    """PIQP is right and slow, OSQP quick and wrong once, SCS right; Clarabel has an SOCP."""
+    """PIQP is right and slow, OSQP quick and wrong once, SCS right once; Clarabel has a tube."""
     return [
         *(frozen("PIQP", "qp-50-well", s, repeat=n) for n, s in enumerate((0.1, 0.2, 0.4))),
-        frozen("PIQP", "qp-50-bad", 0.3),
+        frozen("PIQP", "qp-50-random-6-0", 0.3),
         frozen("PIQP", "qp-50-well", 0.6, "cvxpy"),
-        frozen("PIQP", "qp-50-bad", 0.7, "cvxpy"),
+        frozen("PIQP", "qp-50-random-6-0", 0.7, "cvxpy"),
         frozen("OSQP", "qp-50-well", 0.01),
-        frozen("OSQP", "qp-50-bad", 0.01, verdict="longer", dual_residual=1e-3, false_claim=True),
+        frozen("OSQP", "qp-50-random-6-0", 0.01, verdict="longer", **FALSE),
         frozen("SCS", "qp-50-well", 0.5),
-        frozen("SCS", "qp-50-bad", 0.5, verdict="longer"),
-        frozen("Clarabel", "socp-500-well", 2.0),
+        frozen("SCS", "qp-50-random-6-0", 0.5, verdict="longer"),
+        frozen("Clarabel", "tube-50-random-3-12", 2.0),
     ]
 
 
+FALSE = {"dual_residual": 1e-3, "false_claim": True, "claim": "optimal"}
+
+
 def test_convex_problems_by_hand(load_rows):
-    """The slower problem's median counts, and one wrong answer makes a size wrong.
-
-    The counts of each engine, and the picture's differences are shown.
-    """
+    """Shares, means with failures at the limit, and the counts in the text."""
     results = load_rows("convex", frozen_rows())
-    sizes = by_size(with_parts(results.rows)).set_index(["engine", "interface", "kind", "rates"])
+    rows = with_parts(results.rows)
+    own = rows[rows["interface"] == "own"]
+    methods = by_method(own).set_index(["family", "name"])
     section = convex_section(results)
-    picture, engines = section.blocks
-    counts = engines.frame.set_index(["engine", "interface"])
+    profiles, engines = section.blocks
+    shift, limit = shift_of(own), own["limit_s"].max()
+    lines = engines.frame.set_index(["family", "name"])
 
-    assert sizes.loc[("PIQP", "own", "QP", 50), "wall_s"] == 0.3
-    assert sizes.loc[("PIQP", "cvxpy", "QP", 50), "wall_s"] == 0.7
-    assert sizes["right"].to_dict() == {
-        ("Clarabel", "own", "SOCP", 500): True,
-        ("OSQP", "own", "QP", 50): False,
-        ("PIQP", "cvxpy", "QP", 50): True,
-        ("PIQP", "own", "QP", 50): True,
-        ("SCS", "own", "QP", 50): False,
+    assert methods["right"].to_dict() == {
+        ("QP", "OSQP"): 1,
+        ("QP", "PIQP"): 2,
+        ("QP", "SCS"): 1,
+        ("tube", "Clarabel"): 1,
     }
-    assert counts.loc[("OSQP", "own"), ["right", "kept", "false_claim"]].tolist() == [1, 1, 1]
-    assert counts.loc[("SCS", "own"), ["right", "kept", "false_claim"]].tolist() == [1, 2, 0]
-    assert counts.loc[("PIQP", "own"), "attempts"] == 4
-    assert "1 claim of 11 answers is false" in section.text
+    expected = np.sqrt((0.2 + shift) * (0.3 + shift)) - shift  # the median of three, and one
+    assert methods.loc[("QP", "PIQP"), "mean_s"] == pytest.approx(expected)
+    expected = np.sqrt((0.01 + shift) * (limit + shift)) - shift
+    assert methods.loc[("QP", "OSQP"), "mean_s"] == pytest.approx(expected)
+    assert lines["false_claim"].to_dict() == {key: int(key[1] == "OSQP") for key in lines.index}
+    assert "1 claim of 11 answers is false: 0 that no point is feasible" in section.text
     assert "1 answer keeps all three residuals" in section.text
-    [above], [below] = (picture.figure.axes[:1], picture.figure.axes[1:])
-    assert above.get_title() == "tolerance 10⁻⁶"
-    [line] = [line for line in below.lines if line.get_linestyle() == "-"]
-    assert line.get_ydata() == pytest.approx([0.4])  # 0.7 through cvxpy, 0.3 without
+    assert "takes 400 ms longer (median of 2 answers)" in section.text  # 0.6 - 0.2 and 0.7 - 0.3
+    assert "Problems of a former set: 1." in section.text
+    assert "PIQP on QP, 100 % (34.2 to 100)" in section.lead
+    titles = [ax.get_title() for ax in profiles.figure.axes]
+    assert titles == ["QP, 10⁻⁶", "with cones, 10⁻⁶"]
 
 
 def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
@@ -151,11 +159,24 @@ def test_convex_problems_of_another_machine_have_no_picture(results, tmp_path):
     section = convex_section(load([ours, write_folder(tmp_path / "convex", "convex", theirs)]))
     (engines,) = section.blocks
 
-    assert engines.frame["attempts"].sum() == len(theirs)
+    assert engines.frame["mean_s_1e-06"].isna().all()
     assert "1 claim of 11 answers is false" in section.text
+
+
+def test_a_floor_beside_a_time_is_said(load_rows):
+    """A star where more than half of the mean time is the time of a problem of one variable."""
+    rows = [
+        frozen(name, "qp-50-well", 0.01, floor_s=s)
+        for name, s in {"PIQP": 6e-3, "OSQP": 4e-3}.items()
+    ]
+    _, engines = convex_section(load_rows("convex", rows)).blocks
+
+    cells = engines.frame.set_index("name")["at_1e-06"]
+    assert cells["PIQP"].endswith("10.0 ms*")
+    assert cells["OSQP"].endswith("10.0 ms")
 
 
 def test_the_page_of_convex_problems(results, tmp_path):
     page = topic_page(results("convex", frozen_rows()), tmp_path / "page", "convex problems")
 
-    assert "The convex problems of a sequence" in page.read_text(encoding="utf-8")
+    assert "Convex problems of paths" in page.read_text(encoding="utf-8")

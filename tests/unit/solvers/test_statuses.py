@@ -336,7 +336,7 @@ def test_no_point_is_infeasible_by_either_interface(engine, interface):
     """One of the rows asks for what the variables' bounds exclude."""
     if reason := missing_package(CONVEX[engine].package, "cvxpy"):
         pytest.skip(reason)
-    problem = read("qp-50-well")
+    problem = read("qp-50-random-6-0")
     first = np.arange(problem.u.size) == 0
     lower, upper = (np.where(first, -1e3, ends) for ends in (problem.l, problem.u))
 
@@ -356,6 +356,6 @@ def test_the_time_limit_is_a_limit_by_either_interface(engine, interface):
     if (engine, interface) == ("daqp", "cvxpy"):
         pytest.skip("cvxpy hands over no time limit")
 
-    reply = prepare(engine, interface, read("qp-500-bad"))(Ask(1e-9, 1e-3))
+    reply = prepare(engine, interface, read("qp-500-cluster-9-38"))(Ask(1e-9, 1e-3))
 
     assert reply.claim is Claim.LIMIT, reply.status

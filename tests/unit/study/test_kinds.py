@@ -45,8 +45,8 @@ def test_a_route_to_a_heading_is_a_route():
 
 
 def test_branches_are_those_of_the_kinds():
-    assert branches_of(OF_KIND["leg"]) == BRANCHES
-    assert branches_of(OF_KIND["pose"]) == POSE_BRANCHES
+    assert branches_of(OF_KIND["leg"]) == (*BRANCHES, "frozen")
+    assert branches_of(OF_KIND["pose"]) == (*POSE_BRANCHES, "frozen")
     assert branches_of(OF_KIND["route"]) == ("best", "frozen")
     assert set(EVERY_BRANCH) == {*BRANCHES, *POSE_BRANCHES, *BRANCHES_WITHOUT_PATH}
     assert [pathless_kind_of(branch) is None for branch in ("best", "frozen")] == [True, False]

@@ -6,6 +6,7 @@ import itertools
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     Field,
     ValidationInfo,
     field_validator,
@@ -37,6 +38,8 @@ DRAWN = ("sample", "route", "tour")  # the tables that draw scenarios at random
 FIELDS = ("x", "y", "heading", *CARTESIAN, "radius", "speed", *POLAR, *CIRCULAR, "final_heading")
 # the fields that may be written as texts: "120deg"
 _ANGLES = ("heading", "bearing", "arc", "final_heading")
+# Keys of a block that say how its scenarios are asked.
+HOW_ASKED = ("solvers", "branches", "time_limit_s", "guess_lengths")
 # Names of laws of spacing -> the shortest and the longest leg of a sampled route (radii).
 SPACINGS = {
     "4R-20R": (4.0, 20.0),
@@ -74,6 +77,21 @@ def _check_texts(name: str, written: Any) -> None:
         elif isinstance(item, str):
             angles = ", ".join(_ANGLES)
             raise ValueError(f"expected a number; texts such as '120deg' are for angles: {angles}")
+
+
+def _check_frozen(patterns: list[str]) -> list[str]:
+    """Refuse a pattern that no frozen problem has."""
+    from dubins_study.study.convex.problem import matching  # loads sparse matrices
+
+    for pattern in patterns:
+        if not matching([pattern]):
+            raise ValueError(
+                f"no frozen problem is named {pattern!r}; expected one such as qp-50-*"
+            )
+    return patterns
+
+
+FrozenNames = Annotated[list[str], Field(min_length=1), AfterValidator(_check_frozen)]
 
 
 class Drawn(StrictModel):
@@ -255,6 +273,8 @@ class Block(StrictModel):
     """Minimum turning radius."""
     speed: Axis = _ONE
     """Constant speed; it changes the travel time only."""
+    frozen: FrozenNames | None = None
+    """Frozen convex problems by name, such as `qp-50-*`; a scenario is the route of its problem."""
     sample: Sample | None = None
     """Scenarios drawn over ranges instead of combined from axes."""
     route: Route | None = None
@@ -283,6 +303,9 @@ class Block(StrictModel):
             return self
         ranges = {} if self.sample is None else self.sample.ranges
         keys = self.model_fields_set.union(ranges)
+        if self.frozen is not None:
+            _refuse_beside("frozen", keys - {"frozen", *HOW_ASKED})
+            return self
         target = keys.intersection(itertools.chain(*_WAYS))
         twice = target | keys & {"via", "sample"}
         if self.tour is not None:

@@ -74,7 +74,8 @@ def _word(solver: PaperNlp) -> Callable[[], Any]:
 
 def _one_variable(solver: Convex) -> Callable[[], Any]:
     """A frozen problem of one variable, built and solved."""
-    problem, ask = read("trivial"), Ask(solver.tolerance, _LIMIT_S)
+    problem = read("trivial")
+    ask = Ask(solver.tolerance, _LIMIT_S, tuned=solver.options == "tuned")
     return lambda: prepare(solver.engine, solver.interface, problem)(ask)
 
 

@@ -21,7 +21,7 @@ from dubins_study.experiments.definition.experiment import (
     text_of,
 )
 from dubins_study.experiments.definition.messages import problems_of, refusal
-from dubins_study.experiments.definition.scenario_block import ListedBlock
+from dubins_study.experiments.definition.scenario_block import HOW_ASKED, ListedBlock
 from dubins_study.experiments.definition.scenario_file import read_scenarios, text_about
 from dubins_study.experiments.plan.cells import Chain, chains
 from dubins_study.experiments.plan.scenarios import scenario_id, scenarios
@@ -199,10 +199,6 @@ def _comment_on(listed: list[Scenario]) -> str:
     return f"# about {len(listed)} scenarios with the digest {digest}\n"
 
 
-# Keys of a block that say how its scenarios are asked.
-_HOW_ASKED = {"solvers", "branches", "time_limit_s", "guess_lengths"}
-
-
 def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedBlock]:
     """Scenarios of a file; those that are the experiment's own too are asked as it asks them.
 
@@ -210,7 +206,8 @@ def _listed_blocks(listed: list[Scenario], file: ExperimentFile) -> list[ListedB
     """
     experiment = file.experiment
     settings = [
-        block.model_dump(include=_HOW_ASKED, exclude_none=True) for block in experiment.scenarios
+        block.model_dump(include=set(HOW_ASKED), exclude_none=True)
+        for block in experiment.scenarios
     ]
     if not any(settings):
         return [ListedBlock(listed=listed)]

@@ -60,8 +60,8 @@ def scenario_id(scenario: Scenario) -> str:
 
 def block_size(block: Block) -> int:
     """How many scenarios a block has."""
-    if isinstance(block, ListedBlock):
-        return len(block.listed)
+    if (listed := _listed(block)) is not None:
+        return len(listed)
     drawn = 1 if block.drawn is None else block.drawn.size
     return drawn * math.prod(map(len, _axes(block).values()))
 
@@ -71,8 +71,8 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
 
     The via points vary fastest, then the last of `FIELDS`, and what is drawn slowest.
     """
-    if isinstance(block, ListedBlock):
-        yield from block.listed
+    if (listed := _listed(block)) is not None:
+        yield from listed
         return
     same: Fields = {"label": block.label, "order": block.order, "closed": block.closed}
     if block.tour is not None:
@@ -83,6 +83,17 @@ def scenarios(block: Block, key: str) -> Iterator[Scenario]:
         except ScenarioError as error:
             raise ExperimentError(f"{key}, scenario {place}: {error}") from None
         yield scenario
+
+
+def _listed(block: Block) -> list[Scenario] | None:
+    """The scenarios of a block that names each; None if it combines or draws them."""
+    if isinstance(block, ListedBlock):
+        return list(block.listed)
+    if block.frozen is not None:
+        from dubins_study.study.convex.problem import matching  # loads sparse matrices
+
+        return matching(block.frozen)
+    return None
 
 
 def _axes(block: Block) -> dict[str, Sequence[Any]]:

@@ -1,166 +1,200 @@
-"""Convex problems: engines of QPs and SOCPs by size and accuracy, and what cvxpy costs."""
+"""Convex problems: engines of QPs and SOCPs by family and accuracy, and what cvxpy adds."""
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from dubins_study.report.data.attempts import is_true
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import columns, marks
+from dubins_study.report.elements.columns import Column, columns, marks
 from dubins_study.report.elements.content import Picture, Section, Table, Topic, panels_picture
-from dubins_study.report.elements.formats import count, seconds, sentences, some
+from dubins_study.report.elements.formats import ABSENT, count, seconds, sentences, share, some
+from dubins_study.report.elements.identity import with_interval, with_share
 from dubins_study.report.elements.looks import Palette
-from dubins_study.report.elements.style import (
-    HALF,
-    WIDE,
-    Style,
-    new_figure,
-    power,
+from dubins_study.report.elements.plots import share_curves
+from dubins_study.report.elements.style import power
+from dubins_study.report.statistics.costs import (
+    chosen_shift,
+    cost_table,
+    penalised,
+    performance_profile,
+    shifted_geometric_means,
 )
 from dubins_study.report.statistics.metrics import parse_spec, success
-from dubins_study.report.topics.routes import size_axes
+from dubins_study.study.convex.problem import listed
 
+# `socp` is of a former set of problems
+FAMILIES = {"qp": "QP", "tube": "tube", "time": "fastest drive", "socp": "SOCP"}
 _OWN = "own"
-_METHOD = ["engine", "interface"]
+_METHOD = ["family", "tolerance", "name"]
 
 
 def with_parts(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with columns interface, kind (QP, SOCP), rates (their number), right and kept.
+    """The rows of frozen problems with the columns family, interface, name, right and kept.
 
-    Right: the check calls the answer optimal within the tolerance asked for. Kept: primal residual,
-    dual residual and gap of both objectives are each within it.
+    Name: the engine, with what is not usual. Right: the check calls the answer optimal within the
+    tolerance asked for. Kept: primal residual, dual residual and gap of both objectives are each
+    within it.
     """
-    parts = rows["label"].str.extract(r"^(?P<kind>qp|socp)-(?P<rates>\d+)-(?P<state>\w+)$")
+    families = rows["label"].str.extract(r"^([a-z]+)-\d+-", expand=False).map(FAMILIES)
+    rows = rows.assign(family=families)[families.notna()]
+    settings = rows["solver"].map(lambda spec: parse_spec(spec)[1])
+    interface = settings.map(lambda values: values.get("interface", _OWN))
+    tuned = settings.map(lambda values: values.get("options") == "tuned")
     largest = rows[["miss", "dual_residual", "duality_gap"]].max(axis=1, skipna=False)
     return rows.assign(
-        interface=rows["solver"].map(lambda spec: parse_spec(spec)[1].get("interface", _OWN)),
-        kind=parts["kind"].str.upper(),
-        rates=pd.to_numeric(parts["rates"]),
+        interface=interface,
+        name=rows["engine"] + np.where(tuned, ", tuned", ""),
         right=success(rows),
         kept=is_true(largest <= rows["tolerance"]),
+        false_claim=is_true(rows["false_claim"]),
     )
 
 
-def by_size(rows: pd.DataFrame) -> pd.DataFrame:
-    """One row per engine, interface, tolerance, kind and number of turn rates.
+def time_table(rows: pd.DataFrame) -> pd.DataFrame:
+    """The cost table of attempts at one tolerance (s): a row a problem, a column an engine's name.
 
-    Columns: those; right (whether every attempt is); wall_s (the slowest problem's median).
+    A problem that an engine was not asked counts as not solved. The engine with the least mean
+    comes first.
     """
-    keys = [*_METHOD, "tolerance", "kind", "rates"]
-    times = rows.groupby([*keys, "label"])["wall_s"].median().groupby(keys).max()
-    right = rows.groupby(keys)["right"].all()
-    return pd.DataFrame({"right": right, "wall_s": times}).reset_index()
+    named = rows.drop(columns="solver").rename(columns={"name": "solver"})
+    table = cost_table(named, "wall_s", ["label"]).fillna(np.inf)
+    means = shifted_geometric_means(penalised(table, named["limit_s"].max()), chosen_shift(table))
+    return table[means.sort_values().index]
+
+
+def by_method(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per family, tolerance and engine's name, in that order.
+
+    Columns: asked (problems); right (of them) with its share and interval; false_claim (problems);
+    floor_s (median); mean_s (shifted geometric mean of times, failures at the limit, NaN where no
+    time is of this machine).
+    """
+    problems = rows.groupby([*_METHOD, "label"]).agg(
+        right=("right", "all"), false_claim=("false_claim", "any"), floor_s=("floor_s", "median")
+    )
+    groups = problems.groupby(_METHOD)
+    frame = groups[["right", "false_claim"]].sum()
+    frame = frame.assign(asked=groups.size(), floor_s=groups["floor_s"].median())
+    means = {}
+    timed = rows[rows["wall_s"].notna()]
+    for key, part in timed.groupby(_METHOD[:2]):
+        table = penalised(time_table(part), part["limit_s"].max())
+        for name, mean in shifted_geometric_means(table, shift_of(rows)).items():
+            means[*key, name] = mean
+    frame["mean_s"] = pd.Series(means, dtype=np.float64)
+    return with_share(frame.reset_index(), "right", frame["right"], frame["asked"])
+
+
+def shift_of(rows: pd.DataFrame) -> float:
+    """The shift of all means (s), from the times of right answers."""
+    return chosen_shift(rows.loc[rows["right"], "wall_s"])
 
 
 def convex_section(results: Results) -> Section | None:
-    """Times by size at each tolerance, and what every engine keeps."""
+    """Which engine solves which share of each family at each tolerance, and in which time."""
     rows = with_parts(results.rows)
-    rows = rows[rows["kind"].notna()]
-    sizes = by_size(rows)
-    if sizes.empty:
+    if rows.empty:
         return None
-    false = int(is_true(rows["false_claim"]).sum())
+    own = rows[rows["interface"] == _OWN]
+    methods = by_method(own)
+    false = int(rows["false_claim"].sum())
+    denied = int((rows["false_claim"] & rows["claim"].eq("infeasible")).sum())
     hidden = int((rows["kept"] & rows["verdict"].eq("longer")).sum())
+    former = rows.loc[~rows["label"].isin(listed()), "label"].nunique()
     text = sentences(
         "An answer is right if the feasible point made from it costs at most the tolerance more "
-        "than the proven optimum. Engines are asked for an absolute tolerance and no relative one; "
-        "Clarabel and ECOS scale theirs by the problem's numbers.",
+        "than the proven optimum. Engines are asked for an absolute tolerance and no relative one.",
         f"{some(false, 'claim')} of {count(len(rows))} answers {'is' if false == 1 else 'are'} "
-        "false: of an optimum, by the proof and by a residual beyond the tolerance; or that no "
-        "point is feasible.",
+        f"false: {denied} that no point is feasible, the others of an optimum, by the proof and by "
+        "a residual beyond the tolerance.",
         f"{some(hidden, 'answer')} {'keeps' if hidden == 1 else 'keep'} all three residuals within "
         f"the tolerance and {'is' if hidden == 1 else 'are'} further than that from the optimum.",
+        _through_cvxpy(rows),
+        f"Problems of a former set: {former}." if former else "",
     )
-    lead = "Read from left to right what more digits cost, and take a low line with filled marks."
-    blocks: list[Picture | Table] = [_engines(rows)]
-    timed = sizes[sizes["wall_s"].notna()]
-    if len(timed):
-        blocks = [_picture(timed, results), *blocks]
-    return Section("convex", "The convex problems of a sequence", text, tuple(blocks), lead)
+    blocks: list[Picture | Table] = [_engines(methods, shift_of(own))]
+    if own["wall_s"].notna().any():
+        blocks = [_profiles(own, results), *blocks]
+    return Section("convex", "Convex problems of paths", text, tuple(blocks), _surest(methods))
 
 
-def _picture(sizes: pd.DataFrame, results: Results) -> Picture:
-    """Times of own interfaces over the number of turn rates, and below what cvxpy adds."""
+def _surest(methods: pd.DataFrame) -> str:
+    """The engine of each family whose share has the highest lower end, at the least tolerance."""
+    least = methods["tolerance"].min()
+    last = methods[methods["tolerance"] == least].sort_values("right_low", ascending=False)
+    parts = []
+    for best in last.drop_duplicates("family").itertuples():
+        found = with_interval(share, best.right_share, best.right_low, best.right_high)
+        parts.append(f"{best.name} on {best.family}, {found}")
+    return f"Most surely right at the tolerance {power(float(least))}: {'; '.join(parts)}."
+
+
+def _through_cvxpy(rows: pd.DataFrame) -> str:
+    """How much longer the same engines take through cvxpy for the same problems."""
+    right = rows[rows["right"]]
+    times = right.groupby(["name", "label", "tolerance", "interface"])["wall_s"].median()
+    both = times.unstack("interface").dropna()
+    if both.empty or "cvxpy" not in both:
+        return ""
+    more = seconds((both["cvxpy"] - both[_OWN]).median())
+    return f"Through cvxpy the same engine takes {more} longer (median of {len(both)} answers)."
+
+
+def _profiles(rows: pd.DataFrame, results: Results) -> Picture:
+    """Performance profiles of QPs and of programs with cones, at each tolerance."""
+    timed = rows[rows["wall_s"].notna()]
+    kinds = timed["family"].eq(FAMILIES["qp"]).map({True: "QP", False: "with cones"})
+    panels = kinds + ", " + timed["tolerance"].map(power)
+    order = pd.DataFrame({"kind": kinds, "tolerance": timed["tolerance"], "title": panels})
+    order = order.drop_duplicates().sort_values(["kind", "tolerance"], ascending=[True, False])
+    profiles = {
+        title: performance_profile(time_table(timed[panels == title])) for title in order["title"]
+    }
+    engines = dict(zip(timed["name"], timed["engine"], strict=True))
+    palette = Palette(Palette.of(results.rows["engine"].unique()).hues, engines)
     caption = (
-        "Median time of building and solving, of the slower of the well and the badly conditioned "
-        "problem; solid: QP, dashed: SOCP. Hollow: not every answer is right. Below, the time that "
-        "the same engine takes more through cvxpy."
+        "Performance profiles: the share of problems solved right within a factor of the fastest "
+        "right answer. Named: the four with the least mean times; grey: others. Read only the "
+        "highest curve as best."
     )
-    hues = Palette.of(results.rows["engine"].unique()).hues
-    alt = "Time against the number of turn rates by engine"
-    return panels_picture("convex", caption, plot_sizes, alt, sizes, hues)
+    alt = "Performance profiles of QPs and SOCPs at each tolerance"
+    label = "time / time of the fastest right answer"
+    data = profiles, {name: name for name in engines}, palette, label, "share of problems"
+    return panels_picture("convex", caption, share_curves, alt, *data, same_x=False)
 
 
-def plot_sizes(sizes: pd.DataFrame, hues: dict[str, tuple[str, str]], *, narrow: bool) -> Figure:
-    """Two panels for each tolerance, tolerances side by side unless `narrow`; see `by_size`."""
-    tolerances = sorted(sizes["tolerance"].unique(), reverse=True)
-    number = len(tolerances)
-    figure = new_figure(HALF, 3.0 * number) if narrow else new_figure(WIDE, 5.2)
-    shape: Style = (
-        {"nrows": 2 * number} if narrow else {"nrows": 2, "ncols": number, "sharey": "row"}
+def _engines(methods: pd.DataFrame, shift: float) -> Table:
+    """By family and engine: shares right and mean times at each tolerance, and false claims."""
+    mean = methods["mean_s"].map(seconds, na_action="ignore").astype(object).fillna(ABSENT)
+    floor = np.where(methods["floor_s"] > 0.5 * methods["mean_s"], "*", "")
+    cells = methods.assign(at=methods["right_text"] + "\n" + mean + floor)
+    groups = cells.groupby(["family", "name"])
+    frame = groups.agg(
+        false_claim=("false_claim", "sum"), floor_s=("floor_s", "median"), low=("right_low", "mean")
     )
-    panels = figure.subplots(sharex=True, squeeze=False, **shape)
-    pairs = panels.reshape(number, 2) if narrow else panels.T
-    lines: dict[str, Line2D] = {}
-    for (above, below), tolerance in zip(pairs, tolerances, strict=True):
-        chosen = sizes[sizes["tolerance"] == tolerance]
-        own = chosen[chosen["interface"] == _OWN]
-        lines |= plot_times(above, own, hues)
-        above.set_title(f"tolerance {power(tolerance)}", fontsize=8)
-        keys = ["engine", "kind", "rates"]
-        both = chosen[chosen["interface"] != _OWN].merge(own, on=keys, suffixes=("", "_own"))
-        more = both["wall_s"] - both["wall_s_own"]
-        plot_times(below, both.assign(wall_s=more.where(more > 0)), hues)
-    pairs[0, 0].set_ylabel("time, own interface")
-    pairs[0, 1].set_ylabel("more through cvxpy")
-    (panels[-1, 0] if narrow else panels[1, number // 2]).set_xlabel("turn rates")
-    key: Style = {"loc": "outside lower left", "ncols": 3 if narrow else 6, "fontsize": 7}
-    figure.legend(handles=[*lines.values()], **key)
-    return figure
-
-
-def plot_times(
-    ax: Axes, sizes: pd.DataFrame, hues: dict[str, tuple[str, str]]
-) -> dict[str, Line2D]:
-    """Times (s) over the number of turn rates, both axes logarithmic; returns a line an engine.
-
-    Columns: engine, kind, rates, right, wall_s.
-    """
-    lines = {}
-    for key, each in sizes.groupby(["engine", "kind"]):
-        engine, kind = map(str, key)
-        colour, marker = hues[engine]
-        style: Style = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1.0}
-        dashes = "-" if kind == "QP" else "--"
-        ax.plot(each["rates"], each["wall_s"], linestyle=dashes, **style | {"marker": None})
-        for right, filled in ((True, colour), (False, "white")):
-            some_ = each[each["right"] == right]
-            ax.plot(some_["rates"], some_["wall_s"], **style | {"linestyle": "none"}, mfc=filled)
-        lines[engine] = Line2D([], [], label=engine, **style)
-    size_axes(ax, sizes["rates"], sizes["wall_s"])
-    return lines
-
-
-def _engines(rows: pd.DataFrame) -> Table:
-    """By engine and interface: the floor, and attempts right, kept and claimed falsely."""
-    groups = rows.assign(false_claim=is_true(rows["false_claim"])).groupby(_METHOD)
-    frame = groups[["right", "kept", "false_claim"]].sum()
-    frame = frame.assign(floor_s=groups["floor_s"].median(), attempts=groups.size())
-    frame = frame.reset_index()
+    values = {"at": "at", "right_share": "right", "mean_s": "mean_s"}
+    by_tolerance = cells.pivot(index=["family", "name"], columns="tolerance", values=[*values])
+    by_tolerance.columns = by_tolerance.columns.map(lambda key: f"{values[key[0]]}_{key[1]:g}")
+    frame = frame.join(by_tolerance).reset_index()
+    frame = frame.sort_values(["family", "low"], ascending=[True, False], ignore_index=True)
+    tolerances = sorted(methods["tolerance"].unique(), reverse=True)
     shown = (
-        *columns(kind="text", engine="engine", interface="interface"),
+        *columns(kind="text", family="family", name="engine"),
+        *(Column(f"at_{t:g}", f"right at {power(float(t))}", kind="cell") for t in tolerances),
         *columns(seconds, floor_s="floor"),
-        *columns(count, attempts="attempts", right="right", kept="residuals kept"),
         *columns(count, false_claim="false claims"),
     )
     caption = (
-        "Attempts at all tolerances; kept: primal and dual residual and the gap of both objectives "
-        "within the tolerance. Floor: median time of a problem of one variable."
+        "Share of problems solved right, its 95 % interval (Wilson), and the mean time: shifted "
+        f"geometric, shift {seconds(shift)} (the lower quartile of all times); failures, and "
+        "problems not asked, count as the limit. *: the floor, the time of a problem of one "
+        "variable, is more than half of it."
     )
-    return Table("convex-engines", caption, frame, shown, marks(frame, "false_claim"))
+    numbers = tuple(f"{name}_{t:g}" for t in tolerances for name in ("right", "mean_s"))
+    flags = marks(frame, "false_claim")
+    return Table("convex-engines", caption, frame, shown, flags, numbers=numbers, dense=True)
 
 
 TOPIC = Topic("convex problems", convex_section, "convex")

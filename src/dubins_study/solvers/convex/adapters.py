@@ -35,6 +35,7 @@ class Ask(NamedTuple):
 
     tolerance: float
     seconds: float
+    tuned: bool = False  # whether by the options that its makers advise
 
 
 class Reply(NamedTuple):
@@ -359,11 +360,14 @@ class Engine(NamedTuple):
     others: Mapping[str, Any] = MappingProxyType({})
     cones: bool = False
     least: float = 0.0  # tolerance that it takes
+    tuned: Mapping[str, Any] = MappingProxyType({})  # what its makers advise, beside the rest
 
     def options(self, ask: Ask) -> OptionValues:
         """Its options by their names."""
         values = dict.fromkeys(self.tolerances, max(ask.tolerance, self.least))
         values |= dict.fromkeys(self.zeros, 0.0) | dict(self.others)
+        if ask.tuned:
+            values |= self.tuned
         return values | ({self.seconds: ask.seconds} if self.seconds else {})
 
 
@@ -400,6 +404,7 @@ ENGINES = {
         zeros=("eps_rel",),
         seconds="time_limit",
         others={"max_iter": _MANY, "polishing": False},
+        tuned={"polishing": True},
     ),
     "scs": Engine(
         "SCS",
@@ -427,8 +432,11 @@ ENGINES = {
         "proxsuite",
         proxqp,
         _INFO_STATUS_NAME,
-        tolerances=("eps_abs",),
-        zeros=("eps_rel",),
+        tolerances=("eps_abs", "eps_duality_gap_abs"),
+        zeros=("eps_rel", "eps_duality_gap_rel"),
+        # infeasibility to less than is asked of solutions (with the default, 1e-4, it denies some),
+        # and the gap, which it does not look at otherwise
+        tuned={"eps_primal_inf": 1e-12, "eps_dual_inf": 1e-12, "check_duality_gap": True},
     ),
     "qpalm": Engine(
         "QPALM",

@@ -15,11 +15,12 @@ from dubins_study.study.convex.problem import posed
 from dubins_study.study.words import FREE_FINAL_HEADING, FROZEN, VIA_POINTS
 
 INTERFACES = ("own", "cvxpy")
+OPTIONS = ("equal", "tuned")
 
 
 @dataclass(frozen=True)
 class Convex(Solver):
-    """The frozen convex problem that a route's label names, such as `qp-50-well`.
+    """The frozen convex problem that a route's label names, such as `qp-50-random-6-0`.
 
     The route is the one that the problem was frozen from. The check judges the engine's primal and
     dual point, not a path (`study.convex.proof`).
@@ -28,11 +29,13 @@ class Convex(Solver):
         engine: piqp, clarabel, osqp, scs, highs, proxqp, qpalm, ecos or daqp.
         interface: `own`, the library's own, or `cvxpy`.
         tolerance: absolute tolerance that the engine is asked for; the relative one is zero.
+        options: `equal`, or `tuned`: what the makers of osqp and proxqp advise (docs/convex.md).
     """
 
     engine: str = one_of("piqp", tuple(ENGINES))
     interface: str = one_of("own", INTERFACES)
     tolerance: float = within(1e-6, 0, 1, ends=False)
+    options: str = one_of("equal", OPTIONS)
 
     name = "convex"
     guarantee = Guarantee.GLOBAL
@@ -46,6 +49,9 @@ class Convex(Solver):
         return Method("frozen convex problem", ENGINES[self.engine].label, "none", self.tolerance)
 
     def unavailable(self) -> str | None:
+        if self.options == "tuned" and not ENGINES[self.engine].tuned:
+            tuned = ", ".join(name for name, engine in ENGINES.items() if engine.tuned)
+            return f"{self.engine} has no tuned options; expected one of: {tuned}"
         own = ENGINES[self.engine].package
         return missing_package(own, "cvxpy") if self.interface == "cvxpy" else missing_package(own)
 
@@ -54,7 +60,7 @@ class Convex(Solver):
         return prepare(self.engine, self.interface, posed(question.scenario.label))
 
     def solve(self, model: Any, limit: float) -> Solution:
-        reply = model(Ask(self.tolerance, limit))
+        reply = model(Ask(self.tolerance, limit, tuned=self.options == "tuned"))
         return Solution(
             reply.claim,
             point=None if reply.point is None else np.concatenate(reply.point),

@@ -11,10 +11,14 @@ an upper end pushes, and w in the cones; at an optimum p x + q + A' y + z = C' w
 from __future__ import annotations
 
 import hashlib
+import json
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from fnmatch import fnmatchcase
+from functools import cache, cached_property, lru_cache
 from importlib.resources import files
 from io import BytesIO
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,9 +26,12 @@ from scipy.sparse import csr_array
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.study.arrays import BoolArray, FloatArray
+from dubins_study.study.scenario import Scenario
+from dubins_study.study.values import did_you_mean
 
 MATRICES = ("A", "C")
 CSR = ("data", "indices", "indptr", "shape")
+_FOLDER = files(__package__).joinpath("problems")
 
 
 class ProblemError(DubinsStudyError, ValueError):
@@ -106,24 +113,45 @@ def parse(content: bytes, name: str) -> Problem:
         raise ProblemError(f"{name}: not a convex problem: {error}") from None
 
 
-@lru_cache(maxsize=32)
+@cache
+def listed() -> Mapping[str, Any]:
+    """The packaged problems: name -> the SHA-256 of its file, and the route that it comes from."""
+    entries = json.loads(_FOLDER.joinpath("list.json").read_text(encoding="utf-8"))
+    return MappingProxyType(entries)
+
+
+def matching(patterns: Iterable[str]) -> list[Scenario]:
+    """The packaged problems whose names match one of some patterns, such as `qp-50-*`.
+
+    Each is the route that it comes from, with the problem's name as its label. The problem
+    `trivial` has none; floors are measured with it.
+    """
+    found = []
+    for name, entry in listed().items():
+        if "route" in entry and any(fnmatchcase(name, pattern) for pattern in patterns):
+            found.append(Scenario(label=name, **entry["route"]))
+    return found
+
+
+@lru_cache(maxsize=128)
 def read(name: str) -> Problem:
-    """The packaged problem of this name, one of `study.convex.digests.DIGESTS`.
+    """The packaged problem of this name, one of `listed`.
 
     Raises:
         ProblemError: if there is none of this name, or its file was changed.
     """
-    from dubins_study.study.convex.digests import DIGESTS
-
-    if name not in DIGESTS:
-        raise ProblemError(f"no convex problem named {name!r}; choose one of: {', '.join(DIGESTS)}")
-    content = files(__package__).joinpath("problems", f"{name}.npz").read_bytes()
-    if hashlib.sha256(content).hexdigest() != DIGESTS[name]:
+    if name not in listed():
+        near = did_you_mean(name, listed())
+        raise ProblemError(
+            f"no convex problem named {name!r}; {near}expected one such as qp-50-random-6-0"
+        )
+    content = _FOLDER.joinpath(f"{name}.npz").read_bytes()
+    if hashlib.sha256(content).hexdigest() != listed()[name]["sha256"]:
         raise ProblemError(f"{name}.npz was changed: its SHA-256 is not that of {__package__}")
     return parse(content, name)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=128)
 def posed(name: str) -> Problem:
     """The problem as engines are given it: without its answer; errors as `read`."""
     return replace(read(name), **dict.fromkeys(("interior", *Point._fields), np.zeros(0)))

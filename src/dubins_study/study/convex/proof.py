@@ -16,8 +16,7 @@ from flint import arb, ctx
 from scipy.sparse import csr_array
 
 from dubins_study.study.arrays import FloatArray
-from dubins_study.study.convex.digests import DIGESTS
-from dubins_study.study.convex.problem import Point, Problem, read
+from dubins_study.study.convex.problem import Point, Problem, listed, read
 from dubins_study.study.rows.schema import Certificate, Judgement
 from dubins_study.study.words import Claim, Proof, Verdict
 
@@ -74,33 +73,54 @@ def _outside(values: FloatArray, cones: Any) -> FloatArray:
 def upper_bound(problem: Problem, x: FloatArray) -> float:
     """The objective, rounded up, at a feasible point made from x; infinity if there is none.
 
-    x is cut off at its bounds and moved towards `interior` until rows and cones hold. Each equation
-    has two variables of its own, which enter with the signs + and - and cost the same: they take
-    the equation's residual, so that it holds exactly.
+    x is cut off at its bounds and moved towards `interior` until rows, bounds and cones hold. Each
+    equation has a variable of its own (`closing_columns`), which takes the value that closes it.
     """
     if not np.isfinite(x).all():
         return np.inf
-    cut = np.clip(x, problem.lb, problem.ub)
-    step = _step(problem, cut)
+    cut = _closed(problem, np.clip(x, problem.lb, problem.ub))
+    inside = _closed(problem, problem.interior)
+    step = _step(problem, cut, inside)
     for _ in range(_STEPS):
-        value = _feasible_objective(problem, cut + step * (problem.interior - cut))
+        value = _feasible_objective(problem, cut + step * (inside - cut))
         if value is not None:
             return value
         step = min(1.0, max(10 * step, _LEAST_STEP))
     return np.inf
 
 
-def _step(problem: Problem, x: FloatArray) -> float:
-    """The share of the way to the interior after which all rows and cones hold, up to rounding."""
+def closing_columns(problem: Problem) -> dict[int, tuple[int, float]]:
+    """Equation -> a column that stands in no other row and costs nothing, and its coefficient."""
+    columns = problem.A.tocsc()
+    alone = np.flatnonzero((np.diff(columns.indptr) == 1) & (problem.p == 0) & (problem.q == 0))
+    places = columns.indptr[alone]
+    found = zip(columns.indices[places], alone, columns.data[places], strict=True)
+    return {int(row): (int(column), float(a)) for row, column, a in found if problem.equal[row]}
+
+
+def _closed(problem: Problem, x: FloatArray) -> FloatArray:
+    """The point with its equations closed, up to rounding."""
+    closing = closing_columns(problem)
+    rows = list(closing)
+    columns = [column for column, _ in closing.values()]
+    factors = np.array([factor for _, factor in closing.values()])
+    result = x.copy()
+    result[columns] += (problem.u - problem.A @ x)[rows] / factors
+    return result
+
+
+def _step(problem: Problem, x: FloatArray, inside: FloatArray) -> float:
+    """The share of the way inside after which all rows and cones hold, up to rounding."""
     rows = ~problem.equal
 
     def room(point: FloatArray) -> FloatArray:
         values = (problem.A @ point)[rows]
         cones = -_outside(problem.C @ point + problem.d, problem.cones)
-        return np.concatenate((values - problem.l[rows], problem.u[rows] - values, cones))
+        ends = values - problem.l[rows], problem.u[rows] - values
+        return np.concatenate((*ends, point - problem.lb, problem.ub - point, cones))
 
-    here, there = room(x), room(problem.interior)
-    short = here < 0
+    here, there = room(x), room(inside)
+    short = here < np.minimum(there, 0.0)
     return float(np.max(here[short] / (here[short] - there[short]), initial=0.0)) + _LEAST_STEP
 
 
@@ -109,26 +129,30 @@ def _feasible_objective(problem: Problem, x: FloatArray) -> float | None:
 
     Rows are evaluated as balls; the numbers of x are exact.
     """
-    if (x < problem.lb).any() or (x > problem.ub).any():
-        return None
     with ctx.workprec(_BITS):
+        point = [arb(value) for value in x.tolist()]
+        values = _rows(problem.A, point)
         closing = closing_columns(problem)
-        point = [arb(0) if column in closing else arb(value) for column, value in enumerate(x)]
-        total = _dot(problem.q, point) + _dot(problem.p, [value * value for value in point]) / 2
-        ends = zip(problem.equal, problem.l, problem.u, _rows(problem.A, point), strict=True)
-        cost = {row: (problem.q[column], problem.ub[column]) for column, row in closing.items()}
-        for row, (equal, low, high, value) in enumerate(ends):
-            if equal:
-                miss = abs(arb(high) - value)
-                if row not in cost or not miss <= cost[row][1]:
-                    return None
-                total += arb(cost[row][0]) * miss
-            elif not ((low == -np.inf or value >= low) and (high == np.inf or value <= high)):
+        for row in np.flatnonzero(problem.equal).tolist():
+            if row not in closing:
                 return None
+            column, factor = closing[row]
+            point[column] += (arb(problem.u[row]) - values[row]) / arb(factor)
+        ends = zip(problem.equal, problem.l, problem.u, values, strict=True)
+        kept = all(equal or _between(low, value, high) for equal, low, high, value in ends)
+        bounds = zip(problem.lb, point, problem.ub, strict=True)
+        if not (kept and all(_between(low, value, high) for low, value, high in bounds)):
+            return None
+        total = _dot(problem.q, point) + _dot(problem.p, [value * value for value in point]) / 2
         inside = [
             value + arb(d) for value, d in zip(_rows(problem.C, point), problem.d, strict=True)
         ]
         return float(total.upper()) if _in_cones(inside, problem.cones) else None
+
+
+def _between(low: float, value: Any, high: float) -> bool:
+    """Whether a ball lies between two ends for certain; ends may be infinite."""
+    return bool((low == -np.inf or value >= low) and (high == np.inf or value <= high))
 
 
 def _in_cones(values: list[Any], cones: Any) -> bool:
@@ -138,32 +162,6 @@ def _in_cones(values: list[Any], cones: Any) -> bool:
         if not (first >= 0 and first * first >= sum((v * v for v in others), arb(0))):
             return False
     return True
-
-
-def closing_columns(problem: Problem) -> dict[int, int]:
-    """Column -> its equation, for columns that stand in one equation only and cost nothing else.
-
-    An equation is closed by two of them, with the signs + and -, lower bounds 0 and equal costs;
-    columns of other equations are left out.
-    """
-    columns = problem.A.tocsc()
-    alone = np.flatnonzero(np.diff(columns.indptr) == 1)
-    in_cones = set(problem.C.indices.tolist())
-    pairs: dict[int, dict[float, int]] = {}
-    for column in alone.tolist():
-        place = columns.indptr[column]
-        row, sign = int(columns.indices[place]), float(columns.data[place])
-        free = problem.p[column] == 0 and problem.lb[column] == 0 and column not in in_cones
-        if problem.equal[row] and abs(sign) == 1 and free:
-            pairs.setdefault(row, {})[sign] = column
-    return {
-        column: row
-        for row, signs in pairs.items()
-        if len(signs) == 2
-        and len({problem.q[c] for c in signs.values()}) == 1
-        and len({problem.ub[c] for c in signs.values()}) == 1
-        for column in signs.values()
-    }
 
 
 def lower_bound(problem: Problem, point: Point) -> float:
@@ -218,7 +216,7 @@ def _rows(matrix: csr_array, values: list[Any]) -> list[Any]:
     ]
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=128)
 def reference(name: str) -> tuple[float, float]:
     """The proven interval around the optimum of the packaged problem of this name."""
     problem = read(name)
@@ -237,7 +235,7 @@ def judge_convex(
     """
     low, high, verdict = None, None, Verdict.NONE
     shares: dict[str, Any] = {}
-    if name in DIGESTS:
+    if name in listed():
         low, high = reference(name)
         problem = read(name)
         if numbers is not None and numbers.size == problem.numbers and np.isfinite(numbers).all():

@@ -21,11 +21,11 @@ def _judge(
 FROZEN_PROBLEM = Pathless(
     name=FROZEN,
     title="a frozen convex problem",
-    fields={"via": True, "order": False, "closed": False},
+    fields={"order": False, "closed": False},
     branches=(FROZEN,),
     examples={
-        "qp-50-well": Scenario(target_x=25, target_y=6, via=[(6, 3), (9, -4), (15, -2), (18, 5)]),
-        "qp-50-bad": Scenario(target_x=9, target_y=1, via=[(2, 1), (3.5, 2.5), (5.5, 2), (7, 0.5)]),
+        "qp-50-survey-3-3": Scenario(target_x=14, target_y=2.5, via=[(2, 0), (14, 0)]),
+        "qp-50-survey-4-1": Scenario(target_x=2, target_y=2.5, via=[(2, 0), (14, 0), (14, 2.5)]),
     },
     judge=_judge,
 )
