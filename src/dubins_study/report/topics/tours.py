@@ -194,7 +194,8 @@ def tours_section(results: Results) -> Section | None:
     strata = stratum_order(results, cells["label"])
     compared = against_proof(rows, results.settings)
     blocks: list[Picture | Table] = [_closed_picture(rows, cells, strata, results)]
-    engines = by_engine(asked_of_most(rows)).merge(closed_within(rows), "left", on="solver")
+    closed = closed_within(rows[rows["solver"].isin(provers(rows))])
+    engines = by_engine(asked_of_most(rows)).merge(closed, "left", on="solver")
     blocks.append(_engines(in_page_order(engines, results)))
     if len(compared):
         blocks.append(_compared(by_kind(compared)))
@@ -231,11 +232,10 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
 
 
 def timed_solvers(rows: pd.DataFrame) -> set[str]:
-    """Of each engine that proves, the solver that closes most, the fastest of several."""
+    """Of each engine that proves, the solver that is asked most."""
     proving = rows[rows["solver"].isin(provers(rows))]
-    groups = asked_of_most(proving).groupby(["engine", "solver"])
-    counted = groups.agg(closes=("closes", "mean"), wall_s=("wall_s", "median"))
-    ranked = counted.sort_values(["closes", "wall_s"], ascending=[False, True]).reset_index()
+    asked = proving.groupby(["engine", "solver"]).size().rename("asked").reset_index()
+    ranked = asked.sort_values("asked", ascending=False, kind="stable")
     return set(ranked.drop_duplicates("engine")["solver"])
 
 
@@ -249,8 +249,8 @@ def _closed_picture(
         "tours",
         "Above, in each cell the questions that are closed of those asked (no number: a method "
         "that proves nothing), and as colour the median gap of the answers to the proven lower end "
-        "of the shortest length. Below, median times of each engine's method that closes most, "
-        "failures included; dotted: the limit. A panel for each density: the square's side.",
+        "of the shortest length. Below, median times of each engine's method that is asked most, "
+        "failures included; dotted: the longest limit. A panel a density: the square's side.",
         plot_sizes,
         "Questions closed, gaps and times, by solver, number of points and density",
         cells,
