@@ -40,11 +40,11 @@ BUDGETS = {
     "asking": 5_500,
     "experiments": 34_450,
     "conformance": 11_800,
-    "report": 73_700,
+    "report": 74_050,
     "missions": 8_600,
     "cli": 14_200,
-    "package": 308_050,
-    "tests": 277_400,
+    "package": 308_400,
+    "tests": 277_750,
 }
 
 _LEAVES = (

@@ -27,7 +27,7 @@ from dubins_study.report.elements.content import (
     Topic,
     panels_picture,
 )
-from dubins_study.report.elements.formats import count, digits, sentences, share
+from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.identity import questions
 from dubins_study.report.elements.looks import Look, Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark
@@ -67,6 +67,7 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most do not arrive", colour="#2f4c69"),
 }
+_ALL_BUT_SAMPLES = 0.95  # share of the rows
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
 
@@ -154,7 +155,7 @@ def second_opinion(rows: pd.DataFrame) -> str:
     return (
         f"An independent program (gdip, Váňa and Faigl 2020) bounds {count(len(both))} of these "
         f"routes from below: {count(above.sum())} of its bounds contradict the check; at the "
-        f"median they lie {share(below.median())} below the shortest paths."
+        f"median they lie {digits(2)(below.median())} of a length below the shortest paths."
     )
 
 
@@ -180,7 +181,7 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Pictur
         strata,
         timed,
         palette_of(results, short_labels(methods_of(results.rows))),
-        results.rows["limit_s"].max(),
+        usual_limit(results.rows),
     )
 
 
@@ -188,6 +189,11 @@ def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
     """The page's palette, with names that tell the methods of these results apart."""
     own = {**labels, EXACT: "search with a proof"}
     return replace(Palette.of_page(results), labels=own)
+
+
+def usual_limit(rows: pd.DataFrame) -> float:
+    """The largest time limit (s) that is not only a sample's; NaN if none is stated."""
+    return float(rows["limit_s"].quantile(_ALL_BUT_SAMPLES, interpolation="lower"))
 
 
 def plot_sizes(

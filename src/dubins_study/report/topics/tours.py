@@ -26,7 +26,7 @@ from dubins_study.report.elements.plots import Mark
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import stratum_order
 from dubins_study.report.statistics.metrics import upper_quantile
-from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes
+from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes, usual_limit
 from dubins_study.study.words import Claim
 
 TITLE = "Tours: the order free"
@@ -250,14 +250,14 @@ def _closed_picture(
         "Above, in each cell the questions that are closed of those asked (no number: a method "
         "that proves nothing), and as colour the median gap of the answers to the proven lower end "
         "of the shortest length. Below, median times of each engine's method that is asked most, "
-        "failures included; dotted: the longest limit. A panel a density: the square's side.",
+        "failures included; dotted: the limit. A panel a density: the square's side.",
         plot_sizes,
         "Questions closed, gaps and times, by solver, number of points and density",
         cells,
         strata,
         timed_solvers(rows),
         palette_of(results, labels),
-        results.rows["limit_s"].max(),
+        usual_limit(results.rows),
         size="points",
         gaps=GAPS,
     )
