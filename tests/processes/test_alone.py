@@ -38,7 +38,7 @@ from dubins_study.solvers.registry import load, registered
 from dubins_study.asking.reply import ask
 from dubins_study.study.scenario import Scenario
 
-know_a_leg = {"analytic", "headings", "heading-milp", "route-nlp"}
+know_a_leg = {"analytic", "headings", "heading-grid", "heading-milp", "route-nlp"}
 know_a_leg |= {"tour-circuit", "tour-milp", "tour-order", "tour-routing"}
 for name in registered():
     if name not in know_a_leg:

@@ -352,7 +352,7 @@ OF_LEGS = (
 # Their costs may also be proven bounds of a leg over two intervals of headings, the same for every
 # order: what the search for tours begins with, but no part of what it does with them.
 OF_BOUNDS = (
-    *("solvers.route.grid", "solvers.tour.milp"),
+    *("solvers.route.dynamic", "solvers.route.grid", "solvers.tour.milp"),
     *("solvers.tour.circuit", "solvers.tour.routing"),
 )
 SEARCHES = (

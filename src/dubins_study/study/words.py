@@ -135,7 +135,7 @@ FORMULATION_LIST = (
     ),
     Formulation(
         *("grid of headings", "heading grid"),
-        {PROVEN: "heading-milp[engine={}]", QP: "heading-milp[engine={}]"},
+        {EXACT: "heading-grid", PROVEN: "heading-milp[engine={}]", QP: "heading-milp[engine={}]"},
         {NLP: _INTEGERS, QP: _INTEGERS},
         knows="formula",  # of a leg between two headings
     ),

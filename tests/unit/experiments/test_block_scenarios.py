@@ -295,3 +295,60 @@ def test_frozen_problems_are_asked_as_their_routes():
     assert len(asked) == block_size(block) == 5
     assert {scenario.label.rsplit("-", 2)[0] for scenario in asked} > {"time-50"}
     assert all(scenario.via for scenario in asked)
+
+
+LAWS = ("clusters", "survey rows", "roads", "gps")
+
+
+def field(law, **changes):
+    """The scenarios of a block of routes in a field."""
+    route = {"legs": 40, "spacing": "2R-4R", "count": 3, "seed": 5, "field": law} | changes
+    return list(scenarios(Block.model_validate({"route": route}), "b"))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_points_of_a_field(law):
+    """The seed draws them; no two fields of a seed, no two laws and no two points are alike."""
+    made = field(law)
+
+    assert made == field(law)
+    assert made[:2] == field(law, count=2)
+    assert len({scenario_id(each) for each in (*made, *field(law, seed=6))}) == 6
+    for each in made:
+        assert each.legs == 40
+        assert len(np.unique(each.points, axis=0)) == 41
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_spacing_is_the_unit_of_a_field(law):
+    """Of another spacing the same seed draws the same field, larger; so does a denser tour."""
+    near, far = (field(law, spacing=spacing)[0].points for spacing in ("2R-4R", "4R-20R"))
+    tour = {"points": 40, "density": ["3R"], "count": 1, "seed": 5, "field": law}
+    [drawn] = scenarios(Block.model_validate({"tour": tour}), "b")
+
+    np.testing.assert_allclose(far, 4 * near, rtol=1e-12)  # 12 R and 3 R
+    np.testing.assert_allclose(drawn.points, near, rtol=1e-12)
+
+
+def test_fields_are_what_they_are_called():
+    """Legs in units of 3 R: of rows whole ones and turns, of a track about one, of blobs short."""
+    legs = {
+        law: np.concatenate([np.hypot(*np.diff(s.points, axis=0).T) / 3 for s in field(law)])
+        for law in LAWS
+    }
+    rows = legs["survey rows"]
+    across = rows[np.abs(rows - 1) > 1e-9]
+
+    assert (np.abs(rows - 1) <= 1e-9).sum() > 60
+    assert (across >= 0.5).all()
+    assert (across < 1).all()
+    assert np.abs(legs["gps"] - 1).max() < 0.7
+    assert legs["roads"].max() < 2
+    assert np.median(legs["clusters"]) < 0.6
+    assert legs["clusters"].max() > 3
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_field_of_one_leg(law):
+    """The smallest number of legs is drawn too."""
+    assert [each.legs for each in field(law, legs=1)] == [1, 1, 1]

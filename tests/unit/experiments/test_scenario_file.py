@@ -1,5 +1,6 @@
 """Scenarios of a file: the same from CSV and Parquet, and every wrong row named at once."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import pandas as pd
@@ -7,10 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.definition.scenario_file import read_scenarios
 from dubins_study.experiments.definition.table_file import TableFileError
 from dubins_study.experiments.plan import run_plan
+from dubins_study.experiments.plan.cells import block_plans
 from dubins_study.experiments.plan.run_plan import Request, plan_run
+from dubins_study.experiments.plan.scenarios import scenario_id, scenarios
 from dubins_study.study.scenario import COLUMNS, Scenario
 
 HEAD = "target_x,target_y,x,y,heading,radius,label,speed\n"
@@ -241,6 +245,20 @@ def test_a_sample_of_a_suite_is_asked_as_the_suite_asks(tmp_path, caplog, suite,
     assert different <= {*expected.values(), *(branch for _, branch in expected)}
     assert given == dict.fromkeys(expected, 7.0)
     assert not caplog.records
+
+
+@pytest.mark.parametrize("suite", ["benchmark-route", "benchmark-tour", "benchmark-leg"])
+def test_no_question_of_a_suite_has_two_limits(suite):
+    """The key of a row has no limit: of one solver and scenario only one row would be kept."""
+    limits = defaultdict(set)
+    for plan in block_plans(read(suite).experiment):
+        ids = [scenario_id(each) for each in scenarios(plan.block, plan.key)]
+        for solver in plan.solvers:
+            for each in ids:
+                limits[each, solver.spec, plan.branches].add(plan.time_limit_s)
+
+    assert len(limits) > 500
+    assert {len(each) for each in limits.values()} == {1}
 
 
 def test_scenarios_that_are_none_of_a_suite_have_its_general_limit(tmp_path, caplog):

@@ -1,13 +1,23 @@
 """The sections on routes: numbers by hand, what is undecided, published lengths, searches."""
 
+from importlib.resources import files
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from dubins_study.experiments.plan.run_plan import Request, plan_run
 from dubins_study.report.paper.routes import LONGER, SHORTEST
 from dubins_study.report.topics.audit_tables import printed_routes, printed_section
-from dubins_study.report.topics.routes import by_size, data_profiles, routes_section, with_legs
+from dubins_study.report.topics.routes import (
+    by_size,
+    data_profiles,
+    routes_section,
+    second_opinion,
+    with_legs,
+)
 from dubins_study.report.topics.searches import reached, runtimes
+from dubins_study.study.kinds.shortest import known_route
 from dubins_study.study.words import Claim
 from tests.unit.report.results_folder import attempt, lost, paper_scenarios
 from tests.unit.report.topic_page import topic_page
@@ -70,6 +80,39 @@ def test_a_repeat_is_a_part_of_a_route(load_rows):
 
     assert (line["successes"], line["trials"]) == (pytest.approx(2 / 3), 1)
     assert line["undecided"] == 1
+
+
+def bounds_of_gdip():
+    with (files("dubins_study.report.topics") / "gdip.csv").open(encoding="utf-8") as file:
+        return pd.read_csv(file, comment="#").set_index("scenario_id")["low"]
+
+
+def test_another_program_is_asked_too():
+    """Of two routes one bound is within a thousandth, the other above the path that is shortest."""
+    low = bounds_of_gdip().iloc[:2]
+    high = 2 * low.to_numpy() * [1.001, 0.9]
+    frame = pd.DataFrame({"scenario_id": [*low.index], "reference_high": high, "radius": 2.0})
+    text = second_opinion(pd.concat([frame, frame]))
+
+    assert "bounds 2 of these routes from below: 1 of its bounds contradict the check" in text
+    assert second_opinion(frame.assign(scenario_id="none")) == ""
+
+
+def test_the_bounds_of_another_program_and_ours_agree():
+    """No bound of gdip's lies above the search's path; those of two far legs lie just below it."""
+    bounds = bounds_of_gdip()
+    far = {}
+    for chain in plan_run(Request("benchmark-route", solvers=["analytic"])).chains:
+        scenario = chain[0].scenario
+        low = bounds.get(chain[0].scenario_id)
+        if low is not None and scenario.legs <= 5 and scenario.label != "legs of 0.5 R to 2 R":
+            route = known_route(scenario, 2.0, 10.0)
+            assert low <= route.high * (1 + 1e-5)
+            if scenario.legs == 2:
+                far[chain[0].scenario_id] = low / route.low
+
+    assert len(far) == 10
+    assert min(far.values()) > 0.9999
 
 
 def test_a_page_of_all_kinds_of_routes(results, tmp_path):

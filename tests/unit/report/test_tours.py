@@ -5,13 +5,16 @@ import math
 import pandas as pd
 import pytest
 
+from dubins_study import solve
 from dubins_study.report.data.results import load
 from dubins_study.report.topics.single_attempts import sample
 from dubins_study.report.topics.tours import (
     against_proof,
     asked_of_most,
     by_engine,
+    by_kind,
     by_points,
+    closed_within,
     tours_section,
     with_points,
 )
@@ -89,7 +92,7 @@ def rows():
 
 def test_what_closes_by_hand(load_rows):
     """A proof of the search, or an optimum of an engine's own program, each in time."""
-    table = with_points(load_rows("tours", rows()).rows)
+    table = with_points(load_rows("benchmark-tour", rows()).rows)
     cells = by_points(table).set_index(["solver", "label", "points"])
 
     assert cells.loc[(EXACT, DENSE, 3), ["successes", "trials"]].tolist() == [2, 3]
@@ -123,7 +126,7 @@ def test_points_do_not_count_the_start():
 
 def test_gaps_of_answers_and_bounds(load_rows):
     """Who has no answer has an infinite gap, and no bound is the bound 0."""
-    table = by_engine(with_points(load_rows("tours", rows()).rows)).set_index("solver")
+    table = by_engine(with_points(load_rows("benchmark-tour", rows()).rows)).set_index("solver")
 
     assert table.loc[GRID, "gap"] == 0.1
     assert table.loc[BOUNDS, "bound_gap"] == pytest.approx(0.2)  # of 20 % and 100 % the lower
@@ -132,9 +135,58 @@ def test_gaps_of_answers_and_bounds(load_rows):
     assert table.loc["tour-order", "closes_text"] == "–"
 
 
+def test_what_an_engine_leaves_open_of_its_own_program(load_rows):
+    """Its message tells, in the words of the solver; a lost attempt left all open."""
+    made = rows()
+    text = "bound 8, gap 0.25, of bounds over 8 intervals a point"
+    made[8] |= {"message": text, "memory_mib": 5.0, "false_bound": True}
+    table = by_engine(with_points(load_rows("benchmark-tour", made).rows)).set_index("solver")
+
+    assert table.loc[BOUNDS, "own_gap"] == pytest.approx(0.25)  # of 25 % and 100 % the lower
+    assert math.isnan(table.loc[EXACT, "own_gap"])
+    assert table.loc[BOUNDS, "false_bounds"] == 1
+    assert table.loc[EXACT, "false_bounds"] == 0
+
+
+def test_the_words_of_a_solver_tell_its_own_gap():
+    """The message that `tour-milp` writes is the one that the report reads."""
+    answer = solve(tour(n=1), "tour-milp[engine=highs,gap=0.5]")
+    frame = pd.DataFrame([row("a", GRID, message=answer.message)]).assign(late=False)
+
+    assert 0.0 <= with_points(frame)["own_gap"].item() <= 0.5
+
+
+def test_what_closes_within_a_second():
+    """Of the questions with as long a limit: a run of 10 s tells of 1 s too, and not of 100 s."""
+    lines = [
+        row("a", GRID, solved=True, wall_s=0.5, limit_s=10.0),
+        row("b", GRID, solved=True, wall_s=5.0, limit_s=10.0),
+        row("c", GRID, wall_s=100.0, limit_s=100.0),
+        row("a", EXACT, solved=True, wall_s=0.2, limit_s=1.0),
+    ]
+    table = closed_within(with_points(pd.DataFrame(lines).assign(late=False)))
+
+    assert table.loc[GRID].tolist() == ["1/3", "2/3", "0/1"]
+    assert table.loc[EXACT, "in_1_s"] == "1/1"
+    assert table.loc[EXACT, ["in_10_s", "in_100_s"]].isna().all()
+
+
+def test_refuted_optima_by_hand(load_rows):
+    """Of the grid's two proved optima both are longer than the proved tours, by 4 and 10 %."""
+    results = load_rows("benchmark-tour", rows())
+    table = by_kind(against_proof(with_points(results.rows), SETTINGS)).set_index("kind")
+    grid = table.loc["best tour of 8 headings"]
+
+    assert grid["refuted_text"].startswith("100 % of 2")
+    assert grid["other_order_text"].startswith("0 % of 2")
+    assert (grid["excess"], grid["most"]) == (pytest.approx(0.07), 0.1)
+    straight = table.loc["order by straight lines, best headings"]
+    assert straight["refuted_text"].startswith("50.0 % of 2")
+
+
 def test_engines_are_compared_on_the_same_questions(load_rows):
     """Tour a is the only one that all six solvers were asked."""
-    table = asked_of_most(with_points(load_rows("tours", rows()).rows))
+    table = asked_of_most(with_points(load_rows("benchmark-tour", rows()).rows))
 
     assert set(table["scenario_id"]) == {"a"}
     assert table["solver"].nunique() == 6
@@ -142,7 +194,7 @@ def test_engines_are_compared_on_the_same_questions(load_rows):
 
 def test_proved_tours_against_others(load_rows):
     """Only questions with a proof; of a grid the optimum; a closed tour may be driven back."""
-    results = load_rows("tours", rows())
+    results = load_rows("benchmark-tour", rows())
     compared = against_proof(with_points(results.rows), SETTINGS)
     found = {
         (kind, name): (gap, other)
@@ -165,7 +217,7 @@ def test_proved_tours_against_others(load_rows):
 
 
 def test_the_section_says_what_is_proved(load_rows):
-    results = load_rows("tours", rows())
+    results = load_rows("benchmark-tour", rows())
     section = tours_section(results)
 
     assert "The search proves 2 of 3 tours" in section.text
@@ -185,7 +237,7 @@ def test_a_page_of_tours_of_all_ends(results, tmp_path):
         line = attempt(scenario, EXACT, path=path, formulation="closed form")
         made.append(line | {"scenario_id": str(number)})
     made.append(lost(tour(label=SPARSE), GRID, formulation="tour MILP"))
-    folder = results("tours", made)
+    folder = results("benchmark-tour", made)
     page = topic_page(folder, tmp_path / "out", "tours", "single attempts", "failures")
     loaded = load([folder])
     shown = unpacked(sample(loaded, 10))

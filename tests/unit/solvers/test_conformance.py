@@ -35,7 +35,7 @@ LARGEST_GAP = {
 }
 EASY = Scenario(0, 0, 0.3, 3, 2, 1)
 
-OF_ROUTES = ("headings", "heading-milp", "route-nlp", "tour-")  # no route has a word as branch
+OF_ROUTES = ("heading", "route-nlp", "tour-")  # no route has a word as branch
 # eight headings at each point, the target's too
 COARSE = ("tour-milp", "tour-circuit", "tour-routing")
 

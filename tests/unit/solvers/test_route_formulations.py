@@ -180,6 +180,18 @@ def test_the_grid_of_headings_takes_routes():
         assert 0 <= answer.gap < 2e-3
 
 
+def test_a_dynamic_program_finds_the_optimum_of_the_integer_program():
+    """The same grid by HiGHS; refined it is as short as the search's shortest route."""
+    for scenario in (FREE, GIVEN, NEAR, POSE):
+        grid = attempt(load("heading-grid[headings=24]"), Question(scenario), 20.0)
+        milp = attempt(load("heading-milp[headings=24]"), Question(scenario), 20.0)
+        refined = attempt(load("heading-grid[refine=true]"), Question(scenario), 20.0)
+
+        assert grid.length == pytest.approx(milp.length, rel=1e-9)
+        assert refined.verdict is Verdict.OPTIMAL
+        assert refined.gap < 1e-8
+
+
 @pytest.mark.parametrize("target", [(5, 1), (-3, 0.2), (-0.2, 0.6), (0.4, -1.2), (2, -5)])
 def test_the_words_of_one_free_leg_are_the_four(target):
     """From the grid's path the engine comes to the closed form's shortest path."""

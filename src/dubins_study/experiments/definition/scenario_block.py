@@ -48,11 +48,16 @@ SPACINGS = {
     "0.5R-2R": (0.5, 2.0),
     "0.5R-4R": (0.5, 4.0),
 }
+# The laws of points in a field; `experiments.plan.fields` draws them.
+RANDOM = "random"
+FIELD_LAWS = ("clusters", "survey rows", "roads", "gps")
 if TYPE_CHECKING:
     Branch = str
     FieldName = str
     SpacingName = str
+    Law = str
 else:
+    Law = Literal[RANDOM, *FIELD_LAWS]
     Branch = Literal[EVERY_BRANCH]
     FieldName = Literal[FIELDS]
     SpacingName = Literal[tuple(SPACINGS)]
@@ -147,7 +152,13 @@ class Route(Drawn):
     legs: LegCounts
     """Number of legs, or several numbers."""
     spacing: SpacingName
-    """Least and largest length of a leg, in radii; lengths are spread uniformly between the two."""
+    """Least and largest length of a leg, in radii; lengths are spread uniformly between the two. In
+    a `field` their middle is the unit."""
+    field: Law = RANDOM
+    """Where the points are: at `random`, or in a field. `clusters`: Gaussian blobs, one after
+    another. `survey rows`: rows flown back and forth, points a unit apart. `roads`: one point on
+    each block of a drive through streets a unit apart. `gps`: noisy fixes of a smooth track, a unit
+    apart."""
     final_heading: Literal["free", "sampled"] = "free"
     """Whether the final heading is `free`, or `sampled` from all headings."""
 
@@ -168,7 +179,10 @@ class Tour(Drawn):
     points: LegCounts
     """Number n of points beside the start, or several numbers."""
     density: RadiiList
-    """Side of the square over sqrt(n), in radii, such as `"8R"`, or several; more is sparser."""
+    """Side of the square over sqrt(n), in radii, such as `"8R"`, or several; more is sparser. In a
+    `field` it is the unit."""
+    field: Law = RANDOM
+    """Where the points are: at `random`, or in a field, as those of a `route`."""
     heading: Literal["sampled", "free"] = "sampled"
     """Whether the start heading is `sampled` from all headings, or `free`."""
     end: Literal["point", "any"] = "point"

@@ -19,6 +19,7 @@ import numpy as np
 from dubins_study.experiments.definition.experiment import ExperimentError
 from dubins_study.experiments.definition.scenario_block import (
     FIELDS,
+    RANDOM,
     SPACINGS,
     Block,
     ListedBlock,
@@ -26,6 +27,7 @@ from dubins_study.experiments.definition.scenario_block import (
     Sample,
     Tour,
 )
+from dubins_study.experiments.plan.fields import field_points
 from dubins_study.study.scenario import NUMBERS, Scenario, ScenarioError
 from dubins_study.study.words import Order
 
@@ -159,16 +161,25 @@ def _routes(route: Route) -> Iterator[Draw]:
     for legs in route.legs:
         rng = np.random.default_rng([route.seed, legs])
         for _ in range(route.count):
-            x = y = 0.0
-            points = []
-            for share, turn in rng.random((2, legs)).T.tolist():
-                length = low + share * (high - low)
-                x += length * math.cos(2 * math.pi * turn)
-                y += length * math.sin(2 * math.pi * turn)
-                points.append((x, y))
+            if route.field == RANDOM:
+                points = _walk(rng, legs, low, high)
+            else:
+                points = field_points(route.field, rng, legs, (low + high) / 2).tolist()
             final_heading = 2 * math.pi * rng.random()
             drawn = {"final_heading": final_heading} if route.final_heading == "sampled" else {}
             yield Draw(drawn, points, to_target=True)
+
+
+def _walk(rng: np.random.Generator, legs: int, low: float, high: float) -> list[list[float]]:
+    """Points of which each has any direction from the one before it."""
+    x = y = 0.0
+    points = []
+    for share, turn in rng.random((2, legs)).T.tolist():
+        length = low + share * (high - low)
+        x += length * math.cos(2 * math.pi * turn)
+        y += length * math.sin(2 * math.pi * turn)
+        points.append([x, y])
+    return points
 
 
 def _tours(tour: Tour) -> Iterator[Draw]:
@@ -176,8 +187,11 @@ def _tours(tour: Tour) -> Iterator[Draw]:
         side = density * math.sqrt(n)
         rng = np.random.default_rng([tour.seed, n])
         for _ in range(tour.count):
-            places = side * rng.random((n + 1, 2))
-            points = (places[1:] - places[0]).tolist()
+            if tour.field == RANDOM:
+                places = side * rng.random((n + 1, 2))
+                points = (places[1:] - places[0]).tolist()
+            else:
+                points = field_points(tour.field, rng, n, density).tolist()
             heading = 2 * math.pi * rng.random()
             drawn = {"heading": None if tour.heading == "free" else heading}
             yield Draw(drawn, points, tour.to_target)

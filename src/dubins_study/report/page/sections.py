@@ -41,6 +41,7 @@ _MODULES = (
     "topics.basins",
     "topics.bias",
     "topics.convex",
+    "topics.proofs",
     "topics.tours",
     "topics.ladder",
     "topics.failures",

@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from dubins_study.report.elements.content import (
 )
 from dubins_study.report.elements.formats import count, digits, sentences
 from dubins_study.report.elements.identity import questions
-from dubins_study.report.elements.looks import Palette, in_page_order, short_labels
+from dubins_study.report.elements.looks import Look, Palette, in_page_order, short_labels
 from dubins_study.report.elements.plots import HIGHEST, Mark, share_curves
 from dubins_study.report.elements.style import (
     BLUE,
@@ -66,6 +67,7 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most do not arrive", colour="#2f4c69"),
 }
+_ALL_BUT_SAMPLES = 0.95  # share of the rows
 _DARK = 3  # classes from this one on carry light text
 _LINES = 20  # of more, the surest engine of each formulation and kind of guess is drawn
 
@@ -176,6 +178,31 @@ def _text(rows: pd.DataFrame) -> str:
         "tolerance.",
         undecided,
         proved,
+        second_opinion(rows),
+    )
+
+
+# of a length: the tolerance to which gdip tells words apart
+_GDIP_TOLERANCE = 1e-5
+
+
+def second_opinion(rows: pd.DataFrame) -> str:
+    """What the bounds of an independent program say of the check's; empty where it has none.
+
+    The file `gdip.csv` has the bounds, and how they were made.
+    """
+    known = rows.dropna(subset=["reference_high"]).drop_duplicates("scenario_id")
+    with (files(__package__) / "gdip.csv").open(encoding="utf-8") as file:
+        both = known.merge(pd.read_csv(file, comment="#"), on="scenario_id")
+    if both.empty:
+        return ""
+    high = both["reference_high"] / both["radius"]
+    above = both["low"] > high * (1.0 + _GDIP_TOLERANCE)
+    below = ((high - both["low"]) / high).clip(lower=0.0)
+    return (
+        f"An independent program (gdip, Váňa and Faigl 2020) bounds {count(len(both))} of these "
+        f"routes from below: {count(above.sum())} of its bounds contradict the check; at the "
+        f"median they lie {digits(2)(below.median())} of a length below the shortest paths."
     )
 
 
@@ -210,7 +237,7 @@ def _picture(cells: pd.DataFrame, strata: list[str], results: Results, timed: se
         strata,
         timed,
         palette_of(results, short_labels(methods_of(results.rows))),
-        results.rows["limit_s"].max(),
+        usual_limit(results.rows),
     )
 
 
@@ -218,6 +245,11 @@ def palette_of(results: Results, labels: Mapping[str, str]) -> Palette:
     """The page's palette, with names that tell the methods of these results apart."""
     own = {**labels, EXACT: "search with a proof"}
     return replace(Palette.of_page(results), labels=own)
+
+
+def usual_limit(rows: pd.DataFrame) -> float:
+    """The largest time limit (s) that is not only a sample's; NaN if none is stated."""
+    return float(rows["limit_s"].quantile(_ALL_BUT_SAMPLES, interpolation="lower"))
 
 
 def plot_sizes(
@@ -247,11 +279,15 @@ def plot_sizes(
         figure = new_figure(WIDE, min(HIGHEST, sum(heights) + 1.3))
         panels = figure.subplots(2, number, sharey="row", squeeze=False, height_ratios=heights)
         pairs = panels.T
+    drawn = [solver for solver in solvers if solver in timed]
+    looks = palette.looks(drawn)
+    names = palette.names(drawn)
+    lines: dict[str, Line2D] = {}  # by solver: a panel may lack some
     for place, ((above, below), label) in enumerate(zip(pairs, strata, strict=True)):
         chosen = cells[cells["label"] == label]
         plot_success(above, chosen, solvers, size, gaps)
         above.set_title(label, fontsize=7.5, pad=3)
-        lines = plot_times(below, chosen[chosen["solver"].isin(timed)], palette, size)
+        lines |= plot_times(below, chosen[chosen["solver"].isin(timed)], looks, names, size)
         if limit > 0:
             mark_limit(below, limit, "y")
         if narrow or place == 0:
@@ -264,7 +300,9 @@ def plot_sizes(
     style: Style = {"fontsize": 7, "columnspacing": 1.2}
     key: Style = {"title": "median gap", "alignment": "left", "loc": "outside upper left"}
     figure.legend(handles=patches, ncols=3 if narrow else 5, **key, **style)
-    figure.legend(handles=lines, loc="outside lower left", ncols=2 if narrow else 3, **style)
+    figure.legend(
+        handles=[*lines.values()], loc="outside lower left", ncols=2 if narrow else 3, **style
+    )
     return figure
 
 
@@ -302,18 +340,19 @@ def plot_success(
     ax.tick_params(length=0)
 
 
-def plot_times(ax: Axes, cells: pd.DataFrame, palette: Palette, size: str) -> list[Line2D]:
+def plot_times(
+    ax: Axes, cells: pd.DataFrame, looks: Mapping[str, Look], names: Mapping[str, str], size: str
+) -> dict[str, Line2D]:
     """Median times (s) over the size, a line for each solver; both axes logarithmic.
 
-    Columns: those of `by_size`, of one stratum. Returns the lines.
+    Columns: those of `by_size`, of one stratum. Returns the lines, by solver.
     """
-    looks = palette.looks(cells["solver"].unique())
-    names = palette.names(cells["solver"].unique())
-    lines = []
+    lines = {}
     for solver, rows in cells.groupby("solver", sort=False):
         look = looks[str(solver)]
         style: Style = look.lines | {"marker": look.marker, "markersize": 3, "linewidth": 1.0}
-        lines += ax.plot(rows[size], rows["wall_s"], label=names[str(solver)], **style)
+        [line] = ax.plot(rows[size], rows["wall_s"], label=names[str(solver)], **style)
+        lines[str(solver)] = line
     size_axes(ax, cells[size], cells["wall_s"])
     return lines
 

@@ -3,42 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator
-from dataclasses import replace
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.ticker import NullLocator
 
 from dubins_study.report.data.attempts import EXACT, TRIAL, is_true, legs_of
 from dubins_study.report.data.results import Results
-from dubins_study.report.elements.columns import SOLVER, columns
+from dubins_study.report.elements.columns import SOLVER, Column, columns
 from dubins_study.report.elements.content import (
     Picture,
     Section,
     Table,
     Topic,
     panels_picture,
-    picture,
 )
 from dubins_study.report.elements.formats import count, digits, seconds, sentences, share
 from dubins_study.report.elements.identity import with_share
 from dubins_study.report.elements.looks import distinct, in_page_order
 from dubins_study.report.elements.plots import Mark
-from dubins_study.report.elements.style import (
-    BLUE,
-    GREEN,
-    INK,
-    VERMILION,
-    Style,
-    percent_axis,
-)
 from dubins_study.report.statistics.intervals import scenario_shares
 from dubins_study.report.statistics.methods import stratum_order
 from dubins_study.report.statistics.metrics import upper_quantile
-from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes
+from dubins_study.report.topics.routes import by_size, palette_of, plot_sizes, usual_limit
 from dubins_study.study.words import Claim
 
 TITLE = "Tours: the order free"
@@ -50,36 +38,42 @@ GAPS = {
     1e300: Mark("more", colour="#6a9cc4"),
     math.inf: Mark("most have no tour", colour="#2f4c69"),
 }
-_PROVING = ("tour MILP", "tour circuit")  # formulations of which an engine proves an optimum
+# formulations of whose program an engine proves an optimum, and one that is the question itself
+_PROVING = ("tour MILP", "tour circuit")
+_DISJUNCTION = "disjunction"
 _STRAIGHT_FIRST = "order then headings"  # the formulation of both orders by straight lines
 # What proved tours are compared with.
 _STRAIGHT = "order by straight lines, best headings"
 _ALTERNATING = "that order, every other leg straight"
-_LOOKS = (
-    Mark("", colour=BLUE, marker="o"),
-    Mark("", colour=VERMILION, marker="s"),
-    Mark("", colour=GREEN, marker="^"),
-    Mark("", colour=INK, marker="D"),
-)
 # how the engines' words for an optimum of their program end, in small letters
 _OPTIMAL = ("optimal", "gaplimit", "glp_opt", "glp_emipgap")
-_FLOOR = 1e-6  # a smaller gap is drawn there: as long as the proved tour
+# what an engine's program leaves open when it ends, in the messages of `solvers.tour.graph`
+_OWN_GAP = r"gap ([0-9.e+-]+), of "
+_WITHIN_S = (1, 10, 100)
 
 
 def with_points(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows with columns points (their number), closes and bound_gap.
+    """The rows with columns points (their number), closes, own_gap and bound_gap.
 
-    Closes: the search has proved the tour to be shortest, or an engine has solved its own program
-    to the optimum. The bound's gap is how far the solver's bound of the shortest length lies below
-    it, relative to it; NaN without a bound.
+    Closes: the tour is proved to be shortest, or an engine has solved its own program to the
+    optimum. Its own gap is what the engine left open of that program; NaN without a tour. The
+    bound's gap is how far the solver's bound of the shortest length lies below it, relative to it;
+    NaN without a bound.
     """
     points = legs_of(rows) - is_true(rows["closed"])
     solved = rows["native_status"].fillna("").str.lower().str.endswith(_OPTIMAL)
     proved = rows["claim"].eq(Claim.OPTIMAL) & rows["verdict"].eq("optimal")
-    ended = proved.where(rows["solver"].eq(EXACT), solved & rows["formulation"].isin(_PROVING))
+    of_question = rows["solver"].eq(EXACT) | rows["formulation"].eq(_DISJUNCTION)
+    ended = proved.where(of_question, solved & rows["formulation"].isin(_PROVING))
     high = rows["reference_high"]
     below = (high - rows["lower_bound"]).clip(lower=0.0) / high
-    return rows.assign(points=points, closes=ended & ~is_true(rows["late"]), bound_gap=below)
+    told = rows["message"].fillna("").str.extract(_OWN_GAP, expand=False)
+    return rows.assign(
+        points=points,
+        closes=ended & ~is_true(rows["late"]),
+        own_gap=told.astype(np.float64),
+        bound_gap=below,
+    )
 
 
 def by_points(rows: pd.DataFrame) -> pd.DataFrame:
@@ -96,7 +90,7 @@ def by_points(rows: pd.DataFrame) -> pd.DataFrame:
 
 def provers(rows: pd.DataFrame) -> set[str]:
     """The solvers that prove anything."""
-    proving = rows["solver"].eq(EXACT) | rows["formulation"].isin(_PROVING)
+    proving = rows["solver"].eq(EXACT) | rows["formulation"].isin((*_PROVING, _DISJUNCTION))
     return set(rows["solver"][proving])
 
 
@@ -107,20 +101,35 @@ def asked_of_most(rows: pd.DataFrame) -> pd.DataFrame:
     return asked
 
 
+def closed_within(rows: pd.DataFrame) -> pd.DataFrame:
+    """How many questions each solver closes in 1, 10 and 100 s, of those with as long a limit.
+
+    Indexed by solver; columns `in_1_s`, ..., texts such as `5/6`, missing of no questions.
+    """
+    columns = {}
+    for limit in _WITHIN_S:
+        asked = rows[rows["limit_s"] >= limit]
+        closed = asked["closes"] & (asked["wall_s"] <= limit)
+        counts = closed.groupby(asked["solver"]).agg(["sum", "size"]).astype(int).astype(str)
+        columns[f"in_{limit}_s"] = counts["sum"] + "/" + counts["size"]
+    return pd.DataFrame(columns)
+
+
 def by_engine(rows: pd.DataFrame) -> pd.DataFrame:
     """One row per solver: what it closes, and medians over its attempts.
 
     Columns solver; those of `with_share` for closes; nodes (of attempts that count some); gap
-    (infinite without an answer); bound_gap (1 without a bound, NaN of solvers that give none);
-    wall_s.
+    (infinite without an answer); own_gap (1 without a tour, NaN of solvers that tell none);
+    bound_gap (1 without a bound, NaN of solvers that give none); false_bounds (their number);
+    memory_mib; wall_s.
     """
-    bounded = rows.groupby("solver")["bound_gap"].transform("count") > 0
-    counted = rows.assign(
-        gap=rows["gap"].fillna(np.inf), bound_gap=rows["bound_gap"].fillna(1.0).where(bounded)
-    )
-    medians = {"iterations": "nodes", "gap": "gap", "bound_gap": "bound_gap", "wall_s": "wall_s"}
-    groups = counted.groupby("solver", sort=False)[[*medians]]
-    frame = groups.agg(upper_quantile, q=0.5).rename(columns=medians)
+    told = rows.groupby("solver")[["own_gap", "bound_gap"]].transform("count") > 0
+    open_gaps = rows[["own_gap", "bound_gap"]].fillna(1.0).where(told)
+    counted = rows.assign(gap=rows["gap"].fillna(np.inf), **open_gaps)
+    medians = ["iterations", "gap", "own_gap", "bound_gap", "memory_mib", "wall_s"]
+    groups = counted.groupby("solver", sort=False)
+    frame = groups[medians].agg(upper_quantile, q=0.5).rename(columns={"iterations": "nodes"})
+    frame["false_bounds"] = is_true(rows["false_bound"]).groupby(rows["solver"]).sum()
     proving = rows[rows["solver"].isin(provers(rows))]
     shares = scenario_shares(proving, by=["solver"], success="closes", scenario=TRIAL)
     shares = shares.reindex(frame.index).fillna({"successes": 0, "trials": 0})
@@ -146,6 +155,21 @@ def against_proof(rows: pd.DataFrame, settings: dict[str, dict[str, Any]]) -> pd
     return chosen.assign(other_order=np.array(other, dtype=bool))
 
 
+def by_kind(compared: pd.DataFrame) -> pd.DataFrame:
+    """One row per kind of answer that is compared with proved tours.
+
+    Columns kind; those of `with_share` for refuted (the proved tour is shorter by more than the
+    tolerance) and for other_order; excess and most, the median and the largest gap.
+    """
+    groups = compared.groupby("kind", sort=False)
+    frame = groups[["gap"]].agg(["median", "max"]).set_axis(["excess", "most"], axis=1)
+    trials = groups.size()
+    refuted = compared["verdict"].eq("longer").groupby(compared["kind"]).sum()
+    frame = with_share(frame, "refuted", refuted.reindex(frame.index), trials)
+    other = groups["other_order"].sum()
+    return with_share(frame, "other_order", other, trials).reset_index()
+
+
 def _kind_of(row: dict[Hashable, Any], settings: dict[str, dict[str, Any]]) -> str:
     """What a proved tour is compared with; empty if nothing is compared."""
     own = settings.get(row["solver"], {})
@@ -169,10 +193,12 @@ def tours_section(results: Results) -> Section | None:
     cells = in_page_order(by_points(rows), results)
     strata = stratum_order(results, cells["label"])
     compared = against_proof(rows, results.settings)
-    blocks: list[Picture | Table] = [_closed_picture(cells, strata, results)]
+    blocks: list[Picture | Table] = [_closed_picture(rows, cells, strata, results)]
+    closed = closed_within(rows[rows["solver"].isin(provers(rows))])
+    engines = by_engine(asked_of_most(rows)).merge(closed, "left", on="solver")
+    blocks.append(_engines(in_page_order(engines, results)))
     if len(compared):
-        blocks += _grid_pictures(compared, strata)
-    blocks.append(_engines(in_page_order(by_engine(asked_of_most(rows)), results)))
+        blocks.append(_compared(by_kind(compared)))
     lead = (
         "Read along a line up to how many points a method closes what it solves. Then see below "
         "what its answer is worth beside the proved tour."
@@ -205,7 +231,17 @@ def _text(rows: pd.DataFrame, compared: pd.DataFrame) -> str:
     )
 
 
-def _closed_picture(cells: pd.DataFrame, strata: list[str], results: Results) -> Picture:
+def timed_solvers(rows: pd.DataFrame) -> set[str]:
+    """Of each engine that proves, the solver that is asked most."""
+    proving = rows[rows["solver"].isin(provers(rows))]
+    asked = proving.groupby(["engine", "solver"]).size().rename("asked").reset_index()
+    ranked = asked.sort_values("asked", ascending=False, kind="stable")
+    return set(ranked.drop_duplicates("engine")["solver"])
+
+
+def _closed_picture(
+    rows: pd.DataFrame, cells: pd.DataFrame, strata: list[str], results: Results
+) -> Picture:
     methods = results.methods.set_index("solver")
     names = [_name(methods.loc[spec], results.settings.get(spec, {})) for spec in methods.index]
     labels = dict(zip(methods.index, distinct(names), strict=True))
@@ -213,15 +249,15 @@ def _closed_picture(cells: pd.DataFrame, strata: list[str], results: Results) ->
         "tours",
         "Above, in each cell the questions that are closed of those asked (no number: a method "
         "that proves nothing), and as colour the median gap of the answers to the proven lower end "
-        "of the shortest length. Below, median times of those that prove, failures included; "
-        "dotted: the limit. A panel for each density: the square's side.",
+        "of the shortest length. Below, median times of each engine's method that is asked most, "
+        "failures included; dotted: the limit. A panel a density: the square's side.",
         plot_sizes,
         "Questions closed, gaps and times, by solver, number of points and density",
         cells,
         strata,
-        provers(results.rows),
+        timed_solvers(rows),
         palette_of(results, labels),
-        results.rows["limit_s"].max(),
+        usual_limit(results.rows),
         size="points",
         gaps=GAPS,
     )
@@ -232,72 +268,12 @@ def _name(method: pd.Series, settings: dict[str, Any]) -> str:
     if method["formulation"] == _STRAIGHT_FIRST:
         return f"{settings.get('order', '')} order".strip()
     bounds = "bounds" if settings.get("costs") == "bounds" else ""
-    return ", ".join(filter(None, [method["engine"], settings.get("model", ""), bounds]))
-
-
-def _grid_pictures(compared: pd.DataFrame, strata: list[str]) -> list[Picture]:
-    excess = picture(
-        *("tours-excess", plot_excess, compared, strata),
-        caption="How much longer each answer is than the proved tour (small marks; at the lower "
-        "edge: as long), and the median, by density. The best tour of a grid is one that an engine "
-        "has proved to be its optimum.",
-        alt="Excess lengths by density",
-        height=3.1,
-        legend=1,
-    )
-    orders = picture(
-        *("tours-orders", plot_orders, compared, strata),
-        caption="Share of the same answers that pass the points in another order than the proved "
-        "tour, with its 95 % interval.",
-        alt="Shares of other orders by density",
-        height=3.1,
-        legend=1,
-    )
-    return [excess, orders]
-
-
-def _beside(compared: pd.DataFrame, strata: list[str]) -> Iterator[tuple[Mark, pd.DataFrame]]:
-    """Each kind's mark, and its rows with their place x."""
-    kinds = list(dict.fromkeys(compared["kind"]))
-    for number, kind in enumerate(kinds):
-        rows = compared[compared["kind"] == kind]
-        shift = 0.2 * (number - (len(kinds) - 1) / 2)
-        mark = _LOOKS[number % len(_LOOKS)]
-        yield replace(mark, label=kind), rows.assign(x=rows["label"].map(strata.index) + shift)
-
-
-def plot_excess(ax: Axes, compared: pd.DataFrame, strata: list[str]) -> None:
-    """Excess lengths over densities, and their medians; columns of `against_proof`."""
-    for mark, rows in _beside(compared, strata):
-        gaps = rows["gap"].clip(lower=_FLOOR)
-        ax.plot(rows["x"], gaps, **mark.dots() | {"markersize": 2.5, "alpha": 0.6}, clip_on=False)
-        middle = gaps.groupby(rows["x"]).median()
-        bar: Style = {"linestyle": "none", "color": mark.colour, "markersize": 15}
-        ax.plot(middle.index, middle, marker="_", markeredgewidth=2, **bar)
-        ax.plot([], [], label=mark.label, **mark.dots())
-    ax.set(yscale="log", ylim=(_FLOOR, max(1.0, 1.2 * float(compared["gap"].max()))))
-    ax.set_yticks([1e-6, 1e-4, 1e-2, 1e-1, 1], ["≤ 1e-6", "0.01 %", "1 %", "10 %", "100 %"])
-    ax.yaxis.set_minor_locator(NullLocator())
-    _density_axis(ax, strata)
-
-
-def plot_orders(ax: Axes, compared: pd.DataFrame, strata: list[str]) -> None:
-    """Shares of other orders over densities, with intervals; columns of `against_proof`."""
-    for mark, rows in _beside(compared, strata):
-        shares = scenario_shares(rows, by=["x"], success="other_order", scenario=TRIAL)
-        middle = shares["share"]
-        ends = np.maximum([middle - shares["low"], shares["high"] - middle], 0.0)
-        style: Style = mark.dots() | {"markersize": 5, "linewidth": 1.0, "label": mark.label}
-        ax.errorbar(shares.index, middle, yerr=ends, **style)
-    ax.set_ylim(-0.03, 1.03)
-    percent_axis(ax.yaxis)
-    _density_axis(ax, strata)
-
-
-def _density_axis(ax: Axes, strata: list[str]) -> None:
-    ax.set_xticks(range(len(strata)), strata)
-    ax.set_xlim(-0.6, len(strata) - 0.4)
-    ax.grid(False, axis="x")
+    if method["formulation"] == _DISJUNCTION:
+        parts = [method["engine"], _DISJUNCTION, settings.get("emphasis", "")]
+    else:
+        grid = f"K = {settings['headings']}" if "headings" in settings else ""
+        parts = [method["engine"], settings.get("model", ""), grid, bounds]
+    return ", ".join(filter(None, parts))
 
 
 def _gap(value: float) -> str:
@@ -308,16 +284,32 @@ def _engines(frame: pd.DataFrame) -> Table:
     shown = (
         SOLVER,
         *columns(kind="cell", closes_text="closed"),
-        *columns(digits(3), nodes="nodes"),
-        *columns(_gap, gap="gap of the answer", bound_gap="gap of the bound"),
+        *columns(kind="cell", in_1_s="in 1 s", in_10_s="in 10 s", in_100_s="in 100 s"),
+        *columns(digits(3), nodes="nodes", memory_mib="MiB"),
+        *columns(_gap, gap="gap of the answer", own_gap="own gap", bound_gap="gap of the bound"),
+        *columns(count, false_bounds="false bounds"),
         *columns(seconds, wall_s="time"),
     )
     caption = (
-        "Medians over attempts at the questions that all were asked. Gaps at the limit: the "
-        "answer's to the proven lower end of the shortest length, the bound's to its upper end. "
-        "Only a bound of the question has a gap, and only an engine that branches has nodes."
+        "Medians over attempts at the questions that all were asked; closed in 1, 10 and 100 s of "
+        "all with as long a limit. Own gap: what the engine leaves open of its own program. The "
+        "answer's gap is to the proven lower end of the shortest length, the bound's to its upper "
+        "end; a false bound lies above it."
     )
     return Table("tours-engines", caption, frame, shown)
+
+
+def _compared(frame: pd.DataFrame) -> Table:
+    shown = (
+        Column("kind", "answer", kind="text"),
+        *columns(kind="cell", refuted_text="refuted", other_order_text="other order"),
+        *columns(_gap, excess="longer, median", most="longer, at most"),
+    )
+    caption = (
+        "Answers beside proved tours. Refuted: the proved tour is shorter by more than the "
+        "tolerance. The best tour of a grid is one that an engine has proved to be its optimum."
+    )
+    return Table("tours-compared", caption, frame, shown)
 
 
 TOPIC = Topic("tours", tours_section, "tours")

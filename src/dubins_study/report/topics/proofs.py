@@ -1,0 +1,67 @@
+"""Proofs of routes by branch and bound: what closes within which limit, and what is left open."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from dubins_study.report.data.attempts import TRIAL, is_true, legs_of
+from dubins_study.report.data.results import Results
+from dubins_study.report.elements.columns import SOLVER, Column, columns
+from dubins_study.report.elements.content import Section, Table, Topic
+from dubins_study.report.elements.formats import seconds, share
+from dubins_study.report.elements.identity import with_share
+from dubins_study.report.statistics.intervals import scenario_shares
+from dubins_study.report.statistics.metrics import upper_quantile
+from dubins_study.study.words import Claim
+
+_PROVING = "disjunction"  # the formulation of routes whose engines prove a bound
+
+
+def by_limit(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row per solver, number of legs and time limit.
+
+    Columns solver, legs, limit_s; those of `with_share` for closed (its path is proved to be
+    shortest in time, and is); bound_gap, the median of how far the solver's bound lies below the
+    shortest length, relative to that (1 without a bound); wall_s, the median time.
+    """
+    high = rows["reference_high"]
+    below = ((high - rows["lower_bound"]) / high).clip(lower=0.0).fillna(1.0)
+    closed = rows["claim"].eq(Claim.OPTIMAL) & rows["verdict"].eq("optimal")
+    counted = rows.assign(
+        legs=legs_of(rows), closed=closed & ~is_true(rows["late"]), bound_gap=below
+    )
+    cell = ["solver", "legs", "limit_s"]
+    medians = counted.groupby(cell)[["bound_gap", "wall_s"]].agg(upper_quantile, q=0.5)
+    shares = scenario_shares(counted, by=cell, success="closed", scenario=TRIAL)
+    frame = with_share(medians, "closed", shares["successes"], shares["trials"])
+    return frame.reset_index()
+
+
+def proofs_section(results: Results) -> Section | None:
+    """What branch and bound proves of routes, by limit."""
+    rows = results.rows
+    rows = rows[rows["formulation"].eq(_PROVING) & rows["limit_s"].notna()]
+    if rows.empty:
+        return None
+    shown = (
+        SOLVER,
+        *columns(legs="legs"),
+        *columns(seconds, limit_s="limit"),
+        Column("closed_text", "closed", kind="cell"),
+        *columns(share, bound_gap="gap of bound"),
+        *columns(seconds, wall_s="median time"),
+    )
+    caption = (
+        "Closed: the path is proved to be shortest within the limit, and is. The gap is between "
+        "the bound at the end and the shortest length, at the median."
+    )
+    table = Table("proofs", caption, by_limit(rows), shown)
+    text = (
+        "A proof takes longer than a local step, so that its limit is longer too. The same solver "
+        "with another limit is another row."
+    )
+    lead = "See up to how many legs branch and bound proves a route, and in what time."
+    return Section("proofs", "Proofs of routes by limit", text, (table,), lead)
+
+
+TOPIC = Topic("proofs of routes", proofs_section, "routes")

@@ -1,0 +1,59 @@
+"""`heading-grid`: the headings at the points on a grid, chosen by a dynamic program over layers.
+
+The baseline of routes: what one would write first. The legs are the closed form's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import ClassVar
+
+from dubins_study.solvers.protocol import Guarantee, Method, Question, Solution, Solver
+from dubins_study.solvers.setting_checks import whole
+from dubins_study.solvers.tour.order_headings import headings_on_grid, polished
+from dubins_study.solvers.tour.places import Places, empty_path, places_of, tour_path
+from dubins_study.study.words import IN_ORDER, Claim
+
+
+@dataclass(frozen=True)
+class HeadingGrid(Solver):
+    """Headings on a grid, exact legs between them; the best of that grid, which nothing bounds.
+
+    Args:
+        headings: number of headings at each point.
+        refine: whether finer and finer grids about the best headings follow, down to 1e-9 rad
+            (Frego, Bevilacqua, Saccon, Palopoli and Fontanelli 2020).
+    """
+
+    headings: int = whole(36, 4, 1000)
+    refine: bool = False
+
+    name = "heading-grid"
+    guarantee = Guarantee.DISCRETISED
+    takes = IN_ORDER
+    summary = "headings on a grid, exact legs between them, by a dynamic program"
+    keeps_limit = False  # only a grid that is refined looks at the clock
+    variants = ("heading-grid[refine=true]",)
+    profiles: ClassVar = {"fast": {"headings": 18}, "accurate": {"refine": True}}
+
+    @property
+    def method(self) -> Method:
+        return Method("grid of headings", "dynamic programming")
+
+    def build(self, question: Question) -> tuple[Question, Places]:
+        places = places_of(question.scenario)
+        headings_on_grid(places, list(range(places.count)), 1)  # loads the compiled loops
+        return question, places
+
+    def solve(self, model: tuple[Question, Places], limit: float) -> Solution:
+        question, places = model
+        if there := empty_path(question):
+            return there
+        until = perf_counter() + limit
+        order = list(range(places.count))
+        headings = headings_on_grid(places, order, self.headings)
+        if self.refine:
+            headings = polished(places, order, headings, self.headings, until)
+        path = tour_path(question.scenario, places, order, headings)
+        return Solution(Claim.FEASIBLE, path=path, claimed_length=path.length)
