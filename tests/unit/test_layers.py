@@ -66,7 +66,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "study.kinds": (*_FACTS, "study.check", "study.tour"),
     "study.judging": (*_FACTS, "study.check", "study.kinds"),
     "solvers": (*_FACTS, "study.kinds"),  # the closed form asks the kinds; none asks the check
-    "solvers.nlp_engines": (*_FACTS, "solvers"),
+    "solvers.nlp_engines": (*_FACTS, "solvers", "solvers.minlp_engines"),
     "solvers.one_leg": (*_FACTS, "solvers"),
     "solvers.paper_nlp": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
     "solvers.optimal_control": (*_FACTS, "solvers", "solvers.nlp_engines", "solvers.one_leg"),
@@ -84,7 +84,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "solvers.tour": (*_FACTS, "solvers", "solvers.minlp_engines"),
     "solvers.convex": (*_FACTS, "solvers"),
-    "solvers.export": (*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
+    "solvers.export": (
+        *(*_FACTS, "solvers", "solvers.one_leg", "solvers.global_minlp"),
+        "solvers.nlp_engines",
+    ),
     "experiments.isolation.floor": (
         *(*_FACTS, "solvers", "solvers.one_leg", "solvers.paper_nlp", "solvers.convex"),
         *("solvers.minlp_engines", "solvers.stochastic", "solvers.tour"),
@@ -109,7 +112,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         *("study.*", "solvers", "asking", *_LEAVES),
         *("experiments.definition", "experiments.isolation", "experiments.plan"),
     ),
-    "experiments": ("study.*", "solvers", "asking", "experiments.*"),
+    "experiments": ("study.*", "solvers", "solvers.export", "asking", "experiments.*"),
     "conformance": ("study.*", "solvers", "asking", "experiments.isolation"),
     "report.data": ("study.*",),
     "report.statistics": ("study.*", "report.data"),

@@ -24,6 +24,7 @@ try:
         compare,
         experiments,
         export,
+        judge,
         merge,
         new,
         report,
@@ -172,6 +173,7 @@ app = _group(
         compare.compare,
         audit.audit,
         export.export,
+        judge.judge,
         check_solver.check_solver,
     ],
 )

@@ -146,6 +146,10 @@ class RouteNlp(EngineSolver):
         attempts = Attempts(guesses, timed(self.model, solve, length), lambda _: enough)
         return _answer(model, tried([attempts], perf_counter() + limit))
 
+    def first_guess(self, model: PosedRoute) -> FloatArray:
+        """The first initial guess, a point of the question's own program."""
+        return _kept(next(self._guesses(model)), model.places)
+
     def _guesses(self, model: PosedRoute) -> Iterator[FloatArray]:
         """Points x of the joint program, shape (6 n,)."""
         route = model.route
