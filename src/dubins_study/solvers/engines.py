@@ -403,7 +403,7 @@ EXECUTABLES = {
 }
 
 
-def program(name: str, kind: str) -> Engine:
+def program_engine(name: str, kind: str) -> Engine:
     """The line of an executable on PATH that AMPL calls."""
     known = (each for begin, each in EXECUTABLES.items() if name.startswith(begin))
     keywords = next(known, Keywords())
@@ -453,7 +453,7 @@ class EngineSolver(Solver):
     @property
     def library(self) -> Engine:
         """The engine's line of the table."""
-        return self.engines.get(self.engine) or program(self.engine, self.program_kind)
+        return self.engines.get(self.engine) or program_engine(self.engine, self.program_kind)
 
     @property
     def runs(self) -> str | None:
