@@ -17,7 +17,12 @@ from dubins_study.errors import DubinsStudyError
 from dubins_study.experiments.definition.axes import StrictModel
 from dubins_study.experiments.definition.experiment import read
 from dubins_study.experiments.definition.messages import Problem, problems_of, refusal
-from dubins_study.experiments.definition.table_file import Table, TableRow, read_table
+from dubins_study.experiments.definition.table_file import (
+    Table,
+    TableRow,
+    note_passed_over,
+    read_table,
+)
 from dubins_study.experiments.executors.local import row_of
 from dubins_study.experiments.plan.cells import Cell
 from dubins_study.experiments.plan.questions import Asked, questions
@@ -35,7 +40,7 @@ from dubins_study.study.rows.manifest import Manifest, RunEntry, SolverEntry
 from dubins_study.study.rows.parts import Row, os_errors_as, row_key
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
-from dubins_study.study.values import did_you_mean, plain, short
+from dubins_study.study.values import did_you_mean, nearest, plain, short
 from dubins_study.study.words import Claim, Outcome, Verdict
 
 if TYPE_CHECKING:
@@ -212,11 +217,16 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
 def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str], Answered]:
     """The answers of a file, by id and method."""
     table = _json_table(file) if file.suffix == ".json" else read_table(file)
-    problems = table.problems + column_problems(table.names, _REQUIRED, COLUMNS[3:])
+    missing = [name for name in COLUMNS if name not in table.names]
+    # such as the other columns of instances.csv
+    others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
+    names = [name for name in table.names if name not in others]
+    problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
     answers: dict[tuple[str, str], Answered] = {}
     places: dict[tuple[str, str], str] = {}
     for row in () if problems else table.rows:
-        values = {name: value for name, value in row.values.items() if value not in (None, "")}
+        cells = {name: row.values.get(name) for name in COLUMNS}
+        values = {name: cell for name, cell in cells.items() if cell not in (None, "")}
         try:
             given = Given.model_validate({"method": file.stem} | values)
             path = _path(given, asked)
@@ -237,6 +247,7 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
     if problems:
         sentences = [Problem((), plain(problem)) for problem in problems]
         raise AnswersError(refusal(str(file), sentences))
+    note_passed_over(file, others)
     return answers
 
 
