@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from dubins_study.cli.terminal import output
 from dubins_study.cli.terminal.arguments import Json
 from dubins_study.cli.terminal.output import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _ANSWERS = "columns id, curvatures, lengths; maybe claim, bound, seconds, start_heading, method"
 
@@ -36,17 +39,27 @@ def judge(
     counts: list[int] = []
     with output.progress(f"judge {answers.name}", counts) as progress:
         rows = judge_answers(answers, suite, out=folder, progress=progress)
-    lines = summary(rows)
+    methods = summary(rows)
     if as_json:
-        print(json.dumps({"folder": str(folder), "methods": lines}, indent=2))
+        print(json.dumps({"folder": str(folder), "methods": methods}, indent=2))
     else:
-        head = list(lines[0])
-        print(output.table(head, [list(line.values()) for line in lines]))
-        false = rows[rows["false_claim"] | rows["false_bound"]]
-        for row in false.to_dict("records"):
-            what = "bound" if row["false_bound"] else f"claim {row['claim']}"
-            print(f"false {what}: {row['id']}, verdict {row['verdict']}")
-        command = shlex.join(["dubins-study", "report", str(folder)])
-        print(f"\nits page:\n{plain(command)}")
-    wrong = any(line["false claims"] or line["false bounds"] for line in lines)
+        _print(methods, rows, folder)
+    wrong = (rows["false_claim"] | rows["false_bound"]).any()
     raise typer.Exit(1 if wrong else 0)
+
+
+def _print(methods: list[dict[str, Any]], rows: pd.DataFrame, folder: FilePath) -> None:
+    """The verdicts of each method, each false claim and bound, and the command for the page."""
+    head = [name.replace("_", " ") for name in methods[0]]
+    lines = []
+    for method in methods:
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in method["verdicts"].items())
+        lines.append(list((method | {"verdicts": verdicts}).values()))
+    print(output.table(head, lines))
+    for row in rows.to_dict("records"):
+        false = [name for name in ("claim", "bound") if row[f"false_{name}"]]
+        if false:
+            what = " and ".join(false)
+            print(f"false {what} of {row['solver']}: {row['id']}, verdict {row['verdict']}")
+    command = shlex.join(["dubins-study", "report", str(folder)])
+    print(f"\nits page:\n{plain(command)}")

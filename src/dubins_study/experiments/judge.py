@@ -41,7 +41,7 @@ from dubins_study.study.rows.parts import Row, os_errors_as, row_key
 from dubins_study.study.rows.schema import Times
 from dubins_study.study.scenario import Pose
 from dubins_study.study.values import did_you_mean, nearest, plain, short
-from dubins_study.study.words import Claim, Outcome, Verdict
+from dubins_study.study.words import Claim, Outcome
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -148,16 +148,17 @@ def judge_answers(
 
 def summary(rows: pd.DataFrame) -> list[dict[str, Any]]:
     """How many answers of each method have which verdict, and how many claims more than is true."""
-    lines = []
-    for method, of_method in rows.groupby("solver", sort=False):
-        verdicts = of_method["verdict"].value_counts()
-        line: dict[str, Any] = {"method": method, "questions": len(of_method)}
-        line["answered"] = int((of_method["outcome"] == Outcome.RETURNED).sum())
-        line |= {str(verdict): int(verdicts.get(verdict, 0)) for verdict in Verdict}
-        line["false claims"] = int(of_method["false_claim"].sum())
-        line["false bounds"] = int(of_method["false_bound"].sum())
-        lines.append(line)
-    return lines
+    return [
+        {
+            "method": method,
+            "questions": len(judged),
+            "answered": int((judged["outcome"] == Outcome.RETURNED).sum()),
+            "verdicts": judged["verdict"].value_counts().to_dict(),
+            "false_claims": int(judged["false_claim"].sum()),
+            "false_bounds": int(judged["false_bound"].sum()),
+        }
+        for method, judged in rows.groupby("solver", sort=False)
+    ]
 
 
 def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:

@@ -17,7 +17,7 @@ import numpy as np
 
 from dubins_study.errors import DubinsStudyError
 from dubins_study.solvers.course import body_course
-from dubins_study.solvers.highs import highs_rows
+from dubins_study.solvers.highs import highs_holding, highs_rows
 from dubins_study.solvers.nlp_engines.expressions import mixed_program
 from dubins_study.solvers.nlp_engines.nl_file import nl_file, pyomo_model
 from dubins_study.solvers.one_leg.initial_guesses import initial_guesses
@@ -168,25 +168,17 @@ def _disjunction_texts(solver: Any, question: Question) -> Texts:
 
 def _grid_texts(solver: Any, question: Question) -> Texts:
     """A mixed-integer linear program; the columns of its arcs name places and headings (rad)."""
-    import highspy
-
     graph, program = solver.build(question)
     if graph.places.count > 2 and getattr(solver, "model", "") == "cuts":
         raise ExportError("tour-milp[model=cuts] adds rows while it runs; expected flow or mtz")
-    linear = highs_rows(*program[:-1])
-    kind = highspy.HighsVarType
-    linear.integrality_ = [kind.kInteger if one else kind.kContinuous for one in program.whole]
+    linear = highs_rows(*program)
     ends = [f"p{place}h{h:.6f}" for place, h in zip(graph.owner, graph.headings, strict=True)]
     arcs = zip(graph.tails.tolist(), graph.heads.tolist(), strict=True)
     names = [f"{ends[tail]}_{ends[head]}" for tail, head in arcs]
     linear.col_names_ = names + [f"y{i}" for i in range(program.cost.size - len(names))]
-    linear.row_names_ = [f"r{i}" for i in range(program.least.size)]
-    solver = highspy.Highs()
-    solver.silent()
-    solver.passModel(linear)
     with tempfile.TemporaryDirectory() as folder:
         file = FilePath(folder) / "model.mps"
-        solver.writeModel(str(file))
+        highs_holding(linear, {}).writeModel(str(file))
         return {".mps": file.read_text(encoding="utf-8")}
 
 

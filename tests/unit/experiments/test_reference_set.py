@@ -224,10 +224,9 @@ def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
     judged = judge_answers(write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out")
 
     proud, modest = summary(judged)
-    assert (proud["false claims"], proud["false bounds"], proud["longer"]) == (1, 1, 1)
-    assert (modest["false claims"], modest["false bounds"], modest["longer"]) == (0, 0, 1)
-    assert proud["answered"] == 1
-    assert proud["questions"] == proud["none"] + 1 == 6
+    assert (proud["false_claims"], proud["false_bounds"], proud["answered"]) == (1, 1, 1)
+    assert (modest["false_claims"], modest["false_bounds"], modest["answered"]) == (0, 0, 1)
+    assert proud["verdicts"] == modest["verdicts"] == {"none": 5, "longer": 1}
     stored = load_results(tmp_path / "out")
     assert stored["outcome"].value_counts().to_dict() == {"not_asked": 10, "returned": 2}
     assert set(stored["solver"]) == {"proud", "modest"}

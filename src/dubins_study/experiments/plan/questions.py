@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import product
 from typing import NamedTuple
 
 from dubins_study.asking.attempt import QuestionError, check_branch
 from dubins_study.experiments.definition.experiment import Experiment, ExperimentError
+from dubins_study.experiments.definition.scenario_block import Block
 from dubins_study.experiments.plan.scenarios import scenario_id, scenarios
 from dubins_study.study.scenario import Scenario
 
@@ -18,6 +21,18 @@ class Asked(NamedTuple):
     time_limit_s: float
 
 
+def asked_scenarios(block: Block, key: str, branches: Sequence[str]) -> list[Scenario]:
+    """The scenarios of a block; one that cannot have a branch is named by the block's key."""
+    asked = list(scenarios(block, key))
+    for place, scenario in enumerate(asked):
+        for branch in branches:
+            try:
+                check_branch(scenario, branch)
+            except QuestionError as error:
+                raise ExperimentError(f"{key}, scenario {place}: {error}") from None
+    return asked
+
+
 def questions(experiment: Experiment) -> dict[str, Asked]:
     """The questions by their ids, in the order of the experiment's file.
 
@@ -26,16 +41,11 @@ def questions(experiment: Experiment) -> dict[str, Asked]:
     """
     asked: dict[str, Asked] = {}
     for number, block in enumerate(experiment.scenarios):
-        key = f"scenarios.{number}"
+        branches = block.branches or experiment.branches
         limit = block.time_limit_s or experiment.time_limit_s
-        for place, scenario in enumerate(scenarios(block, key)):
-            for branch in block.branches or experiment.branches:
-                try:
-                    check_branch(scenario, branch)
-                except QuestionError as error:
-                    raise ExperimentError(f"{key}, scenario {place}: {error}") from None
-                id_ = f"{scenario_id(scenario)}-{branch}"
-                earlier = asked.get(id_)
-                longest = limit if earlier is None else max(limit, earlier.time_limit_s)
-                asked[id_] = Asked(scenario, branch, longest)
+        every = asked_scenarios(block, f"scenarios.{number}", branches)
+        for scenario, branch in product(every, branches):
+            id_ = f"{scenario_id(scenario)}-{branch}"
+            earlier = asked.get(id_, Asked(scenario, branch, limit))
+            asked[id_] = earlier._replace(time_limit_s=max(limit, earlier.time_limit_s))
     return asked
