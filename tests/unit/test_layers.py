@@ -36,15 +36,15 @@ class Size(NamedTuple):
 # budget is raised only in the commit that adds what it is for.
 BUDGETS = {
     "study": 87_000,
-    "solvers": 73_500,
+    "solvers": 75_100,
     "asking": 5_500,
-    "experiments": 34_450,
+    "experiments": 36_900,
     "conformance": 11_800,
     "report": 73_700,
     "missions": 8_600,
-    "cli": 14_200,
-    "package": 306_800,
-    "tests": 276_500,
+    "cli": 15_000,
+    "package": 313_000,
+    "tests": 279_900,
 }
 
 _LEAVES = (

@@ -7,7 +7,7 @@ import shlex
 from collections import Counter
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 from uuid import uuid4
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError
@@ -80,13 +80,7 @@ class Given(StrictModel):
 
 
 COLUMNS = tuple(Given.model_fields)
-
-
-class Answered(NamedTuple):
-    """An answer and its path."""
-
-    given: Given
-    path: Path | None
+_UNANSWERED = no_answer(Outcome.NOT_ASKED, "the file has no answer")._replace(versions="{}")
 
 
 def judge_answers(
@@ -133,8 +127,8 @@ def judge_answers(
     for method in methods:
         for id_, question in asked.items():
             cell = _cell(method, profile, digest, question)
-            answer = answers.get((id_, method))
-            rows.append({"id": id_} | _row(cell, answer, settings))
+            reply = answers.get((id_, method), _UNANSWERED)
+            rows.append({"id": id_} | _row(cell, reply, settings))
             if progress is not None:
                 progress(len(rows), len(asked) * len(methods))
     if out is not None:
@@ -144,21 +138,6 @@ def judge_answers(
         manifest = new_manifest(experiment_file, shlex.join(command), entries)
         _store(FilePath(out), manifest, settings, stored)
     return pd.DataFrame(rows)
-
-
-def summary(rows: pd.DataFrame) -> list[dict[str, Any]]:
-    """How many answers of each method have which verdict, and how many claims more than is true."""
-    return [
-        {
-            "method": method,
-            "questions": len(judged),
-            "answered": int((judged["outcome"] == Outcome.RETURNED).sum()),
-            "verdicts": judged["verdict"].value_counts().to_dict(),
-            "false_claims": int(judged["false_claim"].sum()),
-            "false_bounds": int(judged["false_bound"].sum()),
-        }
-        for method, judged in rows.groupby("solver", sort=False)
-    ]
 
 
 def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:
@@ -176,17 +155,10 @@ def _cell(method: str, profile: str, digest: str, asked: Asked) -> Cell:
     )
 
 
-def _row(cell: Cell, answer: Answered | None, settings: RunSettings) -> Row:
+def _row(cell: Cell, reply: Reply, settings: RunSettings) -> Row:
     """The judged row of an answer; machine and threads are not known."""
-    reply = no_answer(Outcome.NOT_ASKED, "the file has no answer")
-    if answer is not None:
-        given = answer.given
-        solution = Solution(given.claim, path=answer.path, lower_bound=given.bound)
-        times = Times(None, given.seconds, given.seconds)
-        reply = Reply(Outcome.RETURNED, solution, times)
     prepare(cell.scenario, cell.branch)
-    question = Question(cell.scenario, cell.branch)
-    row = row_of(cell, question, settings, reply._replace(versions="{}"))
+    row = row_of(cell, Question(cell.scenario, cell.branch), settings, reply)
     return row | {"machine": _MACHINE, "threads": None}
 
 
@@ -215,7 +187,7 @@ def _store(folder: FilePath, new: Manifest, settings: RunSettings, rows: list[Ro
             compact(folder, settings.run_id)
 
 
-def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str], Answered]:
+def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str], Reply]:
     """The answers of a file, by id and method."""
     table = _json_table(file) if file.suffix == ".json" else read_table(file)
     missing = [name for name in COLUMNS if name not in table.names]
@@ -223,7 +195,7 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
     others = [name for name in table.names if name not in COLUMNS and not nearest(name, missing)]
     names = [name for name in table.names if name not in others]
     problems = table.problems + column_problems(names, _REQUIRED, COLUMNS[3:])
-    answers: dict[tuple[str, str], Answered] = {}
+    answers: dict[tuple[str, str], Reply] = {}
     places: dict[tuple[str, str], str] = {}
     for row in () if problems else table.rows:
         cells = {name: row.values.get(name) for name in COLUMNS}
@@ -241,7 +213,9 @@ def read_answers(file: FilePath, asked: dict[str, Asked]) -> dict[tuple[str, str
         except AnswersError as error:
             problems.append(f"{row.place}: {error}")
         else:
-            answers[given.key] = Answered(given, path)
+            solution = Solution(given.claim, path=path, lower_bound=given.bound)
+            times = Times(None, given.seconds, given.seconds)
+            answers[given.key] = Reply(Outcome.RETURNED, solution, times, versions="{}")
             places[given.key] = row.place
     if not (answers or problems):
         problems = ["no answers; expected a row each"]

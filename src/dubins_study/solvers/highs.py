@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from scipy.sparse import csr_array
 
 from dubins_study.solvers.setting_checks import OptionValues
@@ -38,7 +37,7 @@ def highs_rows(
     matrix.value_ = rows.data
     if whole is not None:
         kind = highspy.HighsVarType
-        program.integrality_ = list(np.where(whole, kind.kInteger, kind.kContinuous))
+        program.integrality_ = [kind.kInteger if one else kind.kContinuous for one in whole]
     return program
 
 

@@ -12,7 +12,7 @@ import pyscipopt
 import pytest
 
 from dubins_study.experiments.definition.experiment import read
-from dubins_study.experiments.judge import COLUMNS, AnswersError, judge_answers, summary
+from dubins_study.experiments.judge import COLUMNS, AnswersError, judge_answers
 from dubins_study.experiments.plan.questions import questions
 from dubins_study.experiments.reference_set import export_suite
 from dubins_study.report.data.results import load_results
@@ -223,10 +223,11 @@ def test_false_claims_and_bounds_are_counted_by_method(legs, tmp_path):
 
     judged = judge_answers(write_answers(tmp_path / "a.csv", answers), file, out=tmp_path / "out")
 
-    proud, modest = summary(judged)
-    assert (proud["false_claims"], proud["false_bounds"], proud["answered"]) == (1, 1, 1)
-    assert (modest["false_claims"], modest["false_bounds"], modest["answered"]) == (0, 0, 1)
-    assert proud["verdicts"] == modest["verdicts"] == {"none": 5, "longer": 1}
+    proud, modest = (judged[judged["solver"] == name] for name in ("proud", "modest"))
+    assert (proud["false_claim"].sum(), proud["false_bound"].sum()) == (1, 1)
+    assert (modest["false_claim"].sum(), modest["false_bound"].sum()) == (0, 0)
+    for rows in (proud, modest):
+        assert rows["verdict"].value_counts().to_dict() == {"none": 5, "longer": 1}
     stored = load_results(tmp_path / "out")
     assert stored["outcome"].value_counts().to_dict() == {"not_asked": 10, "returned": 2}
     assert set(stored["solver"]) == {"proud", "modest"}

@@ -9,7 +9,9 @@ import signal
 import subprocess
 import tempfile
 from contextlib import suppress
+from io import StringIO
 from pathlib import Path as FilePath
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,13 +38,8 @@ def ampl_nlp(options: OptionValues, executable: str, names: Keywords) -> NlpCall
     """An executable as a local engine."""
 
     def solve(program: Program, guess: FloatArray, seconds: float) -> EngineResult:
-        asked = options | names.until(seconds)
-        ended = _run(mixed_program(program), guess, executable, asked, seconds)
-        if ended.x is None:
-            return no_point(guess.size, ended.claim, ended.status, ended.message)
-        return EngineResult(
-            ended.x, ended.claim, ended.duals, status=ended.status, message=ended.message
-        )
+        run = _Run(executable, options, names, perf_counter() + seconds)
+        return _ended(mixed_program(program), guess, run)
 
     return solve
 
@@ -54,31 +51,25 @@ def ampl_minlp(settings: Settings, executable: str, names: Keywords) -> MinlpCal
         options[names.gap] = settings.gap
 
     def solve(program: MixedProgram, seconds: float) -> ProvenResult:
-        ended = _run(program, None, executable, options | names.until(seconds), seconds)
-        return ProvenResult(
-            ended.x, ended.claim, -math.inf, None, None, ended.status, ended.message
-        )
+        run = _Run(executable, options, names, perf_counter() + seconds)
+        ended = _ended(program, None, run)
+        point = None if np.isnan(ended.x).any() else ended.x
+        rest = ended.status, ended.message
+        return ProvenResult(point, ended.claim, -math.inf, None, None, *rest)
 
     return solve
 
 
-class _Ended(NamedTuple):
-    """The end of a run; the duals are those of the rows, None where there are none."""
+class _Run(NamedTuple):
+    """What is run, and until when (s, on `perf_counter`); writing the file counts as well."""
 
-    claim: Claim
-    status: str
-    message: str
-    x: FloatArray | None = None
-    duals: FloatArray | None = None
+    executable: str
+    options: OptionValues
+    names: Keywords
+    until: float
 
 
-def _run(
-    program: MixedProgram,
-    guess: FloatArray | None,
-    executable: str,
-    options: OptionValues,
-    seconds: float,
-) -> _Ended:
+def _ended(program: MixedProgram, guess: FloatArray | None, run: _Run) -> EngineResult:
     """The end of `executable model -AMPL name=value ...`, from model.nl to model.sol.
 
     It runs in a folder of its own, with nothing on its input; at the limit it is ended with
@@ -89,62 +80,58 @@ def _run(
         folder = FilePath(name)
         written = nl_file(model)
         (folder / f"{_STUB}.nl").write_text(written.text, encoding="utf-8")
-        code = _exit_code(executable, folder, options, seconds)
+        code = _exit_code(run, folder)
         file = folder / f"{_STUB}.sol"
         if code is None:
-            return _Ended(Claim.LIMIT, "time limit", f"{executable} was stopped")
+            stopped = f"{run.executable} was stopped"
+            return no_point(program.lower.size, Claim.LIMIT, "time limit", stopped)
         if not file.is_file():
-            lacking = f"{executable} wrote no .sol file; expected a solver that AMPL can call"
-            return _Ended(Claim.FAILED, f"exit code {code}", lacking)
+            lacking = f"{run.executable} wrote no .sol file; expected a solver that AMPL can call"
+            return no_point(program.lower.size, Claim.FAILED, f"exit code {code}", lacking)
         text = file.read_text(encoding="utf-8", errors="replace")
-    return _read(model, written, text, executable, code)
+    return _read(model, written, text, run.executable)
 
 
-def _read(model: Any, written: NlFile, text: str, executable: str, code: int) -> _Ended:
-    """What a .sol file says."""
-    from io import StringIO
-
+def _read(model: Any, written: NlFile, text: str, executable: str) -> EngineResult:
+    """What the text of a .sol file says."""
     from pyomo.common.errors import PyomoException
     from pyomo.contrib.solver.solvers.asl_sol_reader import (
         ASLSolFileSolutionLoader,
         parse_asl_sol_file,
     )
 
+    variables, rows = list(model.x.values()), list(model.g.values())
     try:
         solution = parse_asl_sol_file(StringIO(text))
     except (PyomoException, ValueError, LookupError, AssertionError) as error:
         message = f"{executable}'s .sol file: {type(error).__name__}: {error}"
-        return _Ended(Claim.FAILED, f"exit code {code}", message)
-    result = solution.solve_code
-    claim = claim_of("ampl", str(result // 100))
-    ended = _Ended(claim, f"solve_result_num {result}", " ".join(solution.message.split()))
+        return no_point(len(variables), Claim.FAILED, "no .sol file", message)
+    claim = claim_of("ampl", str(solution.solve_code // 100))
+    status, message = f"solve_result_num {solution.solve_code}", " ".join(solution.message.split())
     loader = ASLSolFileSolutionLoader(solution, written.info, model)
-    variables, rows = list(model.x.values()), list(model.g.values())
     try:
         values = loader.get_vars(variables)
     except (PyomoException, AssertionError, LookupError):
         # each loader has its own way to say that there is no point, which some claims do not need
         pointless = claim if claim in (Claim.INFEASIBLE, Claim.LIMIT) else Claim.FAILED
-        return ended._replace(claim=pointless)
+        return no_point(len(variables), pointless, status, message)
     x = np.array([values[variable] for variable in variables])
+    duals = None
     with suppress(PyomoException, NotImplementedError, LookupError):
         of_row = loader.get_duals(rows)
         # Pyomo's dual is the objective's change per unit of right-hand side, ours minus that
-        ended = ended._replace(duals=-np.array([of_row[row] for row in rows]))
-    return ended._replace(x=x)
+        duals = -np.array([of_row[row] for row in rows])
+    return EngineResult(x, claim, duals, status=status, message=message)
 
 
-def _exit_code(
-    executable: str, folder: FilePath, options: OptionValues, seconds: float
-) -> int | None:
+def _exit_code(run: _Run, folder: FilePath) -> int | None:
     """The exit code of an executable, or None if it did not end in time."""
-    path = shutil.which(executable)
+    path = shutil.which(run.executable)
     assert path is not None  # or the solver is unavailable
+    options = run.options | run.names.until(run.until - perf_counter())
+    words = [f"{name}={value}" for name, value in options.items()]
     process = subprocess.Popen(
-        [
-            *(FilePath(path).absolute(), _STUB, "-AMPL"),
-            *(f"{name}={value}" for name, value in options.items()),
-        ],
+        [FilePath(path).absolute(), _STUB, "-AMPL", *words],
         cwd=folder,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
@@ -152,7 +139,7 @@ def _exit_code(
         start_new_session=True,  # so that its children can be ended with it
     )
     try:
-        return process.wait(max(seconds, 0.0))
+        return process.wait(max(run.until - perf_counter(), 0.0))
     except subprocess.TimeoutExpired:
         return None
     finally:
