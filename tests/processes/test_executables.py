@@ -10,6 +10,7 @@ from cases import PAPER
 from live_run import wait_for
 
 from dubins_study.experiments.solve import solve
+from dubins_study.solvers.engines import EXECUTABLES
 from dubins_study.solvers.registry import SolverError
 from dubins_study.study.scenario import Scenario
 from dubins_study.study.words import Claim, Outcome, Verdict
@@ -240,6 +241,14 @@ def test_a_name_that_is_neither_engine_nor_executable_is_told(name):
     assert "no executable 'scipp' on PATH" in answer.message
     with pytest.raises(SolverError, match=r"expected one of: .*, or the name of an executable"):
         solve(ROUTE, f"{name}[engine=./ipopt]")
+
+
+def test_the_page_names_every_option_that_is_passed():
+    page = (Path(__file__).parents[2] / "docs" / "reference-set.md").read_text()
+    for begin, names in EXECUTABLES.items():
+        options = names.options
+        told = (begin, *options.feasibility, *options.optimality, names.gap, names.seconds)
+        assert [name for name in told if name and f"`{name}`" not in page] == []
 
 
 def test_engines_of_another_kind_are_no_executables():

@@ -28,11 +28,15 @@ def export(
     formulation: Annotated[str | None, typer.Option(metavar="SPEC", help=_FORMULATION)] = None,
     out: Annotated[FilePath | None, typer.Option(metavar="FILE|DIR", help=_OUT)] = None,
 ) -> None:
-    """Write a model of one scenario, or of all questions of a suite, for other people's solvers."""
+    """Write files for other people's solvers.
+
+    They hold a model of one scenario, or of each question of a suite.
+    """
     if len(asked) == 1:
         if formulation is None or out is None:
             missing = "--out DIR" if formulation else "--formulation SPEC, such as route-nlp"
-            raise arguments.CommandError(f"export of the suite {asked[0]!r} needs {missing}")
+            problem = f"export of {asked[0]!r:.60}, which is no target X Y, needs {missing}"
+            raise arguments.CommandError(problem)
         _export_suite(asked[0], formulation, out)
         return
     if len(asked) > 2 or formulation is not None:

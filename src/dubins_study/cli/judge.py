@@ -24,9 +24,9 @@ def judge(
         FilePath | None, typer.Option(metavar="DIR", help="default: results/<name of the file>")
     ] = None,
 ) -> None:
-    """Judge the answers of any program, in any language, and write a results folder.
+    """Judge the answers of any program.
 
-    Exit code 1 if a claim or a bound is false.
+    They become a results folder. Exit code 1 if a claim or a bound is false.
     """
     from dubins_study.experiments.judge import judge_answers
 
