@@ -33,6 +33,7 @@ from dubins_study.experiments.store.folder import compact, done, locked, open_fo
 from dubins_study.experiments.store.manifest_changes import RunRecord, count_cells
 from dubins_study.experiments.store.part_writer import PartWriter, Progress
 from dubins_study.solvers.protocol import MAX_ARCS, Method, Question, Solution
+from dubins_study.solvers.registry import registered
 from dubins_study.study.delimited import column_problems
 from dubins_study.study.kinds.table import pathless_kind_of, prepare
 from dubins_study.study.path import Path
@@ -246,6 +247,8 @@ def _path(given: Given, asked: dict[str, Asked]) -> Path | None:
         near = did_you_mean(given.id, asked)
         expected = "expected an id of the suite's instances.csv, as `dubins-study export` writes it"
         raise AnswersError(f"id is {short(given.id)}; {near}{expected}")
+    if given.method in registered():
+        raise AnswersError(f"method is {given.method!r}, a solver of ours; expected another name")
     scenario, heading = asked[given.id].scenario, given.start_heading
     if given.curvatures is None and given.lengths is None:
         return None

@@ -288,6 +288,10 @@ GOOD = {"curvatures": "1 0", "lengths": "1 2"}
         ({"seconds": "-1"}, "line 2: seconds is '-1': expected greater than or equal to 0"),
         ({"start_heading": "1"}, "line 2: start_heading is 1.0; expected it empty"),
         ({"method": "nlp[engine=x]"}, "line 2: method is 'nlp.*': String should match"),
+        (
+            {"method": "analytic"},
+            "line 2: method is 'analytic', a solver of ours; expected another",
+        ),
         ({"claims": "local"}, "unknown column 'claims'; did you mean 'claim'"),
     ],
 )
